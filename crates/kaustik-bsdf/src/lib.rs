@@ -1,0 +1,1 @@
+//! Scattering at surfaces in the local frame, spectral, in both transport modes.

@@ -1,0 +1,3 @@
+//! The `kaustik` command.
+
+fn main() {}

@@ -1,0 +1,1 @@
+//! From the visits of Markov chains to splats on a film.

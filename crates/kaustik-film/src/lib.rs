@@ -1,0 +1,1 @@
+//! A film of integer sums, pixel filters, EXR and PNG files, image metrics.

@@ -1,0 +1,1 @@
+//! Triangle meshes, instances and a wide, watertight ray traversal.

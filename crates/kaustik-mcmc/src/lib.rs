@@ -1,0 +1,1 @@
+//! Markov chains for expensive, vector-valued targets on the unit cube and on any state.

@@ -1,0 +1,1 @@
+//! Scenes for light transport: glTF, materials, textures, emitters, cameras, built-in scenes.

@@ -1,0 +1,1 @@
+//! Markov-chain Monte Carlo light transport: methods, rounds, threads.
