@@ -1,1 +1,9 @@
-//! Scenes for light transport: glTF, materials, textures, emitters, cameras, built-in scenes.
+//! Everything there is to see: cameras, emitters, materials, textures; glTF files in and
+//! out; built-in scenes.
+//!
+//! A file or a built-in becomes a [`Description`] (plain data), and a description becomes a
+//! [`Scene`] (ready for rays).
+
+pub mod description;
+
+pub use description::Description;

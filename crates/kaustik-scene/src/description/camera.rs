@@ -1,0 +1,53 @@
+use glam::Affine3A;
+
+/// How directions are mapped to the image.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Projection {
+    /// Pinhole or thin lens.
+    Perspective {
+        /// Vertical field of view in radians, in (0, pi).
+        yfov: f32,
+        /// Width over height if the file gives it.
+        aspect_ratio: Option<f32>,
+    },
+    /// Parallel rays; half extents in scene units.
+    Orthographic {
+        /// Half the width.
+        xmag: f32,
+        /// Half the height.
+        ymag: f32,
+    },
+}
+
+/// A thin lens (`extras.kaustik` of a camera).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Lens {
+    /// Radius of the aperture in scene units, > 0.
+    pub aperture: f32,
+    /// Distance of the plane of focus along the axis in scene units, > 0.
+    pub focus: f32,
+}
+
+/// When the shutter is open, in seconds.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Shutter {
+    /// Opens.
+    pub open: f32,
+    /// Closes, not before it opens.
+    pub close: f32,
+}
+
+/// A camera: it looks along its local -z, +y is up (glTF's convention).
+#[derive(Clone, Debug, PartialEq)]
+pub struct CameraDescription {
+    /// Name, for `--camera`.
+    pub name: String,
+    /// Camera to world; scale is ignored.
+    pub transform: Affine3A,
+    /// Projection.
+    pub projection: Projection,
+    /// Thin lens; `None` is a pinhole.
+    pub lens: Option<Lens>,
+    /// Shutter interval; `None` is an instant.
+    pub shutter: Option<Shutter>,
+}

@@ -1,0 +1,159 @@
+use kaustik_spectrum::{Glass, Metal};
+
+use super::TextureSlot;
+
+/// What alpha means.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum AlphaMode {
+    /// Nothing: the surface is opaque.
+    #[default]
+    Opaque,
+    /// Opaque where alpha is at least the cutoff, absent elsewhere.
+    Mask(f32),
+    /// Met with probability alpha, else passed.
+    Blend,
+}
+
+/// A spectrum as a file gives it (`extras.kaustik`).
+#[derive(Clone, Debug, PartialEq)]
+pub enum SpectralInput {
+    /// A table by name, for instance `cornell-white` or `D65`.
+    Named(String),
+    /// Knots (wavelength in nm, value), wavelengths ascending.
+    Knots(Vec<(f32, f32)>),
+}
+
+/// `KHR_materials_specular`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Specular {
+    /// Strength of the dielectric reflection in [0, 1].
+    pub factor: f32,
+    /// Strength in the alpha channel.
+    pub texture: Option<TextureSlot>,
+    /// Colour of the reflection at normal incidence, linear Rec.709, >= 0.
+    pub color: [f32; 3],
+    /// Colour texture (sRGB).
+    pub color_texture: Option<TextureSlot>,
+}
+
+/// `KHR_materials_transmission`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Transmission {
+    /// Share of light that is not reflected and goes through, in [0, 1].
+    pub factor: f32,
+    /// Share in the red channel.
+    pub texture: Option<TextureSlot>,
+}
+
+/// `KHR_materials_volume`: the mesh bounds a solid.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Volume {
+    /// > 0 for a solid; 0 is a thin wall.
+    pub thickness: f32,
+    /// Distance after which light is `attenuation_color`; infinite: no absorption.
+    pub attenuation_distance: f32,
+    /// Linear Rec.709 in [0, 1].
+    pub attenuation_color: [f32; 3],
+}
+
+/// A scattering model other than glTF's (`extras.kaustik.model`).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Model {
+    /// A smooth varnish over a diffuse base (RELT's mirror-varnished surfaces).
+    Coated,
+    /// Diffuse base plus a normalised Phong lobe of this exponent.
+    Phong {
+        /// Exponent, >= 0.
+        exponent: f32,
+    },
+}
+
+/// A material as a file gives it: glTF's core model with its extensions, and kaustik's own keys.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MaterialDescription {
+    /// Name, for messages.
+    pub name: String,
+    /// Linear Rec.709 and alpha, each in [0, 1].
+    pub base_color: [f32; 4],
+    /// sRGB colour and linear alpha.
+    pub base_color_texture: Option<TextureSlot>,
+    /// In [0, 1].
+    pub metallic: f32,
+    /// Perceptual roughness in [0, 1]; GGX alpha is its square.
+    pub roughness: f32,
+    /// Roughness in green, metallic in blue.
+    pub metallic_roughness_texture: Option<TextureSlot>,
+    /// Tangent-space normals.
+    pub normal_texture: Option<TextureSlot>,
+    /// Scales the x and y of the normal texture.
+    pub normal_scale: f32,
+    /// Emitted radiance, linear Rec.709, strength included.
+    pub emissive: [f32; 3],
+    /// sRGB factor of the emission.
+    pub emissive_texture: Option<TextureSlot>,
+    /// What alpha means.
+    pub alpha_mode: AlphaMode,
+    /// Do both sides emit?
+    pub double_sided: bool,
+    /// Shows its base colour and scatters nothing (`KHR_materials_unlit`).
+    pub unlit: bool,
+    /// Index of refraction (`KHR_materials_ior`), >= 1, or 0 for a mirror-like F0 of 1.
+    pub ior: f32,
+    /// `KHR_materials_dispersion`: 20 / Abbe number; 0 is none.
+    pub dispersion: f32,
+    /// Dielectric reflection.
+    pub specular: Specular,
+    /// Transmission, if any.
+    pub transmission: Option<Transmission>,
+    /// The interior, if any.
+    pub volume: Option<Volume>,
+    /// Replaces the base colour's uplift: a measured reflectance.
+    pub reflectance: Option<SpectralInput>,
+    /// Replaces the emission's uplift: radiance.
+    pub emission: Option<SpectralInput>,
+    /// A measured metal: replaces base colour and metallic.
+    pub metal: Option<Metal>,
+    /// A measured glass: replaces ior and dispersion.
+    pub glass: Option<Glass>,
+    /// Another scattering model.
+    pub model: Option<Model>,
+    /// Which of two overlapping solids wins: the higher.
+    pub priority: i32,
+}
+
+impl Default for MaterialDescription {
+    /// glTF's default material: white, fully metallic, fully rough.
+    fn default() -> Self {
+        Self {
+            name: String::new(),
+            base_color: [1.0; 4],
+            base_color_texture: None,
+            metallic: 1.0,
+            roughness: 1.0,
+            metallic_roughness_texture: None,
+            normal_texture: None,
+            normal_scale: 1.0,
+            emissive: [0.0; 3],
+            emissive_texture: None,
+            alpha_mode: AlphaMode::Opaque,
+            double_sided: false,
+            unlit: false,
+            ior: 1.5,
+            dispersion: 0.0,
+            specular: Specular {
+                factor: 1.0,
+                texture: None,
+                color: [1.0; 3],
+                color_texture: None,
+            },
+            transmission: None,
+            volume: None,
+            reflectance: None,
+            emission: None,
+            metal: None,
+            glass: None,
+            model: None,
+            priority: 0,
+        }
+    }
+}
