@@ -4,6 +4,9 @@
 //! A file or a built-in becomes a [`Description`] (plain data), and a description becomes a
 //! [`Scene`] (ready for rays).
 
+pub mod camera;
 pub mod description;
+#[cfg(test)]
+mod testing;
 
 pub use description::Description;

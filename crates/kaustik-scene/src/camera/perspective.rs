@@ -1,0 +1,155 @@
+use std::f64::consts::PI;
+
+use glam::{DVec2, DVec3};
+use kaustik_bsdf::warp;
+
+use super::{CameraError, LensSample};
+use crate::description::Lens;
+
+/// A pinhole or a thin lens, in the camera's own frame (it looks along -z).
+///
+/// A raster point stands for a point of the plane of focus, seen through the centre of the
+/// lens; the ray goes from a point of the lens to it. Every lens point thus sees the same
+/// window of the plane of focus, and the density of a direction is `1 / (A_1 cos^3)` with the
+/// angle of the ray itself, wherever on the lens it starts.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Perspective {
+    /// Half the window on the plane at unit distance: `A_1 = 4 half.x half.y`.
+    half: DVec2,
+    lens: Option<ThinLens>,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+struct ThinLens {
+    radius: f64,
+    focus: f64,
+}
+
+impl Perspective {
+    pub(super) fn new(
+        name: &str,
+        yfov: f32,
+        aspect: f64,
+        lens: Option<Lens>,
+    ) -> Result<Self, CameraError> {
+        let check = |ok: bool, what, value, expected| match ok {
+            true => Ok(()),
+            false => Err(CameraError::OutOfRange {
+                name: name.to_owned(),
+                what,
+                value,
+                expected,
+            }),
+        };
+        let y = libm::tan(0.5 * f64::from(yfov));
+        let ok = yfov > 0.0 && f64::from(yfov) < PI && y.is_finite();
+        check(ok, "yfov", yfov, "an angle between 0 and pi")?;
+        if let Some(Lens { aperture, focus }) = lens {
+            let positive = |value: f32| value > 0.0 && value.is_finite();
+            check(
+                positive(aperture),
+                "aperture",
+                aperture,
+                "a positive radius",
+            )?;
+            check(positive(focus), "focus", focus, "a positive distance")?;
+        }
+        Ok(Self {
+            half: DVec2::new(y * aspect, y),
+            lens: lens.map(|lens| ThinLens {
+                radius: f64::from(lens.aperture),
+                focus: f64::from(lens.focus),
+            }),
+        })
+    }
+
+    pub(super) fn is_pinhole(&self) -> bool {
+        self.lens.is_none()
+    }
+
+    pub(super) fn pdf_lens(&self) -> f64 {
+        match &self.lens {
+            Some(lens) => 1.0 / (PI * lens.radius * lens.radius),
+            None => 1.0,
+        }
+    }
+
+    /// Density per solid angle at this cosine to the axis; spec (3).
+    pub(super) fn pdf_direction(&self, cos: f64) -> f64 {
+        if cos > 0.0 {
+            1.0 / (self.area() * cos * cos * cos)
+        } else {
+            0.0
+        }
+    }
+
+    pub(super) fn ray(&self, raster: DVec2, u: [f64; 2]) -> (DVec3, DVec3) {
+        let window = self.window_point(raster);
+        match &self.lens {
+            None => (DVec3::ZERO, window.normalize()),
+            Some(lens) => {
+                let origin = lens.point(u);
+                (origin, (window * lens.focus - origin).normalize())
+            }
+        }
+    }
+
+    pub(super) fn raster_of(&self, lens_point: DVec3, direction: DVec3) -> Option<DVec2> {
+        let cos = -direction.z;
+        if cos.is_nan() || cos <= 0.0 {
+            return None;
+        }
+        let window = match &self.lens {
+            None => direction / cos,
+            Some(lens) => direction / cos + lens_point / lens.focus,
+        };
+        Some(self.raster(window))
+    }
+
+    pub(super) fn sample_lens(&self, point: DVec3, u: [f64; 2]) -> Option<LensSample> {
+        let position = self.lens.as_ref().map_or(DVec3::ZERO, |lens| lens.point(u));
+        let along = position - point;
+        let distance = along.length();
+        let direction = along / distance;
+        let raster = self.raster_of(position, -direction)?;
+        let cos = direction.z;
+        let pdf = self.pdf_lens();
+        // We = 1 / (A_1 A_L cos^4), where 1 / A_L is the density of the lens point; spec (2).
+        let we = pdf * self.pdf_direction(cos) / cos;
+        let importance = self.pdf_direction(cos) / (distance * distance);
+        importance.is_finite().then_some(LensSample {
+            position,
+            direction,
+            distance,
+            raster,
+            cos,
+            we,
+            pdf,
+            importance,
+        })
+    }
+
+    fn area(&self) -> f64 {
+        4.0 * self.half.x * self.half.y
+    }
+
+    /// On the plane at unit distance.
+    fn window_point(&self, raster: DVec2) -> DVec3 {
+        let x = (2.0 * raster.x - 1.0) * self.half.x;
+        let y = (1.0 - 2.0 * raster.y) * self.half.y;
+        DVec3::new(x, y, -1.0)
+    }
+
+    fn raster(&self, window: DVec3) -> DVec2 {
+        let x = 0.5 * (1.0 + window.x / self.half.x);
+        let y = 0.5 * (1.0 - window.y / self.half.y);
+        DVec2::new(x, y)
+    }
+}
+
+impl ThinLens {
+    fn point(&self, u: [f64; 2]) -> DVec3 {
+        let [x, y] = warp::concentric_disk(u);
+        DVec3::new(x, y, 0.0) * self.radius
+    }
+}
