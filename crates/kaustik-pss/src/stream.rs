@@ -22,7 +22,7 @@ pub enum Stream {
 impl Stream {
     /// How many streams there are.
     pub const COUNT: usize = 7;
-    /// All streams in the order of their numbers.
+    /// All streams in the order of their numbers: `ALL[i] as usize == i`.
     pub const ALL: [Self; Self::COUNT] = [
         Self::Camera,
         Self::Light,
@@ -32,4 +32,16 @@ impl Stream {
         Self::Time,
         Self::Transparency,
     ];
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_positions() {
+        for (i, stream) in Stream::ALL.into_iter().enumerate() {
+            assert_eq!(stream as usize, i);
+        }
+    }
 }

@@ -1,0 +1,186 @@
+use std::collections::BTreeMap;
+use std::fmt;
+
+use crate::{Coordinates, Stream};
+
+/// A point written down, for replay.
+///
+/// Asking for a coordinate returns what was recorded, to the bit. An address that was
+/// never recorded reads as 0.5 and is remembered as [`missing`](Self::missing): an
+/// evaluation that misses one is another path than the one that was recorded.
+///
+/// Made by [`Recording`] or collected from `(stream, index, value)`.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Recorded {
+    values: BTreeMap<(Stream, u32), f64>,
+    missing: Option<(Stream, u32)>,
+}
+
+/// What an unrecorded coordinate reads as: the middle, where no map has an edge.
+const ABSENT: f64 = 0.5;
+
+impl Recorded {
+    /// A point without coordinates.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Sets one coordinate. `value` should lie in [0, 1); it is kept as it is.
+    pub fn set(&mut self, stream: Stream, index: u32, value: f64) {
+        self.values.insert((stream, index), value);
+    }
+
+    /// The recorded coordinate, or `None`. Unlike a read, this leaves no trace.
+    pub fn value(&self, stream: Stream, index: u32) -> Option<f64> {
+        self.values.get(&(stream, index)).copied()
+    }
+
+    /// All coordinates, ordered by stream and index.
+    pub fn iter(&self) -> impl Iterator<Item = (Stream, u32, f64)> + '_ {
+        self.values
+            .iter()
+            .map(|(&(stream, index), &value)| (stream, index, value))
+    }
+
+    /// How many coordinates are recorded.
+    pub fn len(&self) -> usize {
+        self.values.len()
+    }
+
+    /// Whether nothing is recorded.
+    pub fn is_empty(&self) -> bool {
+        self.values.is_empty()
+    }
+
+    /// The first address that was read without having been recorded.
+    pub fn missing(&self) -> Option<(Stream, u32)> {
+        self.missing
+    }
+
+    /// Forgets all coordinates.
+    pub fn clear(&mut self) {
+        self.values.clear();
+        self.missing = None;
+    }
+}
+
+impl Coordinates for Recorded {
+    fn get(&mut self, stream: Stream, index: u32) -> f64 {
+        match self.values.get(&(stream, index)) {
+            Some(&value) => value,
+            None => {
+                self.missing.get_or_insert((stream, index));
+                ABSENT
+            }
+        }
+    }
+}
+
+impl FromIterator<(Stream, u32, f64)> for Recorded {
+    fn from_iter<I: IntoIterator<Item = (Stream, u32, f64)>>(coordinates: I) -> Self {
+        let mut point = Self::new();
+        for (stream, index, value) in coordinates {
+            point.set(stream, index, value);
+        }
+        point
+    }
+}
+
+/// Passes every ask on and writes the answer down.
+///
+/// A repeated ask is answered from the record, so that a source which remembers nothing
+/// still gives one number an address.
+pub struct Recording<'a> {
+    source: &'a mut dyn Coordinates,
+    record: Recorded,
+}
+
+impl<'a> Recording<'a> {
+    /// Starts an empty record of what is read from `source`.
+    pub fn new(source: &'a mut dyn Coordinates) -> Self {
+        Self {
+            source,
+            record: Recorded::new(),
+        }
+    }
+
+    /// The record so far.
+    pub fn record(&self) -> &Recorded {
+        &self.record
+    }
+
+    /// Ends the recording.
+    pub fn finish(self) -> Recorded {
+        self.record
+    }
+}
+
+impl Coordinates for Recording<'_> {
+    fn get(&mut self, stream: Stream, index: u32) -> f64 {
+        if let Some(value) = self.record.value(stream, index) {
+            return value;
+        }
+        let value = self.source.get(stream, index);
+        self.record.set(stream, index, value);
+        value
+    }
+}
+
+impl fmt::Debug for Recording<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Recording")
+            .field("record", &self.record)
+            .finish_non_exhaustive()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    /// A source that never answers twice alike.
+    struct Counter(f64);
+
+    impl Coordinates for Counter {
+        fn get(&mut self, _: Stream, _: u32) -> f64 {
+            self.0 += 1.0 / 1024.0;
+            self.0
+        }
+    }
+
+    #[test]
+    fn an_unrecorded_coordinate_is_noted() {
+        let mut point = Recorded::new();
+        point.set(Stream::Light, 0, 0.125);
+        assert_eq!(point.get(Stream::Light, 0).to_bits(), 0.125f64.to_bits());
+        assert_eq!(point.missing(), None);
+        assert_eq!(point.get(Stream::Light, 1).to_bits(), 0.5f64.to_bits());
+        point.get(Stream::Time, 0);
+        assert_eq!(point.missing(), Some((Stream::Light, 1)));
+        point.clear();
+        assert!(point.is_empty() && point.missing().is_none());
+    }
+
+    proptest! {
+        #[test]
+        fn replay_returns_what_was_read(asks in prop::collection::vec((0usize..7, 0u32..5), 0..40)) {
+            let mut source = Counter(0.0);
+            let mut recording = Recording::new(&mut source);
+            let first: Vec<u64> = asks
+                .iter()
+                .map(|&(s, i)| recording.get(Stream::ALL[s], i).to_bits())
+                .collect();
+            let mut replay = recording.finish();
+            let second: Vec<u64> = asks
+                .iter()
+                .map(|&(s, i)| replay.get(Stream::ALL[s], i).to_bits())
+                .collect();
+            prop_assert_eq!(first, second);
+            prop_assert!(replay.missing().is_none());
+            let copy: Recorded = replay.iter().collect();
+            prop_assert_eq!(copy, replay);
+        }
+    }
+}
