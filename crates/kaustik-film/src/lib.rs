@@ -1,1 +1,41 @@
 //! A film of integer sums, pixel filters, EXR and PNG files, image metrics.
+//!
+//! Why integers: a film that every thread of a render adds to must hold the same bits for any order of
+//! adds, or no run could be repeated. Sums of floats depend on their order; sums of integers do not. So a
+//! [`Film`] keeps 64-bit fixed-point sums, shared by reference, added to with relaxed atomics: one film
+//! for all threads, no copy a thread, no lock.
+//!
+//! The way of a picture: [`Film::splat`] -> [`develop`] -> [`Image`] -> `exr::write` or `png::write`;
+//! and back: `read` -> `compare`.
+//!
+//! ```
+//! use kaustik_film::{Film, Filter, Layout, Quantum, develop};
+//! use kaustik_film::Xyz;
+//!
+//! let film = Film::with_layout(&Layout::new(4, 2).with_filter(Filter::BOX), Quantum::from_mean(1.0))?;
+//! std::thread::scope(|scope| {
+//!     for y in 0..2 {
+//!         let film = &film;
+//!         scope.spawn(move || film.splat(0.5, f64::from(y) + 0.5, Xyz([1.0, 1.0, 1.0])));
+//!     }
+//! });
+//! let image = develop(&[(&film, 1.0)])?;
+//! assert_eq!((image.width(), image.height()), (4, 2));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod colour;
+mod develop;
+mod film;
+mod filter;
+mod image;
+mod layout;
+mod quantum;
+
+pub use colour::{Rgb, Xyz};
+pub use develop::{DevelopError, develop, develop_xyz};
+pub use film::{Added, Counters, Film, FilmError};
+pub use filter::{Filter, FilterError};
+pub use image::{Channel, Image, ImageError, Layer};
+pub use layout::{Bounds, Layout, Window};
+pub use quantum::Quantum;
