@@ -6,6 +6,7 @@
 
 pub mod camera;
 pub mod description;
+pub mod texture;
 #[cfg(test)]
 mod testing;
 
