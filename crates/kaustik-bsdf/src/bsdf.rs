@@ -1,0 +1,163 @@
+use crate::{
+    Coated, Conductor, Dielectric, Interface, Lambertian, Lobe, Mirror, Mode, Phong, Principled,
+    PrincipledParameters, Reflectance, RoughConductor, RoughDielectric, RoughThinDielectric, Sample,
+    ThinDielectric,
+};
+use glam::DVec3;
+use kaustik_spectrum::Spectrum;
+
+/// GGX roughness `alpha` below which a surface is taken as perfectly smooth: its lobe would be
+/// narrower than single-precision hit points can tell apart.
+pub const SMOOTH_ALPHA: f64 = 1e-3;
+
+/// Any scattering function. Closed and `Copy`: half the cost of boxed trait objects.
+///
+/// The constructors put a roughness below [`SMOOTH_ALPHA`] to the smooth variant. One more
+/// kind of surface is one more file and one more arm.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[expect(missing_docs, reason = "each variant is the type of its name")]
+pub enum Bsdf {
+    Lambertian(Lambertian),
+    Mirror(Mirror),
+    Conductor(Conductor),
+    RoughConductor(RoughConductor),
+    Dielectric(Dielectric),
+    RoughDielectric(RoughDielectric),
+    ThinDielectric(ThinDielectric),
+    RoughThinDielectric(RoughThinDielectric),
+    Coated(Coated),
+    Phong(Phong),
+    Principled(Principled),
+}
+
+impl Bsdf {
+    /// Ideal diffuse reflection; lanes of `reflectance` in `[0, 1]`.
+    #[inline]
+    pub fn lambertian(reflectance: Spectrum) -> Self {
+        Self::Lambertian(Lambertian { reflectance })
+    }
+
+    /// Perfect mirror of one colour at all angles.
+    #[inline]
+    pub fn mirror(reflectance: Spectrum) -> Self {
+        Self::Mirror(Mirror { reflectance })
+    }
+
+    /// Metal of measured index `eta - i k` (relative to the outside) and GGX roughness `alpha`
+    /// in `[0, 1]`; `compensation` gives back what scatters between facets.
+    #[inline]
+    pub fn conductor(eta: Spectrum, k: Spectrum, alpha: f64, compensation: bool) -> Self {
+        Self::reflector(Reflectance::Conductor { eta, k }, alpha, compensation)
+    }
+
+    /// Metal by its colours at normal incidence and at grazing (Schlick), see
+    /// [`conductor`](Self::conductor).
+    #[inline]
+    pub fn metal(f0: Spectrum, f90: Spectrum, alpha: f64, compensation: bool) -> Self {
+        Self::reflector(Reflectance::Schlick { f0, f90 }, alpha, compensation)
+    }
+
+    /// Opaque microfacets of any [`Reflectance`], smooth if `alpha` is small.
+    #[inline]
+    pub fn reflector(reflectance: Reflectance, alpha: f64, compensation: bool) -> Self {
+        if alpha >= SMOOTH_ALPHA {
+            Self::RoughConductor(RoughConductor::new(reflectance, alpha, compensation))
+        } else {
+            Self::Conductor(Conductor { reflectance })
+        }
+    }
+
+    /// Boundary of a transparent solid; z > 0 is outside. GGX roughness `alpha` in `[0, 1]`.
+    #[inline]
+    pub fn dielectric(interface: Interface, alpha: f64, compensation: bool) -> Self {
+        if alpha >= SMOOTH_ALPHA && interface.bends() {
+            Self::RoughDielectric(RoughDielectric::new(interface, alpha, compensation))
+        } else {
+            Self::Dielectric(Dielectric { interface })
+        }
+    }
+
+    /// Pane without thickness, blurred if `alpha` is not small.
+    #[inline]
+    pub fn thin_dielectric(interface: Interface, alpha: f64, compensation: bool) -> Self {
+        if alpha >= SMOOTH_ALPHA && interface.bends() {
+            Self::RoughThinDielectric(RoughThinDielectric::new(interface, alpha, compensation))
+        } else {
+            Self::ThinDielectric(ThinDielectric { interface })
+        }
+    }
+
+    /// Smooth coat of index `ior` (usually 1.5) over a diffuse base.
+    #[inline]
+    pub fn coated(reflectance: Spectrum, ior: f64) -> Self {
+        Self::Coated(Coated::new(reflectance, ior))
+    }
+
+    /// Diffuse plus normalised Phong lobe, see [`Phong::new`].
+    #[inline]
+    pub fn phong(diffuse: Spectrum, specular: Spectrum, exponent: f64) -> Self {
+        Self::Phong(Phong::new(diffuse, specular, exponent))
+    }
+
+    /// glTF's metallic-roughness material.
+    #[inline]
+    pub fn principled(parameters: &PrincipledParameters) -> Self {
+        Self::Principled(Principled::new(parameters))
+    }
+}
+
+/// The same expression for whatever variant it is.
+macro_rules! each {
+    ($bsdf:expr, $lobe:ident => $body:expr) => {
+        match $bsdf {
+            Bsdf::Lambertian($lobe) => $body,
+            Bsdf::Mirror($lobe) => $body,
+            Bsdf::Conductor($lobe) => $body,
+            Bsdf::RoughConductor($lobe) => $body,
+            Bsdf::Dielectric($lobe) => $body,
+            Bsdf::RoughDielectric($lobe) => $body,
+            Bsdf::ThinDielectric($lobe) => $body,
+            Bsdf::RoughThinDielectric($lobe) => $body,
+            Bsdf::Coated($lobe) => $body,
+            Bsdf::Phong($lobe) => $body,
+            Bsdf::Principled($lobe) => $body,
+        }
+    };
+}
+
+impl Lobe for Bsdf {
+    #[inline]
+    fn eval(&self, wo: DVec3, wi: DVec3, mode: Mode) -> Spectrum {
+        each!(self, lobe => lobe.eval(wo, wi, mode))
+    }
+
+    #[inline]
+    fn pdf(&self, wo: DVec3, wi: DVec3, mode: Mode) -> f64 {
+        each!(self, lobe => lobe.pdf(wo, wi, mode))
+    }
+
+    #[inline]
+    fn sample(&self, wo: DVec3, uc: f64, u: [f64; 2], mode: Mode) -> Option<Sample> {
+        each!(self, lobe => lobe.sample(wo, uc, u, mode))
+    }
+
+    #[inline]
+    fn albedo(&self, wo: DVec3) -> Spectrum {
+        each!(self, lobe => lobe.albedo(wo))
+    }
+
+    #[inline]
+    fn is_delta(&self) -> bool {
+        each!(self, lobe => lobe.is_delta())
+    }
+
+    #[inline]
+    fn is_connectable(&self) -> bool {
+        each!(self, lobe => lobe.is_connectable())
+    }
+
+    #[inline]
+    fn dispersive_between(&self, wo: DVec3, wi: DVec3) -> bool {
+        each!(self, lobe => lobe.dispersive_between(wo, wi))
+    }
+}

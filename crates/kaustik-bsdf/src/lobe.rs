@@ -1,0 +1,49 @@
+use crate::{Mode, Sample};
+use glam::DVec3;
+use kaustik_spectrum::Spectrum;
+
+/// What every scattering function does. All laws are tested once, over this trait.
+///
+/// Directions are unit vectors of the local frame (z = shading normal), away from the surface.
+/// `wo` points to where the walk came from, `wi` to where it goes. Input that means nothing
+/// (horizontal, not finite) gives zero or `None`, never a panic.
+///
+/// Laws, for all `wo`, `wi`:
+/// * `eval(wo, wi, Importance) == eval(wi, wo, Radiance)`;
+/// * with `n(w)` the index on the side of `w`: `eval(wo, wi, Radiance) / n(wo)^2` is symmetric;
+/// * the integral of `eval(wo, wi, Importance) |cos wi|` over `wi` plus the delta shares is at
+///   most 1 (scattering makes no energy);
+/// * `sample` draws from `pdf`, and `weight * pdf == eval * |cos wi|`.
+pub trait Lobe {
+    /// The scattering function without the cosine; zero for delta parts. Per steradian.
+    fn eval(&self, wo: DVec3, wi: DVec3, mode: Mode) -> Spectrum;
+
+    /// Density per solid angle with which `sample` draws `wi` from its continuous parts, lobe
+    /// choice included. It does not integrate to 1 where delta parts or absorption take a share.
+    fn pdf(&self, wo: DVec3, wi: DVec3, mode: Mode) -> f64;
+
+    /// Draws `wi`. `uc` chooses the lobe, `u` the direction; all in `[0, 1)`. `None`: absorbed.
+    fn sample(&self, wo: DVec3, uc: f64, u: [f64; 2], mode: Mode) -> Option<Sample>;
+
+    /// Directional albedo: the share of light that leaves again when it arrives from `wo`. Exact
+    /// for lossless lobes, an estimate within a few per cent for the others; for the albedo
+    /// layer and for guessing importance, not for transport.
+    fn albedo(&self, wo: DVec3) -> Spectrum;
+
+    /// Does this scatter into delta directions only? Then `eval` is always zero, and a
+    /// connection to this vertex is in vain.
+    fn is_delta(&self) -> bool {
+        false
+    }
+
+    /// Can a connection or a light be joined here (has a continuous part)?
+    fn is_connectable(&self) -> bool {
+        !self.is_delta()
+    }
+
+    /// Does going from `wo` to `wi` refract where the index depends on the wavelength? Then
+    /// only the hero lane of `eval` means anything.
+    fn dispersive_between(&self, _wo: DVec3, _wi: DVec3) -> bool {
+        false
+    }
+}

@@ -1,0 +1,61 @@
+//! Small geometry of the local frame, where the normal is z.
+
+use glam::DVec3;
+
+/// Cosine below which a direction counts as grazing and nothing scatters: densities and
+/// quotients of cosines stay finite above it.
+const GRAZING: f64 = 1e-10;
+
+/// Is this a direction one can scatter from (finite, not in the surface's plane)?
+#[inline]
+pub(crate) fn usable(w: DVec3) -> bool {
+    // a comparison with NaN is false; the sum catches one in x or y, and infinities
+    w.z.abs() > GRAZING && (w.x * 0.0 + w.y * 0.0) == 0.0
+}
+
+/// Do both lie on the same side, away from the surface's plane?
+#[inline]
+pub(crate) fn same_side(a: DVec3, b: DVec3) -> bool {
+    usable(a) && usable(b) && a.z * b.z > 0.0
+}
+
+/// Do they lie on different sides, away from the surface's plane?
+#[inline]
+pub(crate) fn across(a: DVec3, b: DVec3) -> bool {
+    usable(a) && usable(b) && a.z * b.z < 0.0
+}
+
+/// Mirror direction about the normal.
+#[inline]
+pub(crate) fn mirror(w: DVec3) -> DVec3 {
+    DVec3::new(-w.x, -w.y, w.z)
+}
+
+/// `w` seen in the mirror that the surface is: to the other side, tangential part kept.
+#[inline]
+pub(crate) fn flip(w: DVec3) -> DVec3 {
+    DVec3::new(w.x, w.y, -w.z)
+}
+
+/// `w`, given for z > 0, moved to the side of `side`.
+#[inline]
+pub(crate) fn to_side_of(side: DVec3, w: DVec3) -> DVec3 {
+    if side.z < 0.0 { flip(w) } else { w }
+}
+
+/// Mirror direction of `w` about the unit vector `h`.
+#[inline]
+pub(crate) fn reflect(w: DVec3, h: DVec3) -> DVec3 {
+    h * (2.0 * w.dot(h)) - w
+}
+
+/// Splits `[0, 1)` at `p`: were we below it, and the rest stretched to `[0, 1)` again.
+#[inline]
+pub(crate) fn choose(uc: f64, p: f64) -> (bool, f64) {
+    const BELOW_ONE: f64 = 1.0 - f64::EPSILON / 2.0;
+    if uc < p {
+        (true, (uc / p).min(BELOW_ONE))
+    } else {
+        (false, ((uc - p) / (1.0 - p)).clamp(0.0, BELOW_ONE))
+    }
+}

@@ -1,0 +1,39 @@
+use crate::{Lobe, Mode, Sample, local};
+use glam::DVec3;
+use kaustik_spectrum::Spectrum;
+
+/// Perfect mirror of one colour at all angles, on both sides.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Mirror {
+    /// Share reflected, each lane in `[0, 1]`.
+    pub reflectance: Spectrum,
+}
+
+impl Lobe for Mirror {
+    #[inline]
+    fn eval(&self, _wo: DVec3, _wi: DVec3, _mode: Mode) -> Spectrum {
+        Spectrum::ZERO
+    }
+
+    #[inline]
+    fn pdf(&self, _wo: DVec3, _wi: DVec3, _mode: Mode) -> f64 {
+        0.0
+    }
+
+    #[inline]
+    fn sample(&self, wo: DVec3, _uc: f64, _u: [f64; 2], _mode: Mode) -> Option<Sample> {
+        if !local::usable(wo) {
+            return None;
+        }
+        Sample::delta(wo, local::mirror(wo), self.reflectance, 1.0)
+    }
+
+    #[inline]
+    fn albedo(&self, _wo: DVec3) -> Spectrum {
+        self.reflectance
+    }
+
+    fn is_delta(&self) -> bool {
+        true
+    }
+}

@@ -1,0 +1,53 @@
+use crate::fresnel;
+use kaustik_spectrum::Spectrum;
+
+/// How an opaque interface reflects at each angle: measured metal, or two colours.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Reflectance {
+    /// Index `eta - i k` relative to the medium outside, each lane; both at least 0.
+    Conductor {
+        /// Real part of the index.
+        eta: Spectrum,
+        /// Extinction, the imaginary part's size.
+        k: Spectrum,
+    },
+    /// Schlick's formula from the colours at normal incidence and at grazing.
+    Schlick {
+        /// Reflectance at normal incidence, each lane in `[0, 1]`.
+        f0: Spectrum,
+        /// Reflectance at grazing, each lane in `[0, 1]`.
+        f90: Spectrum,
+    },
+}
+
+impl Reflectance {
+    /// Share reflected at an angle of incidence of the given cosine in `[0, 1]`.
+    #[inline]
+    pub fn at(&self, cosine: f64) -> Spectrum {
+        match *self {
+            Self::Conductor { eta, k } => fresnel::conductor(cosine, eta, k),
+            Self::Schlick { f0, f90 } => f0.lerp(f90, fresnel::schlick_weight(cosine) as f32),
+        }
+    }
+
+    /// Cosine-weighted mean over the hemisphere, `2` times the integral of `F(mu) mu dmu`.
+    #[inline]
+    pub fn mean(&self) -> Spectrum {
+        match *self {
+            // 2 * integral of (1 - mu)^5 mu = 1/21
+            Self::Schlick { f0, f90 } => f0.lerp(f90, 1.0 / 21.0),
+            Self::Conductor { .. } => {
+                GAUSS.iter().map(|&(mu, weight)| self.at(mu) * (weight as f32)).sum()
+            }
+        }
+    }
+}
+
+/// Five-point Gauss rule for the weight `2 mu` on `[0, 1]`: points and weights.
+const GAUSS: [(f64, f64); 5] = [
+    (0.098_535_085_798_826_42, 0.031_495_829_043_384_55),
+    (0.304_535_726_646_363_9, 0.147_817_740_145_233_34),
+    (0.562_025_189_752_613_9, 0.292_773_974_169_339_6),
+    (0.801_986_582_126_391_8, 0.334_349_276_188_739_13),
+    (0.960_190_142_948_531_3, 0.193_563_180_453_303_36),
+];

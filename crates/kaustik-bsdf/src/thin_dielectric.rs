@@ -1,0 +1,64 @@
+use crate::{Interface, Lobe, Mode, Sample, local};
+use glam::DVec3;
+use kaustik_spectrum::Spectrum;
+
+/// Smooth pane: two parallel interfaces so close that refraction cancels out.
+///
+/// With `R` of one interface, all inter-reflections sum to `2R/(1+R)` reflected and the rest
+/// straight through. Nothing bends, so no wavelength parts from the others.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ThinDielectric {
+    /// The pane against its surroundings.
+    pub interface: Interface,
+}
+
+/// Reflected and transmitted share of a pane, tinted, of a facet met at `cosine`.
+#[inline]
+pub(crate) fn pane(interface: &Interface, cosine: f64) -> (Spectrum, Spectrum) {
+    let one = crate::fresnel::dielectric_lanes(cosine, interface.eta());
+    let both = one.map(|r| 2.0 * r / (1.0 + r));
+    (both * interface.reflected(), (1.0 - both) * interface.transmitted())
+}
+
+/// Probability of reflecting, by the means over lanes.
+#[inline]
+pub(crate) fn reflect_probability(reflected: Spectrum, transmitted: Spectrum) -> f64 {
+    let (r, t) = (f64::from(reflected.mean()), f64::from(transmitted.mean()));
+    if r + t > 0.0 { r / (r + t) } else { 0.5 }
+}
+
+impl Lobe for ThinDielectric {
+    #[inline]
+    fn eval(&self, _wo: DVec3, _wi: DVec3, _mode: Mode) -> Spectrum {
+        Spectrum::ZERO
+    }
+
+    #[inline]
+    fn pdf(&self, _wo: DVec3, _wi: DVec3, _mode: Mode) -> f64 {
+        0.0
+    }
+
+    #[inline]
+    fn sample(&self, wo: DVec3, uc: f64, _u: [f64; 2], _mode: Mode) -> Option<Sample> {
+        if !local::usable(wo) {
+            return None;
+        }
+        let (reflected, transmitted) = pane(&self.interface, wo.z.abs());
+        let p = reflect_probability(reflected, transmitted);
+        if uc < p {
+            Sample::delta(wo, local::mirror(wo), reflected, p)
+        } else {
+            Sample::delta(wo, -wo, transmitted, 1.0 - p)
+        }
+    }
+
+    #[inline]
+    fn albedo(&self, wo: DVec3) -> Spectrum {
+        let (reflected, transmitted) = pane(&self.interface, wo.z.abs());
+        reflected + transmitted
+    }
+
+    fn is_delta(&self) -> bool {
+        true
+    }
+}
