@@ -1,0 +1,181 @@
+//! The geometry at a hit, and how rays leave it.
+//!
+//! # Leaving a surface
+//! A position is interpolated in double precision from exactly the corners that the traversal sees and rounded once, so
+//! it is off the plane of its triangle by at most half an ulp in each coordinate. [`offset_origin`] moves it along the
+//! geometric normal by that bound and rounds away from the surface (in the manner of PBRT 6.8): the new origin is
+//! strictly on the wanted side, by one or two ulps. The bound is relative to the coordinates, so that nothing depends
+//! on the scale of the scene. That is enough because the traversal decides in double precision on which side of a
+//! triangle a ray begins and ends whenever single precision is in doubt.
+
+use glam::{DMat3, DVec3, Vec2, Vec3, Vec4};
+
+/// The geometry of a triangle at one point, in world space.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Surface {
+    /// The point.
+    pub position: Vec3,
+    /// Bound on the rounding error of `position`, not negative, for each coordinate.
+    pub position_error: Vec3,
+    /// Unit normal of the triangle on its front side: the one from which glTF sees its corners counter-clockwise,
+    /// also where the instance mirrors. `Z` for a degenerate triangle.
+    pub geometric_normal: Vec3,
+    /// Unit interpolated normal, as the mesh gives it: not turned towards the ray or the geometric normal.
+    /// The geometric normal where the mesh has none.
+    pub shading_normal: Vec3,
+    /// Unit tangent orthogonal to the shading normal, and the sign of the bitangent (`cross(normal, tangent) * w`). From
+    /// the mesh's tangents, or else from the derivatives of the first texture coordinates (then with glTF's convention
+    /// that the bitangent points against `v`), or else none.
+    pub tangent: Option<Vec4>,
+    /// Both sets of texture coordinates; zero where the mesh has none.
+    pub uv: [Vec2; 2],
+    /// Linear RGBA of the vertices; ones where the mesh has none.
+    pub color: [f32; 4],
+    /// Whether the ray came from the front side. True without a ray.
+    pub front: bool,
+}
+
+/// The surface's point moved off it to the side into which `direction` points, by as little as is certain to be on that
+/// side (one or two ulps of the coordinates). The scale of the scene and the length of `direction` do not matter.
+pub fn offset_origin(surface: &Surface, direction: Vec3) -> Vec3 {
+    let n = surface.geometric_normal;
+    let n = if n.dot(direction) < 0.0 { -n } else { n };
+    let distance = n.abs().dot(surface.position_error);
+    let moved = surface.position + n * distance;
+    Vec3::new(away(moved.x, n.x), away(moved.y, n.y), away(moved.z, n.z))
+}
+
+/// The neighbour of `x` in the direction of `n`.
+fn away(x: f32, n: f32) -> f32 {
+    if n > 0.0 {
+        x.next_up()
+    } else if n < 0.0 {
+        x.next_down()
+    } else {
+        x
+    }
+}
+
+/// A triangle's corners in world space and the mesh's attributes at them.
+pub(crate) struct Corners<'a> {
+    pub(crate) mesh: &'a crate::Mesh,
+    pub(crate) primitive: u32,
+    /// World space, exactly as the traversal sees them.
+    pub(crate) positions: [DVec3; 3],
+    /// Linear part, object to world.
+    pub(crate) linear: DMat3,
+}
+
+impl Corners<'_> {
+    /// The surface at barycentric weights `u`, `v`, seen along `direction` (zero: from the front).
+    pub(crate) fn surface(&self, u: f32, v: f32, direction: Vec3) -> Surface {
+        let weights = [
+            1.0 - f64::from(u) - f64::from(v),
+            f64::from(u),
+            f64::from(v),
+        ];
+        let [p0, p1, p2] = self.positions;
+        let position = (p0 * weights[0] + p1 * weights[1] + p2 * weights[2]).as_vec3();
+        let handedness = self.linear.determinant().signum();
+        let normal = (p1 - p0).cross(p2 - p0) * handedness;
+        let geometric = normal.try_normalize().unwrap_or(DVec3::Z);
+        let shading = self
+            .shading_normal(weights, handedness)
+            .unwrap_or(geometric);
+        let corner = self.mesh.indices[self.primitive as usize].map(|i| i as usize);
+        let uv = [0, 1].map(|set| self.uv(set, weights));
+        Surface {
+            position,
+            position_error: rounding(position),
+            geometric_normal: geometric.as_vec3(),
+            shading_normal: shading.as_vec3(),
+            tangent: self
+                .given_tangent(weights, shading, handedness)
+                .or_else(|| self.derived_tangent(corner, shading)),
+            uv,
+            color: self.color(weights),
+            front: geometric.dot(direction.as_dvec3()) <= 0.0,
+        }
+    }
+
+    fn shading_normal(&self, weights: [f64; 3], handedness: f64) -> Option<DVec3> {
+        let normal = self.blend(&self.mesh.normals, weights, |n| n.as_dvec3())?;
+        // The cofactor matrix: the inverse transpose, times the determinant, whose sign must not turn the normal.
+        let [x, y, z] = self.linear.to_cols_array_2d().map(DVec3::from);
+        let turned =
+            (y.cross(z) * normal.x + z.cross(x) * normal.y + x.cross(y) * normal.z) * handedness;
+        turned.try_normalize()
+    }
+
+    fn given_tangent(&self, weights: [f64; 3], normal: DVec3, handedness: f64) -> Option<Vec4> {
+        let tangent = self.blend(&self.mesh.tangents, weights, |t| t.truncate().as_dvec3())?;
+        let first = self.mesh.indices[self.primitive as usize][0];
+        let sign = f64::from(self.mesh.tangents[first as usize].w.signum()) * handedness;
+        frame_tangent(self.linear * tangent, normal, sign)
+    }
+
+    /// From dp/du. glTF's `v` runs down the picture while the bitangent of a normal map runs up.
+    fn derived_tangent(&self, corner: [usize; 3], normal: DVec3) -> Option<Vec4> {
+        if self.mesh.uv[0].is_empty() {
+            return None;
+        }
+        let [a, b, c] = corner.map(|i| self.mesh.uv[0][i].as_dvec2());
+        let (s, t) = (b - a, c - a);
+        let area = s.perp_dot(t);
+        if area == 0.0 {
+            return None;
+        }
+        let [p0, p1, p2] = self.positions;
+        let along_u = ((p1 - p0) * t.y - (p2 - p0) * s.y) * area.signum();
+        let along_v = ((p2 - p0) * s.x - (p1 - p0) * t.x) * area.signum();
+        let sign = if normal.cross(along_u).dot(along_v) > 0.0 {
+            -1.0
+        } else {
+            1.0
+        };
+        frame_tangent(along_u, normal, sign)
+    }
+
+    pub(crate) fn uv(&self, set: usize, weights: [f64; 3]) -> Vec2 {
+        self.blend(&self.mesh.uv[set], weights, |t| t.as_dvec2().extend(0.0))
+            .map_or(Vec2::ZERO, |t| t.truncate().as_vec2())
+    }
+
+    pub(crate) fn color(&self, weights: [f64; 3]) -> [f32; 4] {
+        if self.mesh.colors.is_empty() {
+            return [1.0; 4];
+        }
+        let [a, b, c] =
+            self.mesh.indices[self.primitive as usize].map(|i| self.mesh.colors[i as usize]);
+        std::array::from_fn(|k| {
+            (f64::from(a[k]) * weights[0]
+                + f64::from(b[k]) * weights[1]
+                + f64::from(c[k]) * weights[2]) as f32
+        })
+    }
+
+    fn blend<T>(
+        &self,
+        values: &[T],
+        weights: [f64; 3],
+        widen: impl Fn(&T) -> DVec3,
+    ) -> Option<DVec3> {
+        if values.is_empty() {
+            return None;
+        }
+        let [a, b, c] =
+            self.mesh.indices[self.primitive as usize].map(|i| widen(&values[i as usize]));
+        Some(a * weights[0] + b * weights[1] + c * weights[2])
+    }
+}
+
+/// The part of `tangent` orthogonal to `normal`, with a sign.
+fn frame_tangent(tangent: DVec3, normal: DVec3, sign: f64) -> Option<Vec4> {
+    let across = tangent.try_normalize()?.reject_from_normalized(normal);
+    Some(across.try_normalize()?.as_vec3().extend(sign as f32))
+}
+
+/// Half an ulp of each coordinate, and what double precision loses before.
+fn rounding(position: Vec3) -> Vec3 {
+    position.abs() * (f32::EPSILON * 0.501) + Vec3::splat(f32::MIN_POSITIVE)
+}
