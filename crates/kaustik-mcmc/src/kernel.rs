@@ -1,0 +1,133 @@
+use crate::{Draws, Mutation, Point, Step, Target};
+
+/// How a chain proposes, for any kind of state `S`.
+///
+/// A kernel owns the way from a state to a proposal and back; the chain
+/// ([`Metropolis`](crate::Metropolis)) owns the decision, the values and the book-keeping.
+/// `S` is what must be remembered of where the chain is beside the value: a [`Point`] of
+/// the unit cube for [`PointKernel`]; `()` for a kernel that moves the values themselves,
+/// as mutations of light paths do (Veach and Guibas 1997).
+///
+/// Each [`propose`](Self::propose) is followed by exactly one of [`accept`](Self::accept)
+/// and [`reject`](Self::reject).
+pub trait Kernel<S> {
+    /// What an evaluation yields.
+    type Value;
+
+    /// Evaluates a proposal into `proposed`, which holds an older value, and says how it
+    /// came about. `state` and `current` belong together and describe where the chain is.
+    fn propose<D: Draws + ?Sized>(
+        &self,
+        state: &mut S,
+        current: &Self::Value,
+        proposed: &mut Self::Value,
+        draws: &mut D,
+    ) -> Move;
+
+    /// The proposal is the state now.
+    fn accept(&self, state: &mut S) {
+        let _ = state;
+    }
+
+    /// The proposal never was: `state` must describe the current value again, exactly.
+    fn reject(&self, state: &mut S) {
+        let _ = state;
+    }
+}
+
+/// How a proposal came about.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Move {
+    /// What sort of move it was, for the statistics: below [`Move::KINDS`].
+    /// [`Move::SMALL`] and [`Move::LARGE`] are taken.
+    pub kind: usize,
+    /// T(v -> u) / T(u -> v), the chance of proposing the way back over that of the way
+    /// there: finite, at least 0; 1 for symmetric proposals, 0 if the proposal is
+    /// impossible (its value is then ignored).
+    pub ratio: f64,
+    /// Whether the proposal is a sample of the uniform law on the cube, independent of the
+    /// current state.
+    pub independent: bool,
+}
+
+impl Move {
+    /// How many kinds of moves are told apart.
+    pub const KINDS: usize = 8;
+    /// The kind of a small step.
+    pub const SMALL: usize = 0;
+    /// The kind of a large step.
+    pub const LARGE: usize = 1;
+
+    /// A symmetric small step.
+    pub const fn small() -> Self {
+        Self::new(Self::SMALL, 1.0)
+    }
+
+    /// An independent uniform proposal.
+    pub const fn large() -> Self {
+        Self {
+            kind: Self::LARGE,
+            ratio: 1.0,
+            independent: true,
+        }
+    }
+
+    /// A move that depends on the current state.
+    pub const fn new(kind: usize, ratio: f64) -> Self {
+        Self {
+            kind,
+            ratio,
+            independent: false,
+        }
+    }
+
+    /// A move that leads nowhere: certain to be rejected.
+    pub const fn impossible(kind: usize) -> Self {
+        Self::new(kind, 0.0)
+    }
+}
+
+/// Kelemen's mixture on lazy points: a large step with probability `large`, otherwise a
+/// small one by the point's own mutation. Symmetric as a whole.
+#[derive(Clone, Debug)]
+pub struct PointKernel<T> {
+    /// What is evaluated. References to targets are targets.
+    pub target: T,
+    /// Probability of a large step, in [0, 1]; Kelemen reports about 0.5 as best. 0 needs
+    /// another source of large jumps, such as an exchange with a uniform replica.
+    pub large: f64,
+}
+
+impl<T: Target> PointKernel<T> {
+    /// The mixture with the given probability of large steps.
+    pub fn new(target: T, large: f64) -> Self {
+        Self { target, large }
+    }
+}
+
+impl<T: Target, M: Mutation> Kernel<Point<M>> for PointKernel<T> {
+    type Value = T::Value;
+
+    fn propose<D: Draws + ?Sized>(
+        &self,
+        point: &mut Point<M>,
+        _current: &T::Value,
+        proposed: &mut T::Value,
+        draws: &mut D,
+    ) -> Move {
+        let large = draws.bernoulli(self.large);
+        let step = if large { Step::Large } else { Step::Small };
+        let mut proposal = point.propose(step, draws);
+        self.target.evaluate(&mut proposal, proposed);
+        proposal.leave_open();
+        if large { Move::large() } else { Move::small() }
+    }
+
+    fn accept(&self, point: &mut Point<M>) {
+        point.commit();
+    }
+
+    fn reject(&self, point: &mut Point<M>) {
+        point.roll_back();
+    }
+}

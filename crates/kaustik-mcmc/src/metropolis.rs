@@ -1,0 +1,308 @@
+use crate::decide::{acceptance, decide};
+use crate::family::checked_densities;
+use crate::{
+    Draws, Family, Kernel, Move, Mutation, Point, Recorder, Start, StartError, Statistics, Step,
+    Target, Visit,
+};
+
+/// A Metropolis-Hastings chain at one level of a family of targets.
+///
+/// `S` is what the [`Kernel`] remembers, `V` the value of an evaluation, `K` the number of
+/// densities that are read off each value. The chain holds two values and swaps them: what
+/// is proposed is written over what was last rejected or left, and nothing is copied.
+///
+/// Every visit is reported exactly once, as [`Visit`] says; at the end (and before anything
+/// that changes the level, the densities or the state from outside)
+/// [`flush`](Self::flush) reports the state that is still alive.
+#[derive(Clone, Debug)]
+pub struct Metropolis<S, V, const K: usize> {
+    pub(crate) level: usize,
+    pub(crate) state: S,
+    pub(crate) value: V,
+    pub(crate) densities: [f64; K],
+    pub(crate) pending: Pending,
+    /// The value of the next proposal.
+    proposed: V,
+    statistics: Statistics<K>,
+    /// Steps since the state was entered.
+    stay: u64,
+}
+
+/// What the current state has to report when it dies.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Pending {
+    pub(crate) weight: f64,
+    pub(crate) independent: f64,
+}
+
+impl<S, V: Default, const K: usize> Metropolis<S, V, K> {
+    /// A chain that starts at a known state.
+    ///
+    /// `state` and `value` describe the same place; `level` is below K. If the densities
+    /// are defective, the chain starts at density zero and accepts its first sound proposal.
+    ///
+    /// # Panics
+    ///
+    /// If `level` is K or more.
+    pub fn at(state: S, value: V, family: &impl Family<V, K>, level: usize) -> Self {
+        assert!(level < K, "level {level} of a family of {K}");
+        let mut chain = Self {
+            level,
+            state,
+            value,
+            densities: [0.0; K],
+            pending: Pending::default(),
+            proposed: V::default(),
+            statistics: Statistics::new(),
+            stay: 0,
+        };
+        chain.read_densities(family);
+        chain
+    }
+}
+
+impl<S, V, const K: usize> Metropolis<S, V, K> {
+    /// One step: propose, decide, report. Tells whether the proposal was accepted.
+    pub fn step<N, F, D, R>(
+        &mut self,
+        kernel: &N,
+        family: &F,
+        draws: &mut D,
+        recorder: &mut R,
+    ) -> bool
+    where
+        N: Kernel<S, Value = V>,
+        F: Family<V, K> + ?Sized,
+        D: Draws + ?Sized,
+        R: Recorder<V, K> + ?Sized,
+    {
+        let proposal = kernel.propose(&mut self.state, &self.value, &mut self.proposed, draws);
+        let densities = self.judge(&proposal, family);
+        let target = densities.map_or(0.0, |d| d[self.level]);
+        let a = match densities {
+            Some(_) => acceptance(self.density(), target, proposal.ratio),
+            None => 0.0,
+        };
+        let accepted = decide(a, draws);
+        self.count(&proposal, densities, a, accepted);
+
+        self.pending.weight += 1.0 - a; // spec (4.1), (4.4)
+        let visit = Pending {
+            weight: a,
+            independent: f64::from(u8::from(proposal.independent)),
+        };
+        if let (true, Some(densities)) = (accepted, densities) {
+            self.flush(recorder);
+            std::mem::swap(&mut self.value, &mut self.proposed);
+            self.densities = densities;
+            self.pending = visit;
+            kernel.accept(&mut self.state);
+        } else {
+            if let Some(densities) = densities {
+                visit.report(self.level, &self.proposed, &densities, recorder);
+            }
+            kernel.reject(&mut self.state);
+        }
+        accepted
+    }
+
+    /// Reports what the current state has gathered so far, and begins to gather anew.
+    pub fn flush<R: Recorder<V, K> + ?Sized>(&mut self, recorder: &mut R) {
+        let pending = std::mem::take(&mut self.pending);
+        pending.report(self.level, &self.value, &self.densities, recorder);
+    }
+
+    /// Reads the densities of the current value off a changed family. Flush before.
+    pub fn read_densities<F: Family<V, K> + ?Sized>(&mut self, family: &F) {
+        self.densities = checked_densities(family, &self.value).unwrap_or([0.0; K]);
+    }
+
+    /// Moves the chain to another target of the family. Flush before; for a lazy point
+    /// see [`Point`] on what must be settled if its mutation changes as well.
+    ///
+    /// # Panics
+    ///
+    /// If `level` is K or more.
+    pub fn set_level(&mut self, level: usize) {
+        assert!(level < K, "level {level} of a family of {K}");
+        self.level = level;
+    }
+
+    /// The level: which of the K densities is the target.
+    pub fn level(&self) -> usize {
+        self.level
+    }
+
+    /// The value of the current state.
+    pub fn value(&self) -> &V {
+        &self.value
+    }
+
+    /// All densities of the current state.
+    pub fn densities(&self) -> &[f64; K] {
+        &self.densities
+    }
+
+    /// The density of the current state at the chain's level.
+    pub fn density(&self) -> f64 {
+        self.densities[self.level]
+    }
+
+    /// What the kernel remembers of the current state.
+    pub fn state(&self) -> &S {
+        &self.state
+    }
+
+    /// The statistics so far.
+    pub fn statistics(&self) -> &Statistics<K> {
+        &self.statistics
+    }
+
+    /// The densities of the proposal, or `None` if it must not be used.
+    fn judge<F: Family<V, K> + ?Sized>(&mut self, proposal: &Move, family: &F) -> Option<[f64; K]> {
+        let possible = proposal.ratio.is_finite() && proposal.ratio >= 0.0;
+        if possible && proposal.ratio <= 0.0 {
+            return None; // leads nowhere, and says so: no defect
+        }
+        let densities = possible
+            .then(|| checked_densities(family, &self.proposed))
+            .flatten();
+        if densities.is_none() {
+            self.statistics.defects += 1;
+            self.statistics
+                .first_defect
+                .get_or_insert(self.statistics.steps);
+        }
+        densities
+    }
+
+    fn count(&mut self, proposal: &Move, densities: Option<[f64; K]>, a: f64, accepted: bool) {
+        let statistics = &mut self.statistics;
+        statistics.steps += 1;
+        let kind = &mut statistics.moves[proposal.kind.min(Move::KINDS - 1)];
+        kind.proposed += 1;
+        kind.accepted += u64::from(accepted);
+        kind.expected += a;
+        if proposal.independent {
+            let densities = densities.unwrap_or([0.0; K]);
+            for (mean, density) in statistics.independent.iter_mut().zip(densities) {
+                mean.push(density);
+            }
+        }
+        self.stay = if accepted { 0 } else { self.stay + 1 };
+        statistics.longest_stay = statistics.longest_stay.max(self.stay);
+    }
+}
+
+impl Pending {
+    fn report<V, R: Recorder<V, K> + ?Sized, const K: usize>(
+        self,
+        level: usize,
+        value: &V,
+        densities: &[f64; K],
+        recorder: &mut R,
+    ) {
+        // time at density zero (a bad start) stands for nothing: spec after (3.2)
+        let weight = if densities[level] > 0.0 {
+            self.weight
+        } else {
+            0.0
+        };
+        if weight > 0.0 || self.independent > 0.0 {
+            recorder.record(Visit {
+                level,
+                value,
+                densities,
+                weight,
+                independent: self.independent,
+            });
+        }
+    }
+}
+
+impl<M: Mutation, V: Default, const K: usize> Metropolis<Point<M>, V, K> {
+    /// A chain on the unit cube that starts at an independent sample made from `draws`.
+    ///
+    /// Its weighted visits estimate means under the target only after burn-in; to be
+    /// unbiased from the first step, choose the sample from a [`Pool`](crate::Pool).
+    pub fn start<T, F, D>(target: &T, family: &F, level: usize, mutation: M, draws: &mut D) -> Self
+    where
+        T: Target<Value = V>,
+        F: Family<V, K>,
+        D: Draws + ?Sized,
+    {
+        let mut point = Point::new(mutation);
+        let mut value = V::default();
+        evaluate_independent(target, &mut point, &mut value, draws);
+        Self::at(point, value, family, level)
+    }
+
+    /// As [`start`](Self::start), for a sample whose density is known already: rebuilds it
+    /// and checks that it is the same, to the bit.
+    ///
+    /// # Errors
+    ///
+    /// If the density differs (the target is not a function of its coordinates, or the
+    /// generator is another) or is zero.
+    pub fn rebuild<T, F, D>(
+        target: &T,
+        family: &F,
+        level: usize,
+        mutation: M,
+        start: &Start,
+        draws: &mut D,
+    ) -> Result<Self, StartError>
+    where
+        T: Target<Value = V>,
+        F: Family<V, K>,
+        D: Draws + ?Sized,
+    {
+        let chain = Self::start(target, family, level, mutation, draws);
+        start.check(chain.density())?;
+        Ok(chain)
+    }
+
+    /// Begins anew at an independent sample made from `draws`, in the memory that is there.
+    /// Statistics go on. Flush before.
+    pub fn restart<T, F, D>(&mut self, target: &T, family: &F, draws: &mut D)
+    where
+        T: Target<Value = V>,
+        F: Family<V, K> + ?Sized,
+        D: Draws + ?Sized,
+    {
+        self.state.clear();
+        evaluate_independent(target, &mut self.state, &mut self.value, draws);
+        self.pending = Pending::default();
+        self.stay = 0;
+        self.read_densities(family);
+    }
+
+    /// Changes the sizes of small steps; what sleeping coordinates owe to the old ones is
+    /// paid first.
+    pub fn set_mutation<D: Draws + ?Sized>(&mut self, mutation: M, draws: &mut D) {
+        self.state.set_mutation(mutation, draws);
+    }
+
+    /// Evaluates the current state again, into `value`: a target that is a function of its
+    /// coordinates gives what it gave before.
+    pub fn evaluate_again<T, D>(&mut self, target: &T, value: &mut V, draws: &mut D)
+    where
+        T: Target<Value = V>,
+        D: Draws + ?Sized,
+    {
+        target.evaluate(&mut self.state.current(draws), value);
+    }
+}
+
+/// Moves a fresh point to an independent sample.
+fn evaluate_independent<T: Target, M: Mutation, D: Draws + ?Sized>(
+    target: &T,
+    point: &mut Point<M>,
+    value: &mut T::Value,
+    draws: &mut D,
+) {
+    let mut proposal = point.propose(Step::Large, draws);
+    target.evaluate(&mut proposal, value);
+    proposal.leave_open();
+    point.commit();
+}

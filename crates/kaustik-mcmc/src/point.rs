@@ -1,0 +1,303 @@
+//! The lazy point: a state of infinitely many coordinates, of which few are ever made.
+
+use kaustik_pss::{Coordinates, Stream};
+
+use crate::{Draws, Mutation, Proposal};
+
+/// How a point moves.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Step {
+    /// Every coordinate takes one step of the point's mutation.
+    Small,
+    /// Every coordinate is a fresh uniform number, independent of the current state.
+    Large,
+}
+
+/// A point of the infinite-dimensional unit cube, mutated lazily (Kelemen et al. 2002,
+/// sections 4 and 6).
+///
+/// In principle every accepted step moves all coordinates. In practice a coordinate is
+/// brought up to date when it is read: each has the time of its last change, the point has
+/// a clock that counts accepted steps, and what a coordinate slept through since is
+/// replayed then. One that was not read since the last accepted large step is simply drawn:
+/// the mutation keeps the uniform law, so "uniform and then n perturbations" of something
+/// that nobody has seen *is* uniform (spec 2.2).
+///
+/// A point is moved through [`propose`](Self::propose), which gives a [`Proposal`] to
+/// read from and to decide upon.
+///
+/// # The debt belongs to a mutation
+///
+/// A coordinate that sleeps owes steps of the mutation that was in force while it slept.
+/// Paying them later with other step sizes would bias the chain. So the point owns its
+/// mutation, and what changes it pays the debt first: [`set_mutation`](Self::set_mutation),
+/// [`exchange`](Self::exchange). Who writes a mutation whose sizes change by themselves
+/// (through a cell, say) must call [`settle`](Self::settle) before each change; so must,
+/// or [`refresh`](Self::refresh), who moves a point to another level by hand.
+///
+/// # Memory
+///
+/// Coordinates are stored densely per stream, up to the largest index that was ever read.
+/// Once the largest index has been met, a step allocates nothing.
+#[derive(Clone, Debug)]
+pub struct Point<M> {
+    pub(crate) mutation: M,
+    pub(crate) streams: [Vec<Coordinate>; Stream::COUNT],
+    pub(crate) undo: Vec<Undo>,
+    pub(crate) clock: Clock,
+}
+
+/// The clock of a point. It goes wherever the coordinates go.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Clock {
+    /// Time stamp of the next proposal: the number of accepted steps, the first included.
+    pub(crate) time: i64,
+    /// Time stamp of the last accepted large step.
+    pub(crate) large_time: i64,
+    /// Whether the open proposal is a large step.
+    pub(crate) large: bool,
+}
+
+/// One stored coordinate.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Coordinate {
+    /// In [0, 1).
+    pub(crate) value: f64,
+    /// The time for which `value` is right.
+    pub(crate) modify: i64,
+    /// The time of the state whose evaluation last read this (RELT spec sec. 4).
+    pub(crate) seen: i64,
+}
+
+impl Coordinate {
+    /// Never used.
+    const NEW: Self = Self {
+        value: 0.0,
+        modify: -1,
+        seen: -1,
+    };
+}
+
+/// What a coordinate was in the current state, for a rejection.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Undo {
+    pub(crate) stream: Stream,
+    pub(crate) index: u32,
+    pub(crate) old: Coordinate,
+}
+
+impl<M: Mutation> Point<M> {
+    /// A point that is nowhere yet: its first step should be an accepted
+    /// [large](Step::Large) one.
+    pub fn new(mutation: M) -> Self {
+        Self {
+            mutation,
+            streams: std::array::from_fn(|_| Vec::new()),
+            undo: Vec::new(),
+            clock: Clock {
+                time: 0,
+                large_time: 0,
+                large: true,
+            },
+        }
+    }
+
+    /// Opens a proposal: the point one step on. Reading it makes the coordinates, `draws`
+    /// gives their randomness and takes the decision.
+    pub fn propose<'a, D: Draws + ?Sized>(
+        &'a mut self,
+        step: Step,
+        draws: &'a mut D,
+    ) -> Proposal<'a, M, D> {
+        Proposal::open(self, step, draws)
+    }
+
+    /// The current state, to be read without moving: for rebuilding its value.
+    pub fn current<'a, D: Draws + ?Sized>(&'a mut self, draws: &'a mut D) -> Current<'a, M, D> {
+        self.roll_back();
+        Current { point: self, draws }
+    }
+
+    /// The mutation of small steps.
+    pub fn mutation(&self) -> &M {
+        &self.mutation
+    }
+
+    /// Changes the mutation of small steps, after paying what is owed to the old one.
+    pub fn set_mutation<D: Draws + ?Sized>(&mut self, mutation: M, draws: &mut D) {
+        self.settle(draws);
+        self.mutation = mutation;
+    }
+
+    /// Exchanges the coordinates of two points. The mutations stay where they are, and
+    /// are paid before.
+    pub fn exchange<D: Draws + ?Sized>(&mut self, other: &mut Self, draws: &mut D) {
+        self.settle(draws);
+        other.settle(draws);
+        std::mem::swap(&mut self.streams, &mut other.streams);
+        std::mem::swap(&mut self.clock, &mut other.clock);
+    }
+
+    /// Pays the debt of every stored coordinate: replays, with the mutation in force, the
+    /// steps that it slept through.
+    ///
+    /// One of two exact cures before a change of mutation (RELT spec sec. 4). It changes
+    /// neither the current value nor the law of the chain.
+    pub fn settle<D: Draws + ?Sized>(&mut self, draws: &mut D) {
+        self.roll_back();
+        let Self {
+            mutation,
+            streams,
+            clock,
+            ..
+        } = self;
+        for coordinate in streams.iter_mut().flatten() {
+            if coordinate.modify >= clock.large_time {
+                catch_up(coordinate, clock, mutation, draws);
+            }
+        }
+    }
+
+    /// Forgets every coordinate that the evaluation of the current state did not read, so
+    /// that it is drawn anew when next needed.
+    ///
+    /// The other exact cure before a change of mutation, and the cheaper one: what no
+    /// evaluation has read is uniform and independent of the rest under every target, so
+    /// this is a Gibbs step. Call it at moments that do not depend on the last decision:
+    /// on a schedule, or at an exchange, never because something was accepted.
+    pub fn refresh(&mut self) {
+        self.roll_back();
+        let current = self.clock.time - 1;
+        for coordinate in self.streams.iter_mut().flatten() {
+            if coordinate.seen != current {
+                *coordinate = Coordinate::NEW;
+            }
+        }
+    }
+
+    /// Forgets the state but keeps the memory: as [`new`](Self::new).
+    pub fn clear(&mut self) {
+        self.undo.clear();
+        for coordinate in self.streams.iter_mut().flatten() {
+            *coordinate = Coordinate::NEW;
+        }
+        self.clock = Clock {
+            time: 0,
+            large_time: 0,
+            large: true,
+        };
+    }
+
+    /// Makes room for the first `count` coordinates of a stream, so that reading them
+    /// never allocates.
+    pub fn reserve(&mut self, stream: Stream, count: usize) {
+        let stored = &mut self.streams[stream as usize];
+        if stored.len() < count {
+            stored.resize(count, Coordinate::NEW);
+        }
+        let all = self.streams.iter().map(Vec::len).sum::<usize>();
+        self.undo.reserve(all.saturating_sub(self.undo.len()));
+    }
+
+    /// How many accepted steps the state is old: 0 for a point that is nowhere yet.
+    pub fn time(&self) -> u64 {
+        self.clock.time as u64
+    }
+
+    /// Makes the open proposal the current state.
+    pub(crate) fn commit(&mut self) {
+        if self.clock.large {
+            self.clock.large_time = self.clock.time;
+        }
+        self.clock.time += 1;
+        self.undo.clear();
+    }
+
+    /// Restores every coordinate that the open proposal read, if there is one.
+    pub(crate) fn roll_back(&mut self) {
+        for &Undo { stream, index, old } in &self.undo {
+            self.streams[stream as usize][index as usize] = old;
+        }
+        self.undo.clear();
+    }
+
+    /// A stored coordinate, made on its first use.
+    #[inline]
+    pub(crate) fn slot(
+        streams: &mut [Vec<Coordinate>; Stream::COUNT],
+        stream: Stream,
+        index: u32,
+    ) -> &mut Coordinate {
+        let stored = &mut streams[stream as usize];
+        let index = index as usize;
+        if index >= stored.len() {
+            grow(stored, index);
+        }
+        &mut stored[index]
+    }
+
+    /// Brings a coordinate to the time of the current state: as if it had been mutated in
+    /// every accepted step.
+    #[inline]
+    pub(crate) fn bring_up<D: Draws + ?Sized>(
+        coordinate: &mut Coordinate,
+        clock: &Clock,
+        mutation: &M,
+        draws: &mut D,
+    ) {
+        if coordinate.modify < clock.large_time {
+            coordinate.value = draws.uniform(); // stale or never used: spec (2.2)
+            coordinate.modify = clock.time - 1;
+        } else if coordinate.modify + 1 < clock.time {
+            catch_up(coordinate, clock, mutation, draws);
+        }
+    }
+}
+
+/// Replays the accepted steps that a coordinate slept through.
+fn catch_up<M: Mutation, D: Draws + ?Sized>(
+    coordinate: &mut Coordinate,
+    clock: &Clock,
+    mutation: &M,
+    draws: &mut D,
+) {
+    let now = clock.time - 1;
+    let owed = now.saturating_sub(coordinate.modify).max(0) as u64;
+    if owed > mutation.mixed_after() {
+        coordinate.value = draws.uniform();
+    } else {
+        for _ in 0..owed {
+            coordinate.value = mutation.mutate(coordinate.value, draws);
+        }
+    }
+    coordinate.modify = coordinate.modify.max(now);
+}
+
+#[cold]
+fn grow(stored: &mut Vec<Coordinate>, index: usize) {
+    stored.resize(index + 1, Coordinate::NEW);
+}
+
+/// The current state of a [`Point`], readable.
+///
+/// Coordinates that its evaluation has read are returned as they were, to the bit; others
+/// are brought up to date or drawn, and stay.
+#[derive(Debug)]
+pub struct Current<'a, M, D: ?Sized> {
+    point: &'a mut Point<M>,
+    draws: &'a mut D,
+}
+
+impl<M: Mutation, D: Draws + ?Sized> Coordinates for Current<'_, M, D> {
+    fn get(&mut self, stream: Stream, index: u32) -> f64 {
+        let Point {
+            mutation,
+            streams,
+            clock,
+            ..
+        } = &mut *self.point;
+        let coordinate = Point::<M>::slot(streams, stream, index);
+        Point::bring_up(coordinate, clock, mutation, self.draws);
+        coordinate.value
+    }
+}

@@ -1,0 +1,129 @@
+use kaustik_pss::{Coordinates, Stream};
+
+use crate::decide::decide;
+use crate::point::{Coordinate, Undo};
+use crate::{Draws, Mutation, Point, Step};
+
+/// A point one step on, until it is decided.
+///
+/// Read the coordinates, evaluate what you like, and [`decide`](Self::decide). A proposal
+/// that is dropped is rejected: the point is then as if it had never been made, to the
+/// bit, in all coordinates that its state consists of. So a step cannot be decided
+/// twice, or be left open.
+///
+/// This is the whole of Kelemen's method for a program that would rather keep its own loop:
+///
+/// ```
+/// use kaustik_mcmc::{Exponential, Point, Step, acceptance, generator};
+/// use kaustik_pss::{Coordinates, Stream};
+///
+/// let brightness = |u: &mut dyn Coordinates| u.get(Stream::Camera, 0); // yours
+///
+/// let mut rng = generator(1, 0);
+/// let mut point = Point::new(Exponential::default());
+/// let mut first = point.propose(Step::Large, &mut rng);
+/// let mut current = brightness(&mut first);
+/// first.decide(1.0);
+/// for _ in 0..100 {
+///     let mut proposal = point.propose(Step::Small, &mut rng);
+///     let proposed = brightness(&mut proposal);
+///     if proposal.decide(acceptance(current, proposed, 1.0)) {
+///         current = proposed;
+///     }
+/// }
+/// # assert!(current > 0.0);
+/// ```
+#[derive(Debug)]
+#[must_use = "a dropped proposal is a rejected one"]
+pub struct Proposal<'a, M: Mutation, D: Draws + ?Sized> {
+    point: &'a mut Point<M>,
+    draws: &'a mut D,
+    open: bool,
+}
+
+impl<'a, M: Mutation, D: Draws + ?Sized> Proposal<'a, M, D> {
+    pub(crate) fn open(point: &'a mut Point<M>, step: Step, draws: &'a mut D) -> Self {
+        point.roll_back(); // of a proposal that was forgotten (mem::forget)
+        point.clock.large = step == Step::Large;
+        Self {
+            point,
+            draws,
+            open: true,
+        }
+    }
+
+    /// Accepts with the given probability (NaN: never) and tells whether it did.
+    ///
+    /// On acceptance the proposal is the point's state; otherwise the point is what it was.
+    pub fn decide(mut self, acceptance: f64) -> bool {
+        let accepted = decide(acceptance, self.draws);
+        if accepted {
+            self.point.commit();
+            self.open = false;
+        }
+        accepted
+    }
+
+    /// Rejects without asking: the same as dropping it.
+    pub fn reject(self) {}
+
+    /// Whether this is a small or a large step.
+    pub fn step(&self) -> Step {
+        if self.point.clock.large {
+            Step::Large
+        } else {
+            Step::Small
+        }
+    }
+
+    /// The source of randomness, for decisions of one's own that belong to this step.
+    pub fn draws(&mut self) -> &mut D {
+        self.draws
+    }
+
+    /// Ends the borrow without deciding: the point's owner will commit or roll back.
+    pub(crate) fn leave_open(mut self) {
+        self.open = false;
+    }
+}
+
+impl<M: Mutation, D: Draws + ?Sized> Coordinates for Proposal<'_, M, D> {
+    #[inline]
+    fn get(&mut self, stream: Stream, index: u32) -> f64 {
+        let Point {
+            mutation,
+            streams,
+            undo,
+            clock,
+        } = &mut *self.point;
+        let coordinate = Point::<M>::slot(streams, stream, index);
+        if coordinate.modify == clock.time {
+            return coordinate.value; // asked before
+        }
+        if !clock.large {
+            // Before the push: the caught-up value belongs to the CURRENT state and must
+            // survive a rejection (spec 2.1).
+            Point::bring_up(coordinate, clock, mutation, self.draws);
+        }
+        let old = *coordinate;
+        undo.push(Undo { stream, index, old });
+        *coordinate = Coordinate {
+            value: if clock.large {
+                self.draws.uniform()
+            } else {
+                mutation.mutate(old.value, self.draws)
+            },
+            modify: clock.time,
+            seen: clock.time,
+        };
+        coordinate.value
+    }
+}
+
+impl<M: Mutation, D: Draws + ?Sized> Drop for Proposal<'_, M, D> {
+    fn drop(&mut self) {
+        if self.open {
+            self.point.roll_back();
+        }
+    }
+}

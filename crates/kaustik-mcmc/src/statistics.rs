@@ -1,0 +1,95 @@
+use crate::{Mean, Move};
+
+/// Proposals of one kind: how many were made and what became of them.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Acceptance {
+    /// Proposals made.
+    pub proposed: u64,
+    /// Proposals accepted.
+    pub accepted: u64,
+    /// Sum of the acceptance probabilities: less noisy than the count.
+    pub expected: f64,
+}
+
+impl Acceptance {
+    /// The mean acceptance probability; 0 if nothing was proposed.
+    pub fn rate(&self) -> f64 {
+        match self.proposed {
+            0 => 0.0,
+            n => self.expected / n as f64,
+        }
+    }
+
+    fn merge(&mut self, other: &Self) {
+        self.proposed += other.proposed;
+        self.accepted += other.accepted;
+        self.expected += other.expected;
+    }
+}
+
+/// What a chain knows about its own course. Plain sums: chains' statistics merge.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Statistics<const K: usize> {
+    /// Steps taken.
+    pub steps: u64,
+    /// Acceptance by kind of move: [`Move::SMALL`], [`Move::LARGE`], the kernel's own.
+    pub moves: [Acceptance; Move::KINDS],
+    /// Each level's density over all independent proposals, defective ones counting as
+    /// zero: unbiased estimates of the K normalising constants.
+    pub independent: [Mean; K],
+    /// Proposals with a density or ratio that was NaN, infinite or negative. Each is a
+    /// defect of the target or the kernel; none has entered a state or a recorder.
+    pub defects: u64,
+    /// The step (counted from 0) of the first defect.
+    pub first_defect: Option<u64>,
+    /// The largest number of successive steps that a chain stayed in one state.
+    pub longest_stay: u64,
+}
+
+impl<const K: usize> Statistics<K> {
+    /// Of a chain that has not moved.
+    pub fn new() -> Self {
+        Self {
+            steps: 0,
+            moves: [Acceptance::default(); Move::KINDS],
+            independent: [Mean::new(); K],
+            defects: 0,
+            first_defect: None,
+            longest_stay: 0,
+        }
+    }
+
+    /// Small steps.
+    pub fn small(&self) -> &Acceptance {
+        &self.moves[Move::SMALL]
+    }
+
+    /// Large steps.
+    pub fn large(&self) -> &Acceptance {
+        &self.moves[Move::LARGE]
+    }
+
+    /// Adds another chain's statistics. The step of a first defect keeps its meaning only
+    /// within one chain; the earlier is kept.
+    pub fn merge(&mut self, other: &Self) {
+        self.steps += other.steps;
+        for (mine, theirs) in self.moves.iter_mut().zip(&other.moves) {
+            mine.merge(theirs);
+        }
+        for (mine, theirs) in self.independent.iter_mut().zip(&other.independent) {
+            mine.merge(theirs);
+        }
+        self.defects += other.defects;
+        self.first_defect = match (self.first_defect, other.first_defect) {
+            (Some(a), Some(b)) => Some(a.min(b)),
+            (a, b) => a.or(b),
+        };
+        self.longest_stay = self.longest_stay.max(other.longest_stay);
+    }
+}
+
+impl<const K: usize> Default for Statistics<K> {
+    fn default() -> Self {
+        Self::new()
+    }
+}

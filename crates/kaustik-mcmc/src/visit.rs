@@ -1,0 +1,71 @@
+/// What a chain tells about a value it has been at.
+///
+/// Let u be the current state, v the proposal of a step, a the acceptance probability.
+/// Expected-value weighting (Kelemen section 1.2; spec (4.1)) counts v with a and u with
+/// 1 - a, whatever is decided. A chain reports every value *once*, with the sum:
+///
+/// * a proposal that is rejected, at once, with weight a;
+/// * a state when it dies (replaced, or [flushed](crate::Metropolis::flush)), with the a
+///   of its own proposal plus 1 - a for each step that began in it.
+///
+/// The first state of a chain has no proposal of its own. So the weights of all visits sum
+/// to the number of steps, up to steps spent at density zero; and sum of weight * h(value)
+/// over steps estimates the mean of h under the level's normalised density.
+///
+/// Only a flush splits a state's report: the weight so far, then the rest later.
+#[derive(Debug)]
+pub struct Visit<'a, V, const K: usize> {
+    /// The level of the chain: its target is `densities[level]`.
+    pub level: usize,
+    /// The value that was evaluated.
+    pub value: &'a V,
+    /// All K densities of the value: finite, at least 0. That of the level is positive
+    /// whenever `weight` is.
+    pub densities: &'a [f64; K],
+    /// Expected number of steps that the chain spends here, at least 0.
+    pub weight: f64,
+    /// How many independent (large-step) proposals had this value: 1 if it was proposed
+    /// by one, otherwise 0. Every valid independent proposal is reported exactly once,
+    /// accepted or not, also with density zero; so sum of independent * h(value) over the
+    /// number of independent proposals is a plain Monte Carlo estimate of the integral of h.
+    pub independent: f64,
+}
+
+impl<V, const K: usize> Visit<'_, V, K> {
+    /// The density of the value at the chain's level.
+    pub fn density(&self) -> f64 {
+        self.densities[self.level]
+    }
+}
+
+impl<V, const K: usize> Clone for Visit<'_, V, K> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<V, const K: usize> Copy for Visit<'_, V, K> {}
+
+/// Takes visits: an estimator, a histogram, a test. Closures `FnMut(Visit<V, K>)` are
+/// recorders.
+pub trait Recorder<V, const K: usize> {
+    /// Takes one visit.
+    fn record(&mut self, visit: Visit<'_, V, K>);
+}
+
+impl<V, F, const K: usize> Recorder<V, K> for F
+where
+    F: FnMut(Visit<'_, V, K>),
+{
+    fn record(&mut self, visit: Visit<'_, V, K>) {
+        self(visit);
+    }
+}
+
+/// Records nothing: for burn-in.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Ignore;
+
+impl<V, const K: usize> Recorder<V, K> for Ignore {
+    fn record(&mut self, _: Visit<'_, V, K>) {}
+}
