@@ -99,10 +99,12 @@ impl Bsdf {
         Self::Phong(Phong::new(diffuse, specular, exponent))
     }
 
-    /// glTF's metallic-roughness material.
-    #[inline]
+    /// glTF's metallic-roughness material, or the simpler variant that it amounts to: metallic 1
+    /// is [`metal`](Self::metal) (at roughness 0 a [`mirror`](Self::mirror) of the base colour),
+    /// transmission 1 is glass, and specular 0 is exactly [`lambertian`](Self::lambertian).
     pub fn principled(parameters: &PrincipledParameters) -> Self {
-        Self::Principled(Principled::new(parameters))
+        Principled::simplified(parameters)
+            .unwrap_or_else(|| Self::Principled(Principled::new(parameters)))
     }
 }
 

@@ -27,12 +27,15 @@
 //!   hero goes, which is right for the hero only. `Sample::dispersive` and
 //!   [`Lobe::dispersive_between`] say so; such a path counts with its hero.
 
+mod albedo;
 mod bsdf;
 mod coated;
 mod conductor;
 mod dielectric;
+mod facets;
 mod frame;
 pub mod fresnel;
+mod ggx;
 mod interface;
 mod lambertian;
 mod lobe;

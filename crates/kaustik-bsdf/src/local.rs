@@ -19,12 +19,6 @@ pub(crate) fn same_side(a: DVec3, b: DVec3) -> bool {
     usable(a) && usable(b) && a.z * b.z > 0.0
 }
 
-/// Do they lie on different sides, away from the surface's plane?
-#[inline]
-pub(crate) fn across(a: DVec3, b: DVec3) -> bool {
-    usable(a) && usable(b) && a.z * b.z < 0.0
-}
-
 /// Mirror direction about the normal.
 #[inline]
 pub(crate) fn mirror(w: DVec3) -> DVec3 {
@@ -35,6 +29,12 @@ pub(crate) fn mirror(w: DVec3) -> DVec3 {
 #[inline]
 pub(crate) fn flip(w: DVec3) -> DVec3 {
     DVec3::new(w.x, w.y, -w.z)
+}
+
+/// `w` on the upper side, tangential part kept.
+#[inline]
+pub(crate) fn lift(w: DVec3) -> DVec3 {
+    DVec3::new(w.x, w.y, w.z.abs())
 }
 
 /// `w`, given for z > 0, moved to the side of `side`.

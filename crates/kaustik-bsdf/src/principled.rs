@@ -1,87 +1,215 @@
-use crate::{Lambertian, Lobe, Mode, Sample};
+mod body;
+mod clear;
+mod parameters;
+
+pub use parameters::{PrincipledParameters, Wall};
+
+use crate::facets::{Facets, rebound_colour};
+use crate::{Bsdf, Lobe, Mode, Reflectance, Sample, local, warp};
+use body::Body;
+use clear::Clear;
 use glam::DVec3;
 use kaustik_spectrum::Spectrum;
 
-/// What stands behind a transmitting glTF surface.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
-pub enum Wall {
-    /// No volume: a pane that light passes straight, blurred by the roughness.
-    #[default]
-    Thin,
-    /// `KHR_materials_volume` with a thickness: the boundary of a solid, which refracts.
-    Solid,
-}
-
-/// What glTF says of a material, at one point and at the path's wavelengths.
+/// glTF's metallic-roughness material with specular, ior, transmission and volume.
 ///
-/// The default is glTF's for what the extensions add, with white base colour, metallic 1 and
-/// roughness 1 as the core has it.
+/// Linear in `metallic` and `transmission`:
+/// * the metal share reflects by Schlick from the base colour to white;
+/// * the dielectric's diffuse share is a glossy cover over a diffuse body. With `A` the cover's
+///   directional albedo the body is `base (1 - A(wo)) (1 - A(wi)) / (pi (1 - A_mean))`
+///   (Kelemen and Szirmay-Kalos 2001): reciprocal, and a white body loses nothing;
+/// * the dielectric's clear share is a pane or the boundary of a solid, with the exact Fresnel of
+///   its index. Base colour multiplies what is transmitted, once an interface; specular factor
+///   and colour (at most 1) multiply what it reflects, and what that removes is absorbed.
+///
+/// Lobes are chosen in proportion to their estimated albedos from `wo`.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PrincipledParameters {
-    /// Base colour: of the metal, of the diffuse body, of transmitted light. Lanes in `[0, 1]`.
-    pub base_color: Spectrum,
-    /// Metal share, `[0, 1]`.
-    pub metallic: f64,
-    /// Perceptual roughness, `[0, 1]`; GGX alpha is its square.
-    pub roughness: f64,
-    /// `specularFactor`, `[0, 1]`: strength of the dielectric's reflection.
-    pub specular: f64,
-    /// `specularColorFactor`, lanes at least 0: tint of the dielectric's reflection at normal incidence.
-    pub specular_color: Spectrum,
-    /// Index of the dielectric relative to the outside, each lane (1.5 unless `KHR_materials_ior`).
-    pub ior: Spectrum,
-    /// `transmissionFactor`, `[0, 1]`: share of the dielectric that is clear instead of diffuse.
-    pub transmission: f64,
-    /// Pane or solid, for the clear share.
-    pub wall: Wall,
-    /// Give back what scatters between facets.
-    pub compensation: bool,
+pub struct Principled {
+    /// Metal and cover together: reflection is linear in F0 and F90.
+    glossy: Glossy,
+    /// The cover alone, and the diffuse body beneath it.
+    body: Body,
+    clear: Option<Clear>,
 }
 
-impl Default for PrincipledParameters {
-    fn default() -> Self {
-        Self {
-            base_color: Spectrum::ONE,
-            metallic: 1.0,
-            roughness: 1.0,
-            specular: 1.0,
-            specular_color: Spectrum::ONE,
-            ior: Spectrum::splat(1.5),
-            transmission: 0.0,
-            wall: Wall::Thin,
-            compensation: true,
+/// Reflection off the outer surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Glossy {
+    None,
+    Smooth(Reflectance),
+    Rough(Facets),
+}
+
+impl Principled {
+    /// From glTF's numbers, brought into range.
+    pub fn new(parameters: &PrincipledParameters) -> Self {
+        let p = parameters.in_range();
+        let metal = p.metallic as f32;
+        let opaque = ((1.0 - p.metallic) * (1.0 - p.transmission)) as f32;
+        let body = Body::new(&p, opaque);
+        let (f0, f90) = p.dielectric_ends();
+        let reflectance = Reflectance::Schlick {
+            f0: p.base_color * metal + f0 * opaque,
+            f90: Spectrum::splat(metal) + f90 * opaque,
+        };
+        let glossy = if reflectance.mean().is_zero() {
+            Glossy::None
+        } else if p.alpha() > 0.0 {
+            let rebound = metal_rebound(&p) * metal + body.rebound() * opaque;
+            Glossy::Rough(Facets::new(reflectance, p.alpha(), rebound))
+        } else {
+            Glossy::Smooth(reflectance)
+        };
+        let clear = (1.0 - p.metallic) * p.transmission;
+        let clear = (clear > 0.0).then(|| Clear::new(&p, clear as f32));
+        Self { glossy, body, clear }
+    }
+
+    /// The one simpler function that this is, if it is one: pure metal, pure glass, pure diffuse.
+    pub(crate) fn simplified(parameters: &PrincipledParameters) -> Option<Bsdf> {
+        let p = parameters.in_range();
+        if p.metallic >= 1.0 {
+            let base = p.base_color;
+            return Some(match p.alpha() > 0.0 {
+                true => Bsdf::metal(base, Spectrum::ONE, p.alpha(), p.compensation),
+                false => Bsdf::mirror(base),
+            });
+        }
+        if p.metallic > 0.0 {
+            return None;
+        }
+        if p.transmission >= 1.0 {
+            return Some(Clear::new(&p, 1.0).bsdf());
+        }
+        let plain = p.transmission <= 0.0 && p.specular <= 0.0;
+        plain.then(|| Bsdf::lambertian(p.base_color))
+    }
+
+    /// Probabilities of glossy, diffuse and clear from `wo`; they sum to 1 unless all is black.
+    #[inline]
+    fn choice(&self, wo: DVec3) -> [f64; 3] {
+        let albedos = [
+            f64::from(self.glossy_albedo(wo).mean()),
+            f64::from(self.body.albedo(wo).mean()),
+            self.clear.map_or(0.0, |clear| f64::from(clear.albedo(wo).mean())),
+        ];
+        let sum: f64 = albedos.iter().sum();
+        if sum > 0.0 { albedos.map(|a| a / sum) } else { [0.0, 1.0, 0.0] }
+    }
+
+    #[inline]
+    fn glossy_albedo(&self, wo: DVec3) -> Spectrum {
+        match &self.glossy {
+            Glossy::None => Spectrum::ZERO,
+            Glossy::Smooth(reflectance) => reflectance.at(wo.z.abs().min(1.0)),
+            Glossy::Rough(facets) => facets.albedo(local::lift(wo)),
+        }
+    }
+
+    /// A sample of all continuous lobes together, drawn by one of them.
+    #[inline]
+    fn finish(&self, wo: DVec3, wi: DVec3, mode: Mode) -> Option<Sample> {
+        if !local::usable(wi) {
+            return None;
+        }
+        let (f, pdf) = (self.eval(wo, wi, mode), self.pdf(wo, wi, mode));
+        let dispersive = self.dispersive_between(wo, wi);
+        Some(Sample { dispersive, ..Sample::continuous(wo, wi, f, pdf)? })
+    }
+
+    #[inline]
+    fn sample_glossy(&self, wo: DVec3, p: f64, uc: f64, u: [f64; 2], mode: Mode) -> Option<Sample> {
+        match &self.glossy {
+            Glossy::None => None,
+            Glossy::Smooth(reflectance) => {
+                let share = reflectance.at(wo.z.abs().min(1.0));
+                Sample::delta(wo, local::mirror(wo), share, p)
+            }
+            Glossy::Rough(facets) => {
+                let wi = facets.sample(local::lift(wo), uc, u);
+                if wi.z > 0.0 { self.finish(wo, local::to_side_of(wo, wi), mode) } else { None }
+            }
         }
     }
 }
 
-/// glTF's metallic-roughness material with specular, ior, transmission and volume.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Principled {
-    diffuse: Lambertian,
-}
-
-impl Principled {
-    /// From glTF's numbers.
-    #[inline]
-    pub fn new(parameters: &PrincipledParameters) -> Self {
-        Self { diffuse: Lambertian { reflectance: parameters.base_color } }
+/// Colour of light rebounding between the metal's facets.
+fn metal_rebound(p: &PrincipledParameters) -> Spectrum {
+    if !p.compensation {
+        return Spectrum::ZERO;
     }
+    let metal = Reflectance::Schlick { f0: p.base_color, f90: Spectrum::ONE };
+    rebound_colour(metal.mean(), crate::albedo::ReflectorLoss::mean(p.alpha()).loss)
 }
 
 impl Lobe for Principled {
+    #[inline]
     fn eval(&self, wo: DVec3, wi: DVec3, mode: Mode) -> Spectrum {
-        self.diffuse.eval(wo, wi, mode)
+        if !local::usable(wo) || !local::usable(wi) {
+            return Spectrum::ZERO;
+        }
+        let mut f = self.clear.map_or(Spectrum::ZERO, |clear| clear.eval(wo, wi, mode));
+        if wo.z * wi.z > 0.0 {
+            if let Glossy::Rough(facets) = &self.glossy {
+                f += facets.eval(local::lift(wo), local::lift(wi));
+            }
+            f += self.body.eval(wo, wi);
+        }
+        f
     }
 
+    #[inline]
     fn pdf(&self, wo: DVec3, wi: DVec3, mode: Mode) -> f64 {
-        self.diffuse.pdf(wo, wi, mode)
+        if !local::usable(wo) || !local::usable(wi) {
+            return 0.0;
+        }
+        let [glossy, diffuse, clear] = self.choice(wo);
+        let mut pdf = self.clear.map_or(0.0, |lobe| clear * lobe.pdf(wo, wi, mode));
+        if wo.z * wi.z > 0.0 {
+            if let Glossy::Rough(facets) = &self.glossy {
+                pdf += glossy * facets.pdf(local::lift(wo), local::lift(wi));
+            }
+            pdf += diffuse * warp::cosine_hemisphere_pdf(wi.z.abs());
+        }
+        pdf
     }
 
     fn sample(&self, wo: DVec3, uc: f64, u: [f64; 2], mode: Mode) -> Option<Sample> {
-        self.diffuse.sample(wo, uc, u, mode)
+        if !local::usable(wo) {
+            return None;
+        }
+        let [glossy, diffuse, clear] = self.choice(wo);
+        let (take, uc) = local::choose(uc, glossy);
+        if take {
+            return self.sample_glossy(wo, glossy, uc, u, mode);
+        }
+        let rest = diffuse + clear;
+        let (take, uc) = local::choose(uc, if rest > 0.0 { diffuse / rest } else { 1.0 });
+        if take {
+            return self.finish(wo, local::to_side_of(wo, warp::cosine_hemisphere(u)), mode);
+        }
+        let sample = self.clear?.sample(wo, uc, u, mode)?;
+        if !sample.delta {
+            return self.finish(wo, sample.wi, mode);
+        }
+        let weight = sample.weight / (clear as f32);
+        Some(Sample { weight, pdf: sample.pdf * clear, ..sample })
     }
 
+    #[inline]
     fn albedo(&self, wo: DVec3) -> Spectrum {
-        self.diffuse.albedo(wo)
+        let clear = self.clear.map_or(Spectrum::ZERO, |clear| clear.albedo(wo));
+        self.glossy_albedo(wo) + self.body.albedo(wo) + clear
+    }
+
+    #[inline]
+    fn is_delta(&self) -> bool {
+        let glossy = !matches!(self.glossy, Glossy::Rough(_));
+        glossy && self.body.is_black() && self.clear.is_none_or(|clear| clear.is_delta())
+    }
+
+    #[inline]
+    fn dispersive_between(&self, wo: DVec3, wi: DVec3) -> bool {
+        self.clear.is_some_and(|clear| clear.dispersive_between(wo, wi))
     }
 }

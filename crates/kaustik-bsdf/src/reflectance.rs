@@ -43,6 +43,12 @@ impl Reflectance {
     }
 }
 
+/// Cosine-weighted mean of `f` over the hemisphere, `2` times the integral of `f(mu) mu dmu`.
+#[inline]
+pub(crate) fn mean_of(f: impl Fn(f64) -> f64) -> f64 {
+    GAUSS.iter().map(|&(mu, weight)| weight * f(mu)).sum()
+}
+
 /// Five-point Gauss rule for the weight `2 mu` on `[0, 1]`: points and weights.
 const GAUSS: [(f64, f64); 5] = [
     (0.098_535_085_798_826_42, 0.031_495_829_043_384_55),

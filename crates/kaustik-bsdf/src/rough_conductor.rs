@@ -1,35 +1,54 @@
-use crate::{Conductor, Lobe, Mode, Sample, Reflectance};
+use crate::facets::Facets;
+use crate::{Lobe, Mode, Reflectance, Sample, local};
 use glam::DVec3;
 use kaustik_spectrum::Spectrum;
 
-/// GGX-rough metal.
+/// GGX-rough metal, both sides alike. Visible normals are sampled; what scatters between facets
+/// is given back as a reciprocal, nearly diffuse lobe unless that is switched off.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RoughConductor {
-    smooth: Conductor,
+    facets: Facets,
 }
 
 impl RoughConductor {
-    /// See [`Bsdf`](crate::Bsdf)'s constructor.
+    /// From the facets' reflectance and `alpha` in `[SMOOTH_ALPHA, 1]` (clamped).
     #[inline]
-    pub fn new(reflectance: Reflectance, _alpha: f64, _compensation: bool) -> Self {
-        Self { smooth: Conductor { reflectance } }
+    pub fn new(reflectance: Reflectance, alpha: f64, compensation: bool) -> Self {
+        Self { facets: Facets::compensated(reflectance, alpha, compensation) }
     }
 }
 
 impl Lobe for RoughConductor {
-    fn eval(&self, wo: DVec3, wi: DVec3, mode: Mode) -> Spectrum {
-        self.smooth.eval(wo, wi, mode)
+    #[inline]
+    fn eval(&self, wo: DVec3, wi: DVec3, _mode: Mode) -> Spectrum {
+        if !local::same_side(wo, wi) {
+            return Spectrum::ZERO;
+        }
+        self.facets.eval(local::lift(wo), local::lift(wi))
     }
 
-    fn pdf(&self, wo: DVec3, wi: DVec3, mode: Mode) -> f64 {
-        self.smooth.pdf(wo, wi, mode)
+    #[inline]
+    fn pdf(&self, wo: DVec3, wi: DVec3, _mode: Mode) -> f64 {
+        if !local::same_side(wo, wi) {
+            return 0.0;
+        }
+        self.facets.pdf(local::lift(wo), local::lift(wi))
     }
 
+    #[inline]
     fn sample(&self, wo: DVec3, uc: f64, u: [f64; 2], mode: Mode) -> Option<Sample> {
-        self.smooth.sample(wo, uc, u, mode)
+        if !local::usable(wo) {
+            return None;
+        }
+        let wi = local::to_side_of(wo, self.facets.sample(local::lift(wo), uc, u));
+        if !local::same_side(wo, wi) {
+            return None; // met a second facet, which single scattering leaves out
+        }
+        Sample::continuous(wo, wi, self.eval(wo, wi, mode), self.pdf(wo, wi, mode))
     }
 
+    #[inline]
     fn albedo(&self, wo: DVec3) -> Spectrum {
-        self.smooth.albedo(wo)
+        self.facets.albedo(local::lift(wo))
     }
 }

@@ -78,7 +78,7 @@ pub fn cosine_hemisphere_pdf(cosine: f64) -> f64 {
 /// Direction of the whole sphere, uniform: the disk's inner half area is the upper half.
 #[inline]
 pub fn uniform_sphere(u: [f64; 2]) -> DVec3 {
-    cone_of_height(u, 2.0)
+    cap(u, 2.0)
 }
 
 /// Density of [`uniform_sphere`] per solid angle.
@@ -87,7 +87,7 @@ pub const SPHERE_PDF: f64 = 0.25 * FRAC_1_PI;
 /// Direction within the cone about +z whose half angle has the given cosine, uniform.
 #[inline]
 pub fn uniform_cone(u: [f64; 2], cos_half_angle: f64) -> DVec3 {
-    cone_of_height(u, 1.0 - cos_half_angle)
+    cap(u, 1.0 - cos_half_angle)
 }
 
 /// Density of [`uniform_cone`] per solid angle within the cone.
@@ -96,9 +96,10 @@ pub fn uniform_cone_pdf(cos_half_angle: f64) -> f64 {
     0.5 * FRAC_1_PI / (1.0 - cos_half_angle)
 }
 
-/// The cap of the sphere of the given height in `[0, 2]`, by Lambert's equal-area map of the disk.
+/// Direction of the cap of the sphere about +z of the given height in `[0, 2]`, uniform: Lambert's
+/// equal-area map of the disk. Density `1 / (2 pi height)`.
 #[inline]
-fn cone_of_height(u: [f64; 2], height: f64) -> DVec3 {
+pub fn cap(u: [f64; 2], height: f64) -> DVec3 {
     let [x, y] = concentric_disk(u);
     let drop = (x * x + y * y).min(1.0) * height; // 1 - cos
     // sin^2 = drop (2 - drop), of which the disk's radius brings sqrt(drop / height)

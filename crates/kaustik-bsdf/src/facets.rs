@@ -1,0 +1,116 @@
+use crate::albedo::{ReflectorLoss, reflector_loss};
+use crate::ggx::Ggx;
+use crate::{Reflectance, local, warp};
+use glam::DVec3;
+use kaustik_spectrum::Spectrum;
+use std::f64::consts::FRAC_1_PI;
+
+/// Light that reflects off GGX facets: once by the facets' own lobe, more often by a diffuse
+/// rebound. What rough metal and the glTF material have in common. Directions lie above.
+///
+/// The rebound is `rebound (1 - E(wo)) (1 - E(wi)) / (pi (1 - E_mean))`: reciprocal, and with a
+/// rebound of 1 it returns exactly what single scattering loses (Kulla and Conty 2017).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Facets {
+    ggx: Ggx,
+    reflectance: Reflectance,
+    /// Rebound's colour over `pi (1 - E_mean)`; zero without compensation.
+    rebound: Spectrum,
+    /// Brightness of the rebound over the lobe's, per unit of light; for lobe choice.
+    bounce: f64,
+}
+
+/// Colour of light that met two facets or more, in energy: with `F` the mean reflectance,
+/// `F^2 E / (1 - F (1 - E))`.
+#[inline]
+pub(crate) fn rebound_colour(mean_reflectance: Spectrum, mean_loss: f32) -> Spectrum {
+    mean_reflectance.map(|f| f * f * (1.0 - mean_loss) / (1.0 - f * mean_loss))
+}
+
+impl Facets {
+    /// `rebound` is the colour of what scatters between facets, see [`rebound_colour`].
+    #[inline]
+    pub(crate) fn new(reflectance: Reflectance, alpha: f64, rebound: Spectrum) -> Self {
+        let ggx = Ggx::new(alpha);
+        let mean = f64::from(reflectance.mean().mean());
+        let bounce = if mean > 0.0 { f64::from(rebound.mean()) / mean } else { 0.0 };
+        let loss = ReflectorLoss::mean(ggx.alpha()).loss;
+        Self { ggx, reflectance, rebound: rebound * (FRAC_1_PI as f32 / loss.max(1e-9)), bounce }
+    }
+
+    /// With or without compensation by the reflectance's own mean.
+    #[inline]
+    pub(crate) fn compensated(reflectance: Reflectance, alpha: f64, compensation: bool) -> Self {
+        let rebound = if compensation {
+            let loss = ReflectorLoss::mean(Ggx::new(alpha).alpha()).loss;
+            rebound_colour(reflectance.mean(), loss)
+        } else {
+            Spectrum::ZERO
+        };
+        Self::new(reflectance, alpha, rebound)
+    }
+
+    #[inline]
+    fn loss(&self, w: DVec3) -> f64 {
+        f64::from(reflector_loss(w.z, self.ggx.alpha()).loss)
+    }
+
+    /// Does any light scatter between facets?
+    #[inline]
+    fn rebounds(&self) -> bool {
+        self.bounce > 0.0
+    }
+
+    /// Probability of the rebound seen from `wo`.
+    #[inline]
+    fn rebound_probability(&self, wo: DVec3) -> f64 {
+        if !self.rebounds() {
+            return 0.0;
+        }
+        let loss = self.loss(wo);
+        loss * self.bounce / (1.0 - loss + loss * self.bounce)
+    }
+
+    /// The scattering function; both directions above.
+    #[inline]
+    pub(crate) fn eval(&self, wo: DVec3, wi: DVec3) -> Spectrum {
+        let h = (wo + wi).normalize();
+        let lobe = 0.25 * self.ggx.density(h) * self.ggx.shadowing(wo, wi);
+        let once = self.reflectance.at(wo.dot(h).abs().min(1.0)) * (lobe as f32);
+        if !self.rebounds() {
+            return once;
+        }
+        once + self.rebound * ((self.loss(wo) * self.loss(wi)) as f32)
+    }
+
+    /// Density of [`sample`](Self::sample); both directions above.
+    #[inline]
+    pub(crate) fn pdf(&self, wo: DVec3, wi: DVec3) -> f64 {
+        let h = (wo + wi).normalize();
+        let lobe = 0.25 * self.ggx.visible_pdf(wo, h) / wo.dot(h);
+        let p = self.rebound_probability(wo);
+        (1.0 - p) * lobe + p * warp::cosine_hemisphere_pdf(wi.z)
+    }
+
+    /// Draws a direction; one below is lost.
+    #[inline]
+    pub(crate) fn sample(&self, wo: DVec3, uc: f64, u: [f64; 2]) -> DVec3 {
+        if uc < self.rebound_probability(wo) {
+            warp::cosine_hemisphere(u)
+        } else {
+            local::reflect(wo, self.ggx.visible(wo, u))
+        }
+    }
+
+    /// Share that leaves again, to the accuracy of taking the facets' mean angle for the angle.
+    #[inline]
+    pub(crate) fn albedo(&self, w: DVec3) -> Spectrum {
+        let at = reflector_loss(w.z, self.ggx.alpha());
+        let once = match self.reflectance {
+            Reflectance::Schlick { f0, f90 } => f0 * (1.0 - at.loss - at.edge) + f90 * at.edge,
+            conductor => conductor.at(w.z.min(1.0)) * (1.0 - at.loss),
+        };
+        let mean = ReflectorLoss::mean(self.ggx.alpha()).loss;
+        once + self.rebound * (std::f32::consts::PI * mean * at.loss)
+    }
+}

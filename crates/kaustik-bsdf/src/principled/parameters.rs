@@ -1,0 +1,91 @@
+use kaustik_spectrum::Spectrum;
+
+/// What stands behind a transmitting glTF surface.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Wall {
+    /// No volume: a pane that light passes straight, blurred by the roughness.
+    #[default]
+    Thin,
+    /// `KHR_materials_volume` with a thickness: the boundary of a solid, which refracts.
+    Solid,
+}
+
+/// What glTF says of a material, at one point and at the path's wavelengths.
+///
+/// The default is glTF's for what the extensions add, with white base colour, metallic 1 and
+/// roughness 1 as the core has it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PrincipledParameters {
+    /// Base colour: of the metal, of the diffuse body, of transmitted light. Lanes in `[0, 1]`.
+    pub base_color: Spectrum,
+    /// Metal share, `[0, 1]`.
+    pub metallic: f64,
+    /// Perceptual roughness, `[0, 1]`; GGX alpha is its square.
+    pub roughness: f64,
+    /// `specularFactor`, `[0, 1]`: strength of the dielectric's reflection.
+    pub specular: f64,
+    /// `specularColorFactor`, lanes at least 0: tint of the dielectric's reflection at normal incidence.
+    pub specular_color: Spectrum,
+    /// Index of the dielectric relative to the outside, each lane (1.5 unless `KHR_materials_ior`).
+    pub ior: Spectrum,
+    /// `transmissionFactor`, `[0, 1]`: share of the dielectric that is clear instead of diffuse.
+    pub transmission: f64,
+    /// Pane or solid, for the clear share.
+    pub wall: Wall,
+    /// Give back what scatters between facets.
+    pub compensation: bool,
+}
+
+impl Default for PrincipledParameters {
+    fn default() -> Self {
+        Self {
+            base_color: Spectrum::ONE,
+            metallic: 1.0,
+            roughness: 1.0,
+            specular: 1.0,
+            specular_color: Spectrum::ONE,
+            ior: Spectrum::splat(1.5),
+            transmission: 0.0,
+            wall: Wall::Thin,
+            compensation: true,
+        }
+    }
+}
+
+impl PrincipledParameters {
+    /// The same with every number in its range; what is not a number becomes the range's lower
+    /// end, an index that is not positive and finite becomes 1.
+    #[inline]
+    pub(super) fn in_range(&self) -> Self {
+        let unit = |x: f64| x.max(0.0).min(1.0);
+        let share = |s: Spectrum| s.map(|x| x.max(0.0).min(1.0));
+        Self {
+            base_color: share(self.base_color),
+            metallic: unit(self.metallic),
+            roughness: unit(self.roughness),
+            specular: unit(self.specular),
+            specular_color: self.specular_color.map(|x| x.max(0.0).min(1e6)),
+            ior: self.ior.map(|n| if n > 0.0 && n.is_finite() { n } else { 1.0 }),
+            transmission: unit(self.transmission),
+            wall: self.wall,
+            compensation: self.compensation,
+        }
+    }
+
+    /// GGX alpha, 0 where it counts as smooth.
+    #[inline]
+    pub(super) fn alpha(&self) -> f64 {
+        let alpha = self.roughness * self.roughness;
+        if alpha < crate::SMOOTH_ALPHA { 0.0 } else { alpha }
+    }
+
+    /// Reflectance of the dielectric at normal incidence and at grazing (`KHR_materials_specular`).
+    #[inline]
+    pub(super) fn dielectric_ends(&self) -> (Spectrum, Spectrum) {
+        let strength = self.specular as f32;
+        let f0 = self.ior.zip(self.specular_color, |n, colour| {
+            (crate::fresnel::normal_incidence(f64::from(n)) as f32 * colour).min(1.0) * strength
+        });
+        (f0, Spectrum::splat(strength))
+    }
+}
