@@ -13,6 +13,7 @@ mod uv_map;
 use std::sync::{Arc, LazyLock};
 
 use glam::Vec2;
+use kaustik_spectrum::srgb_to_linear;
 
 use crate::description::{Filtering, ImageData, Pixels, TextureDescription, Wrap};
 
@@ -56,17 +57,8 @@ pub enum Coding {
 /// The decoded values of all bytes in one coding.
 type Table = [f32; 256];
 
-static SRGB: LazyLock<Table> = LazyLock::new(|| {
-    std::array::from_fn(|byte| {
-        let v = byte as f64 / 255.0;
-        let linear = if v <= 0.040_45 {
-            v / 12.92
-        } else {
-            libm::pow((v + 0.055) / 1.055, 2.4)
-        };
-        linear as f32
-    })
-});
+static SRGB: LazyLock<Table> =
+    LazyLock::new(|| std::array::from_fn(|byte| srgb_to_linear(byte as f32 / 255.0)));
 
 static LINEAR: LazyLock<Table> = LazyLock::new(|| std::array::from_fn(|byte| byte as f32 / 255.0));
 
