@@ -6,8 +6,19 @@
 
 pub mod camera;
 pub mod description;
-pub mod texture;
+mod emitter;
+pub mod environment;
+mod interior;
+mod material;
+mod matter;
+mod scene;
 #[cfg(test)]
 mod testing;
+pub mod texture;
+mod vertex;
 
 pub use description::Description;
+pub use emitter::{AreaSample, DirectSample, EmissionSample, Reach};
+pub use interior::Interior;
+pub use scene::{Scene, SceneError, SceneOptions, Segment};
+pub use vertex::Vertex;

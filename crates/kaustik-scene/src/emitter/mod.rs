@@ -1,0 +1,396 @@
+//! Everything that sends out light, chosen by power.
+//!
+//! One distribution chooses the emitter both for next-event estimation and for light walks
+//! (spec: bdpt-and-mis.md 3), so that the density of a light vertex does not depend on the
+//! technique. Emissive triangles are emitters of their own; an environment takes half of the
+//! choice when there is anything else, because its flux through the scene's sphere says
+//! little about what it does for the picture.
+
+mod alias;
+mod punctual;
+mod sample;
+
+use std::f64::consts::PI;
+
+use glam::DVec3;
+use kaustik_bsdf::{Frame, warp};
+use kaustik_geometry::Ray;
+use kaustik_spectrum::Wavelengths;
+
+use crate::Interior;
+use crate::environment::Environment;
+use crate::matter::Matter;
+use alias::AliasTable;
+pub(crate) use punctual::Punctual;
+pub use sample::{AreaSample, DirectSample, EmissionSample, Reach};
+
+/// Marks an instance that emits nothing.
+const DARK: u32 = u32::MAX;
+
+/// Share of the mean power that the dimmest emissive triangle is chosen with at least: a texture
+/// may be bright where the power estimate did not look.
+const POWER_FLOOR: f64 = 1e-3;
+
+#[derive(Clone, Copy, Debug)]
+enum Emitter {
+    Triangle(TriangleEmitter),
+    Punctual(u32),
+    Environment,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct TriangleEmitter {
+    instance: u32,
+    primitive: u32,
+    material: u32,
+    /// Index into `Emitters::interiors`.
+    interior: u32,
+    /// One over the area in the world.
+    inverse_area: f64,
+}
+
+/// All emitters of a scene.
+#[derive(Debug, Default)]
+pub(crate) struct Emitters {
+    list: Vec<Emitter>,
+    choice: AliasTable,
+    punctual: Vec<Punctual>,
+    punctual_interior: Vec<Interior>,
+    environment: Option<Environment>,
+    /// For each instance the index of its first triangle's emitter, or [`DARK`].
+    first_of_instance: Vec<u32>,
+    /// Solids around emissive instances.
+    interiors: Vec<Interior>,
+    /// Sphere around all geometry.
+    center: DVec3,
+    radius: f64,
+}
+
+/// Emitters that are not surfaces, and the sphere around all geometry.
+pub(crate) struct Sources {
+    pub(crate) punctual: Vec<Punctual>,
+    pub(crate) environment: Option<Environment>,
+    pub(crate) center: DVec3,
+    pub(crate) radius: f64,
+}
+
+impl Emitters {
+    /// Collects what emits.
+    pub(crate) fn new(matter: &Matter, sources: Sources) -> Self {
+        let mut emitters = Self {
+            center: sources.center,
+            radius: sources.radius,
+            ..Self::default()
+        };
+        let mut powers = Vec::new();
+        for instance in 0..matter.material_of.len() as u32 {
+            emitters.add_instance(matter, instance, &mut powers);
+        }
+        let triangles = powers.len().max(1) as f64;
+        let floor = powers.iter().sum::<f64>() / triangles * POWER_FLOOR;
+        for power in powers.iter_mut().filter(|power| **power > 0.0) {
+            *power = power.max(floor);
+        }
+        let disc = PI * sources.radius * sources.radius;
+        for (index, light) in sources.punctual.iter().enumerate() {
+            emitters.list.push(Emitter::Punctual(index as u32));
+            powers.push(light.power(disc));
+            emitters.punctual_interior.push(if light.is_directional() {
+                Interior::VACUUM
+            } else {
+                matter.interior_at(light.position)
+            });
+        }
+        emitters.punctual = sources.punctual;
+        if let Some(environment) = sources.environment.filter(|e| e.mean_radiance() > 0.0) {
+            let rest: f64 = powers.iter().sum();
+            emitters.list.push(Emitter::Environment);
+            powers.push(if rest > 0.0 { rest } else { 1.0 });
+            emitters.environment = Some(environment);
+        }
+        emitters.choice = AliasTable::new(&powers);
+        emitters
+    }
+
+    fn add_instance(&mut self, matter: &Matter, instance: u32, powers: &mut Vec<f64>) {
+        let world = &matter.world;
+        let material_index = matter.material_of[instance as usize];
+        let material = matter.material(material_index);
+        if !material.is_emissive() {
+            self.first_of_instance.push(DARK);
+            return;
+        }
+        self.first_of_instance.push(self.list.len() as u32);
+        let sides = if material.emits_on_both_sides() {
+            2.0
+        } else {
+            1.0
+        };
+        let first = world.surface_at(instance, 0, 1.0 / 3.0, 1.0 / 3.0);
+        let clearance = 1e-4 * world.triangle_area(instance, 0).sqrt();
+        let above = first.position.as_dvec3() + first.geometric_normal.as_dvec3() * clearance;
+        self.interiors.push(matter.interior_at(above));
+        for primitive in 0..world.mesh_of(instance).indices.len() as u32 {
+            let area = world.triangle_area(instance, primitive);
+            powers.push(
+                area * sides
+                    * PI
+                    * material.mean_emission(&matter.textures, world, instance, primitive),
+            );
+            self.list.push(Emitter::Triangle(TriangleEmitter {
+                instance,
+                primitive,
+                material: material_index,
+                interior: self.interiors.len() as u32 - 1,
+                inverse_area: if area > 0.0 { 1.0 / area } else { 0.0 },
+            }));
+        }
+    }
+
+    /// Nothing emits?
+    pub(crate) fn is_empty(&self) -> bool {
+        self.choice.is_empty()
+    }
+
+    pub(crate) fn environment(&self) -> Option<&Environment> {
+        self.environment.as_ref()
+    }
+
+    /// The emitter for a coordinate that is asked for only if there is a choice to make.
+    #[inline]
+    fn choose(&self, u: impl FnOnce() -> f64) -> Option<(Emitter, f64)> {
+        let index = match self.choice.len() {
+            0 => return None,
+            1 => 0,
+            _ => self.choice.choose(u()),
+        };
+        Some((self.list[index], self.choice.probability(index)))
+    }
+
+    /// Next event: a point or direction of an emitter as seen from `position`. `u(i)` gives
+    /// coordinate `i` of three: choice, then the point or direction. `None` where nothing arrives.
+    #[inline]
+    pub(crate) fn sample_direct(
+        &self,
+        matter: &Matter,
+        position: DVec3,
+        wavelengths: &Wavelengths,
+        mut u: impl FnMut(u32) -> f64,
+    ) -> Option<DirectSample> {
+        let (emitter, probability) = self.choose(|| u(0))?;
+        match emitter {
+            Emitter::Triangle(triangle) => {
+                let [a, b] = warp::uniform_triangle([u(1), u(2)]);
+                let surface = matter.world.surface_at(
+                    triangle.instance,
+                    triangle.primitive,
+                    a as f32,
+                    b as f32,
+                );
+                let to = surface.position.as_dvec3() - position;
+                let squared = to.length_squared();
+                let wi = to / squared.sqrt();
+                let cos = -wi.dot(surface.geometric_normal.as_dvec3());
+                let material = matter.material(triangle.material);
+                let pdf = probability * triangle.inverse_area * squared / cos.abs();
+                let shines = material.emits_toward(cos) && pdf.is_finite() && pdf > 0.0;
+                shines.then(|| DirectSample {
+                    wi,
+                    pdf,
+                    radiance: matter.emission(triangle.material, &surface, wavelengths),
+                    delta: false,
+                    reach: Reach::Surface(surface),
+                })
+            }
+            Emitter::Punctual(index) => {
+                self.punctual_direct(index, probability, position, wavelengths)
+            }
+            Emitter::Environment => {
+                let environment = self.environment.as_ref()?;
+                let (wi, pdf) = environment.sample([u(1), u(2)]);
+                (pdf > 0.0).then(|| DirectSample {
+                    wi,
+                    pdf: pdf * probability,
+                    radiance: environment.radiance(wi, wavelengths),
+                    delta: false,
+                    reach: Reach::Infinity,
+                })
+            }
+        }
+    }
+
+    fn punctual_direct(
+        &self,
+        index: u32,
+        probability: f64,
+        position: DVec3,
+        wavelengths: &Wavelengths,
+    ) -> Option<DirectSample> {
+        let light = &self.punctual[index as usize];
+        if light.is_directional() {
+            return Some(DirectSample {
+                wi: -light.axis(),
+                pdf: probability,
+                radiance: light.intensity(light.axis(), wavelengths),
+                delta: true,
+                reach: Reach::Infinity,
+            });
+        }
+        let to = light.position - position;
+        let squared = to.length_squared();
+        let distance = squared.sqrt();
+        let wi = to / distance;
+        let fading = light.window(distance) / squared;
+        (squared > 0.0 && fading > 0.0).then(|| DirectSample {
+            wi,
+            pdf: probability,
+            radiance: light.intensity(-wi, wavelengths) * fading as f32,
+            delta: true,
+            reach: Reach::Point(light.position),
+        })
+    }
+
+    /// Density per solid angle with which [`Self::sample_direct`] at a distance whose square is
+    /// `squared` finds a point of a triangle met at `cos`.
+    #[inline]
+    pub(crate) fn direct_pdf(&self, instance: u32, primitive: u32, squared: f64, cos: f64) -> f64 {
+        let first = self.first_of_instance[instance as usize];
+        if first == DARK {
+            return 0.0;
+        }
+        let index = (first + primitive) as usize;
+        match self.list[index] {
+            Emitter::Triangle(triangle) if cos != 0.0 => {
+                self.choice.probability(index) * triangle.inverse_area * squared / cos.abs()
+            }
+            _ => 0.0,
+        }
+    }
+
+    /// Density per solid angle with which [`Self::sample_direct`] finds the environment in `direction`.
+    #[inline]
+    pub(crate) fn environment_pdf(&self, direction: DVec3) -> f64 {
+        self.environment.as_ref().map_or(0.0, |environment| {
+            environment.pdf(direction) * self.choice.probability(self.list.len() - 1)
+        })
+    }
+
+    /// The start of a light walk. `u(i)` gives coordinate `i` of five: choice, position (two),
+    /// direction (two).
+    pub(crate) fn sample_emission(
+        &self,
+        matter: &Matter,
+        wavelengths: &Wavelengths,
+        mut u: impl FnMut(u32) -> f64,
+    ) -> Option<EmissionSample> {
+        let (emitter, probability) = self.choose(|| u(0))?;
+        match emitter {
+            Emitter::Triangle(triangle) => {
+                Some(self.triangle_emission(matter, triangle, probability, wavelengths, u))
+            }
+            Emitter::Punctual(index) => self.punctual_emission(index, probability, wavelengths, u),
+            Emitter::Environment => {
+                let environment = self.environment.as_ref()?;
+                let (toward, pdf) = environment.sample([u(3), u(4)]);
+                let radiance = environment.radiance(toward, wavelengths);
+                let pdf = pdf * probability / (PI * self.radius * self.radius);
+                (pdf > 0.0).then(|| EmissionSample {
+                    ray: self.ray_from_disc(-toward, [u(1), u(2)]),
+                    weight: radiance / pdf as f32,
+                    interior: Interior::VACUUM,
+                    area: None,
+                    fading: None,
+                })
+            }
+        }
+    }
+
+    fn triangle_emission(
+        &self,
+        matter: &Matter,
+        triangle: TriangleEmitter,
+        probability: f64,
+        wavelengths: &Wavelengths,
+        mut u: impl FnMut(u32) -> f64,
+    ) -> EmissionSample {
+        let [a, b] = warp::uniform_triangle([u(1), u(2)]);
+        let surface =
+            matter
+                .world
+                .surface_at(triangle.instance, triangle.primitive, a as f32, b as f32);
+        let both_sides = matter.material(triangle.material).emits_on_both_sides();
+        let (mut side, mut v) = (1.0, u(4));
+        let mut sides = 1.0;
+        if both_sides {
+            // The lower half of the last coordinate shines to the back.
+            sides = 2.0;
+            side = if v < 0.5 { -1.0 } else { 1.0 };
+            v = (2.0 * v).fract();
+        }
+        let normal = surface.geometric_normal.as_dvec3() * side;
+        let direction = Frame::from_z(normal).to_world(warp::cosine_hemisphere([u(3), v]));
+        // The cosine of the density cancels the emitter's.
+        let position_weight = 1.0 / (probability * triangle.inverse_area);
+        let weight = position_weight * PI * sides;
+        EmissionSample {
+            ray: Ray::spawn(&surface, direction.as_vec3()),
+            weight: matter.emission(triangle.material, &surface, wavelengths) * weight as f32,
+            interior: if side > 0.0 {
+                self.interiors[triangle.interior as usize]
+            } else {
+                Interior::VACUUM
+            },
+            area: Some(AreaSample {
+                surface,
+                weight: position_weight,
+                both_sides,
+                material: triangle.material,
+            }),
+            fading: None,
+        }
+    }
+
+    fn punctual_emission(
+        &self,
+        index: u32,
+        probability: f64,
+        wavelengths: &Wavelengths,
+        mut u: impl FnMut(u32) -> f64,
+    ) -> Option<EmissionSample> {
+        let light = &self.punctual[index as usize];
+        if light.is_directional() {
+            let weight = PI * self.radius * self.radius / probability;
+            return Some(EmissionSample {
+                ray: self.ray_from_disc(light.axis(), [u(1), u(2)]),
+                weight: light.intensity(light.axis(), wavelengths) * weight as f32,
+                interior: Interior::VACUUM,
+                area: None,
+                fading: None,
+            });
+        }
+        let (direction, pdf) = light.sample_direction([u(3), u(4)]);
+        let weight = 1.0 / (pdf * probability);
+        weight.is_finite().then(|| EmissionSample {
+            ray: Ray::new(light.position.as_vec3(), direction.as_vec3()),
+            weight: light.intensity(direction, wavelengths) * weight as f32,
+            interior: self.punctual_interior[index as usize],
+            area: None,
+            fading: Some(index),
+        })
+    }
+
+    /// What is left of a fading light's radiance after `distance`.
+    pub(crate) fn fading(&self, emission: &EmissionSample, distance: f64) -> f32 {
+        emission.fading.map_or(1.0, |index| {
+            self.punctual[index as usize].window(distance) as f32
+        })
+    }
+
+    /// Parallel light along `direction`, from a disc that covers the scene's sphere.
+    fn ray_from_disc(&self, direction: DVec3, u: [f64; 2]) -> Ray {
+        let frame = Frame::from_z(direction);
+        let [x, y] = warp::concentric_disk(u);
+        let origin = self.center + (frame.x * x + frame.y * y - frame.z) * self.radius;
+        Ray::new(origin.as_vec3(), direction.as_vec3())
+    }
+}

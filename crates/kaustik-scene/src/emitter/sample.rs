@@ -1,0 +1,63 @@
+//! What the emitters hand out.
+
+use glam::DVec3;
+use kaustik_geometry::{Ray, Surface};
+use kaustik_spectrum::Spectrum;
+
+use crate::Interior;
+
+/// Where the far end of a connection to an emitter lies.
+#[derive(Clone, Copy, Debug)]
+pub enum Reach {
+    /// On an emissive triangle.
+    Surface(Surface),
+    /// At a point light.
+    Point(DVec3),
+    /// Infinitely far away.
+    Infinity,
+}
+
+/// Next-event estimation: what a point receives from one direction.
+#[derive(Clone, Copy, Debug)]
+pub struct DirectSample {
+    /// Unit, from the point to the emitter.
+    pub wi: DVec3,
+    /// Density per solid angle at the point, the choice of the emitter included; of a Dirac
+    /// emitter the probability of its choice.
+    pub pdf: f64,
+    /// Radiance from there; of a Dirac emitter the irradiance on a surface that faces it.
+    pub radiance: Spectrum,
+    /// A Dirac emitter: no ray can hit it, so no other technique finds this light.
+    pub delta: bool,
+    /// The emitter's end of the shadow ray.
+    pub reach: Reach,
+}
+
+/// The start of a light walk.
+#[derive(Clone, Copy, Debug)]
+pub struct EmissionSample {
+    /// The first ray.
+    pub ray: Ray,
+    /// Emitted radiance times cosine over all densities: `Le |cos| / (P p_A p_w)`.
+    pub weight: Spectrum,
+    /// The solids around the emitter.
+    pub interior: Interior,
+    /// The point on an emissive triangle with `1 / (P p_A)`, for joining it to the lens; `None` for Dirac
+    /// emitters and the environment.
+    pub area: Option<AreaSample>,
+    /// The light fades with distance (`range`): index of the punctual light.
+    pub(crate) fading: Option<u32>,
+}
+
+/// A point on an emissive triangle.
+#[derive(Clone, Copy, Debug)]
+pub struct AreaSample {
+    /// The point.
+    pub surface: Surface,
+    /// `1 / (P p_A)`.
+    pub weight: f64,
+    /// Both sides emit.
+    pub both_sides: bool,
+    /// Index of the material.
+    pub material: u32,
+}

@@ -1,0 +1,61 @@
+//! What fills a closed mesh.
+
+use kaustik_spectrum::{Sigmoid, Spectrum, Wavelengths, uplift_reflectance};
+
+use crate::description::MaterialDescription;
+
+/// The interior of a transparent solid (`KHR_materials_volume`): it may absorb.
+#[derive(Clone, Debug)]
+pub(crate) struct Solid {
+    /// Transmittance over `1 / inverse_distance`; `None` absorbs nothing.
+    absorption: Option<(Sigmoid, f32)>,
+    /// Which of two overlapping solids fills the overlap: the higher.
+    pub(crate) priority: i32,
+}
+
+impl Solid {
+    /// Does the material bound a solid?
+    pub(crate) fn bounds(description: &MaterialDescription) -> bool {
+        description
+            .volume
+            .is_some_and(|volume| volume.thickness > 0.0)
+            && description.transmission.is_some_and(|t| t.factor > 0.0)
+    }
+
+    pub(super) fn new(description: &MaterialDescription) -> Option<Self> {
+        if !Self::bounds(description) {
+            return None;
+        }
+        let volume = description.volume?;
+        let absorbs = volume.attenuation_distance.is_finite()
+            && volume.attenuation_distance > 0.0
+            && volume.attenuation_color.iter().any(|&c| c < 1.0);
+        Some(Self {
+            absorption: absorbs.then(|| {
+                (
+                    uplift_reflectance(volume.attenuation_color),
+                    1.0 / volume.attenuation_distance,
+                )
+            }),
+            priority: description.priority,
+        })
+    }
+
+    /// Share of light left after `distance` (Beer and Lambert).
+    pub(crate) fn transmittance(&self, wavelengths: &Wavelengths, distance: f64) -> Spectrum {
+        match &self.absorption {
+            None => Spectrum::ONE,
+            Some((color, inverse)) => {
+                let exponent = distance as f32 * inverse;
+                color
+                    .eval(wavelengths)
+                    .map(|c| libm::powf(c.max(0.0), exponent))
+            }
+        }
+    }
+
+    /// Does it absorb at all?
+    pub(crate) fn absorbs(&self) -> bool {
+        self.absorption.is_some()
+    }
+}

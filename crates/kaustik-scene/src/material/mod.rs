@@ -1,0 +1,368 @@
+//! Materials ready for rays: what a description says, prepared so that a hit becomes a
+//! [`Bsdf`] with little work.
+//!
+//! Which scattering function a material needs is decided once, when the scene is built, as
+//! far as its textures allow: a plain wall is Lambertian at no more cost than reading its
+//! reflectance at the path's wavelengths.
+
+mod color;
+mod emission;
+mod interior;
+
+use kaustik_bsdf::{Bsdf, Interface, PrincipledParameters, SMOOTH_ALPHA, Wall};
+use kaustik_geometry::{Surface, World};
+use kaustik_spectrum::{Glass, Metal, Spectrum, Wavelengths};
+
+use crate::description::{AlphaMode, MaterialDescription, Model};
+use crate::scene::SceneError;
+use crate::texture::{Coding, Texture};
+pub(crate) use color::{ColorSource, Slot, luminance};
+use emission::Emission;
+pub(crate) use interior::Solid;
+
+/// A material at rest.
+#[derive(Debug)]
+pub(crate) struct Material {
+    kind: Kind,
+    base: ColorSource,
+    alpha_factor: f32,
+    alpha_mode: AlphaMode,
+    metallic: f32,
+    roughness: f32,
+    metallic_roughness: Option<Slot>,
+    normal: Option<(Slot, f32)>,
+    specular: f32,
+    specular_texture: Option<Slot>,
+    specular_color: ColorSource,
+    transmission: f32,
+    transmission_texture: Option<Slot>,
+    glass: Glass,
+    emission: Option<Emission>,
+    solid: Option<Solid>,
+    both_sides: bool,
+    compensation: bool,
+}
+
+/// Which scattering function, as far as constants decide it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Kind {
+    /// Scatters nothing.
+    Black,
+    Lambertian,
+    /// A metal by its base colour.
+    Reflector,
+    Measured(Metal),
+    Coated,
+    Phong(f32),
+    /// A transparent solid.
+    Solid,
+    /// A transparent pane.
+    Pane,
+    Principled,
+}
+
+impl Material {
+    /// From its description; `textures` are the scene's.
+    pub(crate) fn new(
+        description: &MaterialDescription,
+        textures: &[Texture],
+        compensation: bool,
+    ) -> Result<Self, SceneError> {
+        let slot = |slot: Option<crate::description::TextureSlot>| {
+            slot.map(|slot| Slot::new(&slot, textures, &description.name))
+                .transpose()
+        };
+        let base = ColorSource::reflectance(
+            [0, 1, 2].map(|i| description.base_color[i]),
+            slot(description.base_color_texture)?,
+            description.reflectance.as_ref(),
+            &description.name,
+        )?;
+        let transmission = description.transmission;
+        Ok(Self {
+            kind: Kind::of(description),
+            base,
+            alpha_factor: description.base_color[3],
+            alpha_mode: description.alpha_mode,
+            metallic: description.metallic,
+            roughness: description.roughness,
+            metallic_roughness: slot(description.metallic_roughness_texture)?,
+            normal: slot(description.normal_texture)?.map(|slot| (slot, description.normal_scale)),
+            specular: description.specular.factor,
+            specular_texture: slot(description.specular.texture)?,
+            specular_color: ColorSource::reflectance(
+                description.specular.color.map(|c| c.min(1.0)),
+                slot(description.specular.color_texture)?,
+                None,
+                &description.name,
+            )?,
+            transmission: transmission.map_or(0.0, |t| t.factor),
+            transmission_texture: slot(transmission.and_then(|t| t.texture))?,
+            glass: index_of_refraction(description),
+            emission: Emission::new(
+                description,
+                slot(description.emissive_texture)?,
+                slot(description.base_color_texture)?,
+            )?,
+            solid: Solid::new(description),
+            both_sides: description.double_sided || description.unlit,
+            compensation,
+        })
+    }
+
+    /// The scattering function at a hit. `around` is the index of refraction of the medium
+    /// on the outer side of the surface at the path's wavelengths.
+    #[inline]
+    pub(crate) fn bsdf(
+        &self,
+        textures: &[Texture],
+        surface: &Surface,
+        wavelengths: &Wavelengths,
+        around: impl FnOnce() -> Spectrum,
+    ) -> Bsdf {
+        match self.kind {
+            Kind::Black => Bsdf::lambertian(Spectrum::ZERO),
+            Kind::Lambertian => Bsdf::lambertian(self.base.eval(textures, surface, wavelengths)),
+            Kind::Principled => self.principled(textures, surface, wavelengths, around()),
+            _ => self.special(textures, surface, wavelengths, around()),
+        }
+    }
+
+    /// Everything but the plain wall and glTF's mixture.
+    fn special(
+        &self,
+        textures: &[Texture],
+        surface: &Surface,
+        wavelengths: &Wavelengths,
+        around: Spectrum,
+    ) -> Bsdf {
+        let base = self.base.eval(textures, surface, wavelengths);
+        let (metallic, roughness) = self.metallic_roughness(textures, surface);
+        let alpha = f64::from(roughness * roughness);
+        match self.kind {
+            Kind::Reflector if alpha < SMOOTH_ALPHA => Bsdf::mirror(base),
+            Kind::Reflector => Bsdf::metal(base, Spectrum::ONE, alpha, self.compensation),
+            Kind::Measured(metal) => {
+                let (eta, k) = metal.eta_k(wavelengths);
+                Bsdf::conductor(eta / around, k / around, alpha, self.compensation)
+            }
+            Kind::Coated => {
+                let ior = self.glass.ior(wavelengths).mean() / around.mean();
+                Bsdf::coated(base, f64::from(ior))
+            }
+            Kind::Phong(exponent) => Bsdf::phong(
+                base * (1.0 - metallic),
+                base * metallic,
+                f64::from(exponent),
+            ),
+            Kind::Solid | Kind::Pane => {
+                let eta = self.glass.ior(wavelengths) / around;
+                let interface = Interface::new(eta, Spectrum::ONE, base);
+                if self.kind == Kind::Solid {
+                    Bsdf::dielectric(interface, alpha, self.compensation)
+                } else {
+                    Bsdf::thin_dielectric(interface, alpha, self.compensation)
+                }
+            }
+            Kind::Black | Kind::Lambertian | Kind::Principled => Bsdf::lambertian(base),
+        }
+    }
+
+    fn principled(
+        &self,
+        textures: &[Texture],
+        surface: &Surface,
+        wavelengths: &Wavelengths,
+        around: Spectrum,
+    ) -> Bsdf {
+        let (metallic, roughness) = self.metallic_roughness(textures, surface);
+        let read = |slot: &Option<Slot>, channel: usize| {
+            slot.as_ref().map_or(1.0, |slot| {
+                slot.read(textures, surface, Coding::Linear)[channel]
+            })
+        };
+        Bsdf::principled(&PrincipledParameters {
+            base_color: self.base.eval(textures, surface, wavelengths),
+            metallic: f64::from(metallic),
+            roughness: f64::from(roughness),
+            specular: f64::from(self.specular * read(&self.specular_texture, 3)),
+            specular_color: self
+                .specular_color
+                .eval_plain(textures, surface, wavelengths),
+            ior: self.glass.ior(wavelengths) / around,
+            transmission: f64::from(self.transmission * read(&self.transmission_texture, 0)),
+            wall: if self.solid.is_some() {
+                Wall::Solid
+            } else {
+                Wall::Thin
+            },
+            compensation: self.compensation,
+        })
+    }
+
+    fn metallic_roughness(&self, textures: &[Texture], surface: &Surface) -> (f32, f32) {
+        match &self.metallic_roughness {
+            None => (self.metallic, self.roughness),
+            Some(slot) => {
+                let [_, roughness, metallic, _] = slot.read(textures, surface, Coding::Linear);
+                (self.metallic * metallic, self.roughness * roughness)
+            }
+        }
+    }
+
+    /// The normal texture's normal in the tangent frame and its scale applied; `None` without one.
+    pub(crate) fn tangent_normal(
+        &self,
+        textures: &[Texture],
+        surface: &Surface,
+    ) -> Option<[f32; 3]> {
+        let (slot, scale) = self.normal.as_ref()?;
+        let [x, y, z, _] = slot.read(textures, surface, Coding::Linear);
+        Some([
+            (2.0 * x - 1.0) * scale,
+            (2.0 * y - 1.0) * scale,
+            2.0 * z - 1.0,
+        ])
+    }
+
+    /// Can a ray pass this surface because of its alpha?
+    pub(crate) fn has_alpha(&self) -> bool {
+        self.alpha_mode != AlphaMode::Opaque
+    }
+
+    /// Probability of meeting the surface at this point, in [0, 1].
+    pub(crate) fn opacity(
+        &self,
+        textures: &[Texture],
+        uv: impl Fn(u8) -> glam::Vec2,
+        vertex_alpha: f32,
+    ) -> f32 {
+        let texel = self.base.slot().map_or(1.0, |slot| {
+            slot.read_at(textures, uv(slot.uv_set()), Coding::Srgb)[3]
+        });
+        let alpha = (self.alpha_factor * texel * vertex_alpha).clamp(0.0, 1.0);
+        match self.alpha_mode {
+            AlphaMode::Opaque => 1.0,
+            AlphaMode::Mask(cutoff) => f32::from(u8::from(alpha >= cutoff)),
+            AlphaMode::Blend => alpha,
+        }
+    }
+
+    /// Does it send out light of its own?
+    pub(crate) fn is_emissive(&self) -> bool {
+        self.emission.is_some()
+    }
+
+    /// Do both sides emit?
+    pub(crate) fn emits_on_both_sides(&self) -> bool {
+        self.both_sides
+    }
+
+    /// Does light leave at this cosine to the front normal?
+    #[inline]
+    pub(crate) fn emits_toward(&self, cos: f64) -> bool {
+        self.emission.is_some() && (cos > 0.0 || (self.both_sides && cos < 0.0))
+    }
+
+    /// Emitted radiance at a point (the side is the caller's matter).
+    #[inline]
+    pub(crate) fn emission(
+        &self,
+        textures: &[Texture],
+        surface: &Surface,
+        wavelengths: &Wavelengths,
+    ) -> Spectrum {
+        self.emission.as_ref().map_or(Spectrum::ZERO, |emission| {
+            emission.eval(textures, surface, wavelengths)
+        })
+    }
+
+    /// Rough mean luminance over a triangle, for the choice among emitters.
+    pub(crate) fn mean_emission(
+        &self,
+        textures: &[Texture],
+        world: &World,
+        instance: u32,
+        primitive: u32,
+    ) -> f64 {
+        self.emission.as_ref().map_or(0.0, |emission| {
+            emission.mean(textures, world, instance, primitive)
+        })
+    }
+
+    /// The interior, if the surface bounds one.
+    #[inline]
+    pub(crate) fn solid(&self) -> Option<&Solid> {
+        self.solid.as_ref()
+    }
+
+    /// Index of refraction of the interior.
+    pub(crate) fn ior(&self, wavelengths: &Wavelengths) -> Spectrum {
+        self.glass.ior(wavelengths)
+    }
+}
+
+impl Kind {
+    fn of(description: &MaterialDescription) -> Self {
+        let constant_mix = description.metallic_roughness_texture.is_none();
+        let plain_metal = constant_mix && description.metallic >= 1.0;
+        let plain_dielectric = description.metallic <= 0.0;
+        let full_specular = description.specular.texture.is_none()
+            && description.specular.color_texture.is_none()
+            && description.specular.factor >= 1.0
+            && description.specular.color == [1.0; 3];
+        let clear = description
+            .transmission
+            .is_some_and(|t| t.factor >= 1.0 && t.texture.is_none());
+        let no_transmission = description.transmission.is_none_or(|t| t.factor <= 0.0);
+        let black = description.base_color[..3] == [0.0; 3]
+            && description.reflectance.is_none()
+            && description.specular.factor <= 0.0
+            && plain_dielectric
+            && no_transmission;
+        match description.model {
+            _ if description.unlit => Self::Black,
+            Some(Model::Coated) => Self::Coated,
+            Some(Model::Phong { exponent }) => Self::Phong(exponent),
+            None => match description.metal {
+                Some(metal) => Self::Measured(metal),
+                None if black => Self::Black,
+                None if plain_metal => Self::Reflector,
+                None if plain_dielectric && clear && full_specular => {
+                    if Solid::bounds(description) {
+                        Self::Solid
+                    } else {
+                        Self::Pane
+                    }
+                }
+                None if plain_dielectric
+                    && no_transmission
+                    && description.specular.factor <= 0.0 =>
+                {
+                    Self::Lambertian
+                }
+                None => Self::Principled,
+            },
+        }
+    }
+}
+
+/// A glass by name, or glTF's ior with its dispersion (20 / Abbe number). An ior of 0 is the
+/// extension's way to say that everything is reflected; a large index says the same here.
+fn index_of_refraction(description: &MaterialDescription) -> Glass {
+    const MIRROR_LIKE: f32 = 1e4;
+    if let Some(glass) = &description.glass {
+        return glass.clone();
+    }
+    let nd = if description.ior == 0.0 {
+        MIRROR_LIKE
+    } else {
+        description.ior
+    };
+    let dispersive = (description.dispersion > 0.0)
+        .then(|| Glass::abbe(nd, 20.0 / description.dispersion).ok())
+        .flatten();
+    dispersive
+        .or_else(|| Glass::constant(nd).ok())
+        .unwrap_or(Glass::Constant(1.5))
+}

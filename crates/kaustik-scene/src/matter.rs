@@ -1,0 +1,270 @@
+//! Geometry with its materials: what a ray can meet.
+
+use glam::DVec3;
+use kaustik_bsdf::{Bsdf, Frame};
+use kaustik_geometry::{Hit, Ray, Surface, World};
+use kaustik_spectrum::{Spectrum, Wavelengths};
+
+use crate::material::Material;
+use crate::texture::Texture;
+use crate::{Interior, Vertex};
+
+/// The world and what it is made of.
+#[derive(Debug)]
+pub(crate) struct Matter {
+    pub(crate) world: World,
+    pub(crate) materials: Vec<Material>,
+    pub(crate) textures: Vec<Texture>,
+    /// Material of each instance.
+    pub(crate) material_of: Vec<u32>,
+    /// Can any ray pass any surface because of its alpha?
+    pub(crate) has_alpha: bool,
+    /// Does any material bound a solid?
+    pub(crate) has_solids: bool,
+}
+
+impl Matter {
+    #[inline]
+    pub(crate) fn material(&self, index: u32) -> &Material {
+        &self.materials[index as usize]
+    }
+
+    /// The surface that a ray met, with its shading frame.
+    #[inline]
+    pub(crate) fn vertex(&self, ray: &Ray, hit: &Hit) -> Vertex {
+        let surface = self.world.surface(ray, hit);
+        let material = self.material_of[hit.instance as usize];
+        Vertex {
+            position: surface.position.as_dvec3(),
+            normal: surface.geometric_normal.as_dvec3(),
+            frame: self.shading_frame(&surface, material),
+            surface,
+            instance: hit.instance,
+            primitive: hit.primitive,
+            material,
+        }
+    }
+
+    /// The frame about the shading normal, normal texture applied. A normal that points to the
+    /// other side than the geometry's is turned (interpolated) or left out (from a texture).
+    fn shading_frame(&self, surface: &Surface, material: u32) -> Frame {
+        let geometric = surface.geometric_normal.as_dvec3();
+        let mut normal = surface.shading_normal.as_dvec3();
+        if normal.dot(geometric) < 0.0 {
+            normal = -normal;
+        }
+        let Some(tangent) = surface.tangent else {
+            return Frame::from_z(normal);
+        };
+        let frame = Frame::from_z_x(normal, tangent.truncate().as_dvec3());
+        let Some([x, y, z]) = self
+            .material(material)
+            .tangent_normal(&self.textures, surface)
+        else {
+            return frame;
+        };
+        let bitangent = frame.y * f64::from(tangent.w);
+        let bent = frame.x * f64::from(x) + bitangent * f64::from(y) + frame.z * f64::from(z);
+        match bent.try_normalize() {
+            Some(bent) if bent.dot(geometric) > 0.0 => Frame::from_z_x(bent, frame.x),
+            _ => frame,
+        }
+    }
+
+    /// The scattering function at a vertex reached through `interior`.
+    #[inline]
+    pub(crate) fn bsdf(
+        &self,
+        vertex: &Vertex,
+        wavelengths: &Wavelengths,
+        interior: &Interior,
+    ) -> Bsdf {
+        let material = self.material(vertex.material);
+        material.bsdf(&self.textures, &vertex.surface, wavelengths, || {
+            if interior.is_vacuum() {
+                return Spectrum::ONE;
+            }
+            let around = if material.solid().is_some() {
+                interior.without(vertex.material)
+            } else {
+                *interior
+            };
+            self.dominant(&around)
+                .map_or(Spectrum::ONE, |solid| self.material(solid).ior(wavelengths))
+        })
+    }
+
+    /// Emitted radiance of a material at a surface point; the side is the caller's matter.
+    #[inline]
+    pub(crate) fn emission(
+        &self,
+        material: u32,
+        surface: &Surface,
+        wavelengths: &Wavelengths,
+    ) -> Spectrum {
+        self.material(material)
+            .emission(&self.textures, surface, wavelengths)
+    }
+
+    /// Probability that a ray that comes to this point meets the surface.
+    fn opacity(&self, hit: &Hit) -> f32 {
+        let material = self.material(self.material_of[hit.instance as usize]);
+        if !material.has_alpha() {
+            return 1.0;
+        }
+        let uv = |set: u8| self.world.uv(hit, usize::from(set));
+        material.opacity(&self.textures, uv, self.world.color(hit)[3])
+    }
+
+    /// The first surface that stops the ray. Partly transparent ones stop it by chance: one
+    /// number `u` for the whole segment, asked for if there is such a surface, stops it where the
+    /// share that has passed falls to u (spec: bdpt-and-mis.md 9.2).
+    #[inline]
+    pub(crate) fn intersect(&self, ray: &Ray, u: impl FnOnce() -> f64) -> Option<Hit> {
+        let hit = self.world.intersect(ray)?;
+        if self.has_alpha {
+            self.pass_alpha(ray, hit, u)
+        } else {
+            Some(hit)
+        }
+    }
+
+    #[cold]
+    fn pass_alpha(&self, ray: &Ray, mut hit: Hit, u: impl FnOnce() -> f64) -> Option<Hit> {
+        let mut ask = Some(u);
+        let mut threshold = 0.0;
+        let mut passed = 1.0;
+        loop {
+            let opacity = f64::from(self.opacity(&hit));
+            if opacity >= 1.0 {
+                return Some(hit);
+            }
+            if opacity > 0.0 {
+                if let Some(u) = ask.take() {
+                    threshold = u();
+                }
+                passed *= 1.0 - opacity;
+                if passed <= threshold {
+                    return Some(hit);
+                }
+            }
+            hit = self.world.intersect_after(ray, &hit, |_| true)?;
+        }
+    }
+
+    /// Share of light that passes a segment, in [0, 1]. Interfaces of solids that the one
+    /// filling the segment overrules are not there.
+    #[inline]
+    pub(crate) fn transmittance(&self, ray: &Ray, interior: &Interior) -> f32 {
+        if !self.has_alpha && interior.is_vacuum() {
+            return f32::from(u8::from(!self.world.occluded(ray)));
+        }
+        self.filtered_transmittance(ray, interior)
+    }
+
+    fn filtered_transmittance(&self, ray: &Ray, interior: &Interior) -> f32 {
+        let mut passed = 1.0;
+        let blocked = self.world.occluded_filtered(ray, |hit| {
+            if self.is_overruled(self.material_of[hit.instance as usize], interior) {
+                return false;
+            }
+            passed *= 1.0 - self.opacity(hit);
+            passed <= 0.0
+        });
+        if blocked { 0.0 } else { passed }
+    }
+
+    /// The solid that fills a point within these.
+    #[inline]
+    pub(crate) fn dominant(&self, interior: &Interior) -> Option<u32> {
+        interior.dominant(|solid| {
+            self.material(solid)
+                .solid()
+                .map_or(i32::MIN, |s| s.priority)
+        })
+    }
+
+    /// Is the interface of this material hidden, because a solid of higher priority fills the
+    /// space on both sides?
+    pub(crate) fn is_overruled(&self, material: u32, interior: &Interior) -> bool {
+        let Some(solid) = self.material(material).solid() else {
+            return false;
+        };
+        let Some(filling) = self.dominant(&interior.without(material)) else {
+            return false;
+        };
+        self.material(filling)
+            .solid()
+            .is_some_and(|filling| filling.priority > solid.priority)
+    }
+
+    /// Share of light left after a segment through what fills `interior`.
+    #[inline]
+    pub(crate) fn absorption(
+        &self,
+        interior: &Interior,
+        wavelengths: &Wavelengths,
+        distance: f64,
+    ) -> Spectrum {
+        if interior.is_vacuum() {
+            return Spectrum::ONE;
+        }
+        match self
+            .dominant(interior)
+            .and_then(|solid| self.material(solid).solid())
+        {
+            Some(solid) if solid.absorbs() => solid.transmittance(wavelengths, distance),
+            _ => Spectrum::ONE,
+        }
+    }
+
+    /// The solids around a point: those of which a ray from there meets more back sides than
+    /// front sides. A few directions vote, because a ray may graze an edge.
+    pub(crate) fn interior_at(&self, point: DVec3) -> Interior {
+        if !self.has_solids {
+            return Interior::VACUUM;
+        }
+        const DIRECTIONS: [DVec3; 3] = [
+            DVec3::new(0.267_261, 0.534_522, 0.801_784),
+            DVec3::new(-0.666_667, 0.333_333, -0.666_666),
+            DVec3::new(0.408_248, -0.816_497, 0.408_249),
+        ];
+        let votes = DIRECTIONS.map(|direction| self.interior_along(point, direction));
+        if votes[1] == votes[2] {
+            votes[1]
+        } else {
+            votes[0]
+        }
+    }
+
+    fn interior_along(&self, point: DVec3, direction: DVec3) -> Interior {
+        /// More crossings than any sensible scene has; a bound for senseless ones.
+        const MOST: usize = 10_000;
+        let ray = Ray::new(point.as_vec3(), direction.as_vec3());
+        // Net number of exits for each solid, in order of the first crossing.
+        let mut exits: Vec<(u32, i32)> = Vec::new();
+        let mut next = self.world.intersect(&ray);
+        for _ in 0..MOST {
+            let Some(hit) = next else { break };
+            let material = self.material_of[hit.instance as usize];
+            if self.material(material).solid().is_some() {
+                let step = if self.world.surface(&ray, &hit).front {
+                    -1
+                } else {
+                    1
+                };
+                match exits.iter_mut().find(|(solid, _)| *solid == material) {
+                    Some((_, count)) => *count += step,
+                    None => exits.push((material, step)),
+                }
+            }
+            next = self.world.intersect_after(&ray, &hit, |_| true);
+        }
+        // The solid left first was entered last.
+        let mut interior = Interior::VACUUM;
+        for &(solid, _) in exits.iter().rev().filter(|(_, count)| *count > 0) {
+            interior.enter(solid);
+        }
+        interior
+    }
+}

@@ -1,0 +1,298 @@
+//! A scene ready for rays.
+
+mod build;
+mod error;
+
+use glam::DVec3;
+use kaustik_bsdf::{Bsdf, Lobe};
+use kaustik_geometry::{Ray, World};
+use kaustik_spectrum::{Spectrum, Wavelengths};
+
+use crate::camera::Camera;
+use crate::emitter::{AreaSample, DirectSample, EmissionSample, Emitters, Reach};
+use crate::matter::Matter;
+use crate::{Interior, Vertex};
+pub use build::SceneOptions;
+pub use error::SceneError;
+
+/// Everything a light path needs to know: geometry, materials, emitters, camera. Immutable;
+/// shared by reference between threads.
+#[derive(Debug)]
+pub struct Scene {
+    matter: Matter,
+    emitters: Emitters,
+    camera: Camera,
+    camera_interior: Interior,
+    notices: Vec<String>,
+    center: DVec3,
+    radius: f64,
+}
+
+/// What the next segment of a walk led to.
+#[derive(Clone, Copy, Debug)]
+pub struct Segment {
+    /// The surface met; `None` when the walk left the scene.
+    pub vertex: Option<Vertex>,
+    /// Share of light that what fills the space has left over.
+    pub absorption: Spectrum,
+    /// Length in scene units; infinite when nothing was met.
+    pub distance: f64,
+}
+
+impl Scene {
+    /// The camera.
+    pub fn camera(&self) -> &Camera {
+        &self.camera
+    }
+
+    /// The geometry.
+    pub fn world(&self) -> &World {
+        &self.matter.world
+    }
+
+    /// Remarks for the user: what was assumed because the file did not say.
+    pub fn notices(&self) -> &[String] {
+        &self.notices
+    }
+
+    /// Centre and radius of a sphere around all geometry.
+    pub fn bounding_sphere(&self) -> (DVec3, f64) {
+        (self.center, self.radius)
+    }
+
+    /// Can anything emit light? Without, every picture is black.
+    pub fn has_light(&self) -> bool {
+        !self.emitters.is_empty()
+    }
+
+    /// The solids around the camera.
+    pub fn camera_interior(&self) -> Interior {
+        self.camera_interior
+    }
+
+    /// Follows a ray to the next surface that counts, through what alpha or priority hides. `interior` is
+    /// updated where hidden interfaces of solids are crossed. `transparency` gives one
+    /// number in [0, 1), asked for at most once.
+    #[inline]
+    pub fn advance(
+        &self,
+        ray: &Ray,
+        interior: &mut Interior,
+        wavelengths: &Wavelengths,
+        transparency: impl FnOnce() -> f64,
+    ) -> Segment {
+        let Some(hit) = self.matter.intersect(ray, transparency) else {
+            return Segment {
+                vertex: None,
+                absorption: Spectrum::ONE,
+                distance: f64::INFINITY,
+            };
+        };
+        let vertex = self.matter.vertex(ray, &hit);
+        let distance = f64::from(hit.t) * ray.direction.as_dvec3().length();
+        let absorption = self.matter.absorption(interior, wavelengths, distance);
+        let segment = Segment {
+            vertex: Some(vertex),
+            absorption,
+            distance,
+        };
+        if interior.is_vacuum() || !self.matter.is_overruled(vertex.material, interior) {
+            return segment;
+        }
+        self.pass_overruled(ray, segment, vertex, interior, wavelengths)
+    }
+
+    /// Goes on through interfaces that a solid of higher priority hides. Alpha is not looked at on the
+    /// way: within a solid there is none.
+    #[cold]
+    fn pass_overruled(
+        &self,
+        ray: &Ray,
+        mut segment: Segment,
+        mut vertex: Vertex,
+        interior: &mut Interior,
+        wavelengths: &Wavelengths,
+    ) -> Segment {
+        /// A bound for senseless scenes.
+        const MOST: usize = 1000;
+        for _ in 0..MOST {
+            self.cross(&vertex, ray.direction.as_dvec3(), interior);
+            let onward = Ray::spawn(&vertex.surface, ray.direction);
+            let Some(hit) = self.matter.world.intersect(&onward) else {
+                return Segment {
+                    vertex: None,
+                    distance: f64::INFINITY,
+                    ..segment
+                };
+            };
+            vertex = self.matter.vertex(&onward, &hit);
+            let distance = f64::from(hit.t) * ray.direction.as_dvec3().length();
+            segment.absorption *= self.matter.absorption(interior, wavelengths, distance);
+            segment.distance += distance;
+            segment.vertex = Some(vertex);
+            if !self.matter.is_overruled(vertex.material, interior) {
+                return segment;
+            }
+        }
+        Segment {
+            vertex: None,
+            absorption: Spectrum::ZERO,
+            distance: f64::INFINITY,
+        }
+    }
+
+    /// Updates `interior` for a walk that passes the surface along `direction` (world).
+    #[inline]
+    pub fn cross(&self, vertex: &Vertex, direction: DVec3, interior: &mut Interior) {
+        if self.matter.material(vertex.material).solid().is_none() {
+            return;
+        }
+        if vertex.in_front(direction) {
+            interior.leave(vertex.material);
+        } else {
+            interior.enter(vertex.material);
+        }
+    }
+
+    /// The solids beyond a vertex toward `direction`, for a walk that came from `wo` (both world).
+    #[inline]
+    pub fn interior_toward(
+        &self,
+        vertex: &Vertex,
+        interior: &Interior,
+        wo: DVec3,
+        direction: DVec3,
+    ) -> Interior {
+        let mut beyond = *interior;
+        if vertex.in_front(wo) != vertex.in_front(direction) {
+            self.cross(vertex, direction, &mut beyond);
+        }
+        beyond
+    }
+
+    /// The scattering function at a vertex that was reached through `interior`, in the frame
+    /// of the vertex.
+    #[inline]
+    pub fn bsdf(&self, vertex: &Vertex, wavelengths: &Wavelengths, interior: &Interior) -> Bsdf {
+        self.matter.bsdf(vertex, wavelengths, interior)
+    }
+
+    /// Radiance that the surface itself sends toward `direction` (unit, world).
+    #[inline]
+    pub fn emitted(
+        &self,
+        vertex: &Vertex,
+        direction: DVec3,
+        wavelengths: &Wavelengths,
+    ) -> Spectrum {
+        let material = self.matter.material(vertex.material);
+        if material.emits_toward(vertex.normal.dot(direction)) {
+            self.matter
+                .emission(vertex.material, &vertex.surface, wavelengths)
+        } else {
+            Spectrum::ZERO
+        }
+    }
+
+    /// Radiance that arrives from infinitely far away, from `direction` (unit, world).
+    #[inline]
+    pub fn environment(&self, direction: DVec3, wavelengths: &Wavelengths) -> Spectrum {
+        match self.emitters.environment() {
+            Some(environment) => environment.radiance(direction, wavelengths),
+            None => Spectrum::ZERO,
+        }
+    }
+
+    /// Next-event estimation at `position`: a direction in which an emitter lies. `u(i)` gives
+    /// coordinate `i` of three (choice, two of the position); what is not needed is not asked for.
+    #[inline]
+    pub fn sample_direct(
+        &self,
+        position: DVec3,
+        wavelengths: &Wavelengths,
+        u: impl FnMut(u32) -> f64,
+    ) -> Option<DirectSample> {
+        self.emitters
+            .sample_direct(&self.matter, position, wavelengths, u)
+    }
+
+    /// Density per solid angle at `from` with which [`Self::sample_direct`] finds `vertex`.
+    #[inline]
+    pub fn direct_pdf(&self, from: DVec3, vertex: &Vertex) -> f64 {
+        let to = vertex.position - from;
+        let squared = to.length_squared();
+        let cos = to.dot(vertex.normal) / squared.sqrt();
+        self.emitters
+            .direct_pdf(vertex.instance, vertex.primitive, squared, cos)
+    }
+
+    /// Density per solid angle with which [`Self::sample_direct`] finds the environment in `direction`.
+    #[inline]
+    pub fn environment_pdf(&self, direction: DVec3) -> f64 {
+        self.emitters.environment_pdf(direction)
+    }
+
+    /// The start of a light walk. `u(i)` gives coordinate `i` of five (choice, two of the
+    /// position, two of the direction).
+    pub fn sample_emission(
+        &self,
+        wavelengths: &Wavelengths,
+        u: impl FnMut(u32) -> f64,
+    ) -> Option<EmissionSample> {
+        self.emitters.sample_emission(&self.matter, wavelengths, u)
+    }
+
+    /// What is left of an emission after the first `distance` (only lights with a `range` fade).
+    pub fn fading(&self, emission: &EmissionSample, distance: f64) -> f32 {
+        self.emitters.fading(emission, distance)
+    }
+
+    /// Radiance from a point on an emitter toward `direction` (unit, world).
+    pub fn area_radiance(
+        &self,
+        area: &AreaSample,
+        direction: DVec3,
+        wavelengths: &Wavelengths,
+    ) -> Spectrum {
+        let cos = area.surface.geometric_normal.as_dvec3().dot(direction);
+        if cos > 0.0 || (area.both_sides && cos < 0.0) {
+            self.matter
+                .emission(area.material, &area.surface, wavelengths)
+        } else {
+            Spectrum::ZERO
+        }
+    }
+
+    /// Share of light that passes a segment (0 or 1 without alpha), for a ray whose ends are excluded.
+    #[inline]
+    pub fn transmittance(&self, ray: &Ray, interior: &Interior) -> f32 {
+        self.matter.transmittance(ray, interior)
+    }
+
+    /// Share of light left by what fills `interior` after `distance`.
+    #[inline]
+    pub fn absorption(
+        &self,
+        interior: &Interior,
+        wavelengths: &Wavelengths,
+        distance: f64,
+    ) -> Spectrum {
+        self.matter.absorption(interior, wavelengths, distance)
+    }
+
+    /// The shadow ray from a vertex to what [`Self::sample_direct`] found.
+    #[inline]
+    pub fn shadow_ray(&self, vertex: &Vertex, sample: &DirectSample) -> Ray {
+        match &sample.reach {
+            Reach::Surface(surface) => Ray::between(&vertex.surface, surface),
+            Reach::Point(point) => Ray::towards(&vertex.surface, point.as_vec3()),
+            Reach::Infinity => Ray::spawn(&vertex.surface, sample.wi.as_vec3()),
+        }
+    }
+
+    /// Reflectance of a surface as it looks from `direction`: for the albedo layer.
+    pub fn albedo(&self, vertex: &Vertex, direction: DVec3, wavelengths: &Wavelengths) -> Spectrum {
+        let bsdf = self.bsdf(vertex, wavelengths, &self.camera_interior);
+        bsdf.albedo(vertex.frame.to_local(direction))
+    }
+}

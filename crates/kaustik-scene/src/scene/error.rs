@@ -1,0 +1,51 @@
+use crate::camera::CameraError;
+use crate::texture::TextureError;
+use kaustik_geometry::WorldError;
+
+/// A description that cannot become a scene.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum SceneError {
+    /// Geometry that the ray tracer refuses.
+    #[error("geometry: {0}")]
+    World(#[from] WorldError),
+    /// A camera that cannot be built.
+    #[error(transparent)]
+    Camera(#[from] CameraError),
+    /// An image that does not hold what it says.
+    #[error(transparent)]
+    Texture(#[from] TextureError),
+    /// An environment that cannot be used.
+    #[error("environment: {0}")]
+    Environment(String),
+    /// An index that leads nowhere.
+    #[error("{what} refers to {kind} {index}, but there are only {count}")]
+    Reference {
+        /// What refers.
+        what: String,
+        /// What it refers to.
+        kind: &'static str,
+        /// The index.
+        index: usize,
+        /// How many there are.
+        count: usize,
+    },
+    /// A spectrum that is no spectrum.
+    #[error("material '{material}', {key}: {reason}")]
+    Spectrum {
+        /// The material's name.
+        material: String,
+        /// Key of `extras.kaustik`.
+        key: &'static str,
+        /// What is wrong.
+        reason: String,
+    },
+    /// There is no camera of the wanted name.
+    #[error("there is no camera '{wanted}'; there are: {known}")]
+    NoSuchCamera {
+        /// The name asked for.
+        wanted: String,
+        /// Names of the cameras.
+        known: String,
+    },
+}
