@@ -1,1 +1,22 @@
 //! From a point of the unit cube to light paths: path tracing and light tracing.
+//!
+//! A [`PathBuilder`] draws every number from [`Coordinates`](kaustik_pss::Coordinates) and
+//! nothing else. It knows no chain and no random generator, so that plain Monte Carlo, Markov
+//! chains and the replay of one recorded path all use it alike.
+
+mod builder;
+mod camera_walk;
+mod contributions;
+mod endpoint;
+pub mod layout;
+mod light;
+mod next_event;
+mod roulette;
+mod unidirectional;
+mod walk;
+
+pub use builder::{BuilderSettings, PathBuilder};
+pub use contributions::{Contributions, Splat};
+pub use endpoint::Endpoint;
+pub use light::LightTracing;
+pub use unidirectional::Unidirectional;

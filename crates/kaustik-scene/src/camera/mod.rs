@@ -232,6 +232,12 @@ impl Camera {
         matches!(&self.optics, Optics::Perspective(optics) if optics.is_pinhole())
     }
 
+    /// Has the lens area, so that its points take coordinates?
+    #[must_use]
+    pub fn has_aperture(&self) -> bool {
+        !self.is_dirac_position() && !self.is_dirac_direction()
+    }
+
     /// Do all rays share one direction (orthographic)?
     #[must_use]
     pub fn is_dirac_direction(&self) -> bool {

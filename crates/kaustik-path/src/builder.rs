@@ -1,0 +1,53 @@
+use glam::DVec2;
+use kaustik_pss::Coordinates;
+use kaustik_scene::Scene;
+use kaustik_spectrum::WavelengthSampling;
+
+use crate::Contributions;
+
+/// Makes paths from a point of the primary sample space: `S(u)` and `F*(u)` of Kelemen sec. 2.
+///
+/// A builder owns no random generator: every choice is a coordinate, so that the same point gives the
+/// same paths. Which coordinate means what is fixed by the builder ([`layout`](crate::layout)).
+pub trait PathBuilder: Sync {
+    /// Evaluates `u` into `out`, which is cleared first.
+    fn build(&self, scene: &Scene, u: &mut dyn Coordinates, out: &mut Contributions);
+}
+
+/// What all builders are told.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BuilderSettings {
+    /// Longest path in edges, at least 1 (1: emitters seen directly).
+    pub max_edges: u32,
+    /// Law of the wavelengths.
+    pub wavelengths: WavelengthSampling,
+    /// Lower corner of the part of the raster that is drawn from.
+    pub window_min: DVec2,
+    /// Upper corner; a filter that reaches over the image's edge wants a window larger than
+    /// the unit square.
+    pub window_max: DVec2,
+}
+
+impl Default for BuilderSettings {
+    fn default() -> Self {
+        Self {
+            max_edges: 64,
+            wavelengths: WavelengthSampling::Hero,
+            window_min: DVec2::ZERO,
+            window_max: DVec2::ONE,
+        }
+    }
+}
+
+impl BuilderSettings {
+    /// The raster point of two coordinates.
+    #[inline]
+    pub(crate) fn raster(&self, u: DVec2) -> DVec2 {
+        self.window_min + u * (self.window_max - self.window_min)
+    }
+
+    /// Area of the window; the whole image has 1.
+    pub fn window_area(&self) -> f64 {
+        (self.window_max - self.window_min).element_product()
+    }
+}

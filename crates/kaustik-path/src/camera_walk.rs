@@ -1,0 +1,43 @@
+//! The start of a walk from the camera.
+
+use glam::DVec2;
+use kaustik_bsdf::Mode;
+use kaustik_geometry::Ray;
+use kaustik_pss::{Coordinates, Stream};
+use kaustik_scene::Scene;
+use kaustik_spectrum::{Spectrum, Wavelengths};
+
+use crate::BuilderSettings;
+use crate::walk::Walk;
+
+/// A walk at the lens, and the raster point that it serves.
+#[inline]
+pub(crate) fn start(
+    settings: &BuilderSettings,
+    scene: &Scene,
+    u: &mut dyn Coordinates,
+) -> (Walk, DVec2) {
+    let wavelengths = Wavelengths::sample(u.get(Stream::Wavelength, 0), settings.wavelengths);
+    let raster = settings.raster(DVec2::new(
+        u.get(Stream::Camera, 0),
+        u.get(Stream::Camera, 1),
+    ));
+    let camera = scene.camera();
+    let lens = if !camera.has_aperture() {
+        [0.5; 2]
+    } else {
+        [u.get(Stream::Camera, 2), u.get(Stream::Camera, 3)]
+    };
+    let ray = camera.sample_ray(raster, lens);
+    let walk = Walk {
+        mode: Mode::Radiance,
+        wavelengths,
+        ray: Ray::new(ray.origin.as_vec3(), ray.direction.as_vec3()),
+        direction: ray.direction,
+        interior: scene.camera_interior(),
+        throughput: Spectrum::ONE,
+        dispersive: false,
+        edges: 0,
+    };
+    (walk, raster)
+}

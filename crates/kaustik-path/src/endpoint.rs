@@ -1,0 +1,86 @@
+//! A walk from the camera that is joined to an emitter at its end only (Kelemen sec. 2).
+
+use kaustik_bsdf::Lobe;
+use kaustik_pss::{Coordinates, Stream};
+use kaustik_scene::Scene;
+
+use crate::contributions::Gathered;
+use crate::next_event::{Shares, next_event};
+use crate::unidirectional::{Origin, emission, escape};
+use crate::walk::{Scatter, Walk};
+use crate::{BuilderSettings, Contributions, PathBuilder, camera_walk, layout};
+
+const BOUNCES: (Stream, u32) = (Stream::Camera, layout::CAMERA_HEAD);
+
+/// Least and largest probability that a walk goes on from a vertex where it could be joined.
+const ONWARD: (f64, f64) = (0.3, 0.8);
+
+/// One path a point: the walk stops by roulette, and where it stops it is joined to an emitter. An
+/// emitter that the walk runs into counts as well; the two techniques are weighted with their
+/// densities, the probabilities of stopping and of going on included.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Endpoint {
+    /// What all builders are told.
+    pub settings: BuilderSettings,
+}
+
+impl PathBuilder for Endpoint {
+    fn build(&self, scene: &Scene, u: &mut dyn Coordinates, out: &mut Contributions) {
+        out.clear();
+        let (mut walk, raster) = camera_walk::start(&self.settings, scene, u);
+        let mut gathered = Gathered::default();
+        self.gather(scene, &mut walk, u, &mut gathered);
+        out.push(raster, gathered.to_xyz(&walk.wavelengths));
+    }
+}
+
+impl Endpoint {
+    fn gather(
+        &self,
+        scene: &Scene,
+        walk: &mut Walk,
+        u: &mut dyn Coordinates,
+        gathered: &mut Gathered,
+    ) {
+        let mut origin = None;
+        let mut share = 0.0;
+        while let Some((vertex, _)) = walk.advance(scene, u) {
+            emission(scene, walk, &vertex, origin, share, gathered);
+            if walk.edges == self.settings.max_edges {
+                return;
+            }
+            let scatter = walk.scatter(scene, vertex);
+            let onward = onward(&scatter);
+            if onward < 1.0 {
+                let stop = layout::bounce(layout::CAMERA_HEAD, walk.edges) + 3;
+                if u.get(Stream::Camera, stop) >= onward {
+                    let shares = Shares {
+                        next_event: 1.0 - onward,
+                        scattering: onward,
+                    };
+                    next_event(scene, walk, &scatter, shares, u, gathered);
+                    return;
+                }
+                walk.throughput /= onward as f32;
+            }
+            let Some(sample) = walk.bounce(scene, &scatter, u, BOUNCES) else {
+                return;
+            };
+            share = 1.0 - onward;
+            let rivalled = onward < 1.0 && !sample.delta;
+            origin = rivalled.then(|| Origin::new(scatter.vertex.position, sample.pdf * onward));
+            if onward >= 1.0 && !walk.survives(u, BOUNCES) {
+                return;
+            }
+        }
+        escape(scene, walk, origin, share, gathered);
+    }
+}
+
+/// Probability of going on: the albedo within limits where the walk could be joined, else 1.
+fn onward(scatter: &Scatter) -> f64 {
+    if !scatter.bsdf.is_connectable() {
+        return 1.0;
+    }
+    f64::from(scatter.bsdf.albedo(scatter.wo).mean()).clamp(ONWARD.0, ONWARD.1)
+}

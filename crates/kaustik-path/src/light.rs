@@ -1,0 +1,156 @@
+//! Light tracing: walks from the emitters, every vertex joined to the lens.
+
+use kaustik_bsdf::{Lobe, Mode, shading};
+use kaustik_geometry::Ray;
+use kaustik_pss::{Coordinates, Stream};
+use kaustik_scene::{AreaSample, EmissionSample, Scene};
+use kaustik_spectrum::Wavelengths;
+
+use crate::contributions::Gathered;
+use crate::walk::{Scatter, Walk};
+use crate::{BuilderSettings, Contributions, PathBuilder, layout};
+
+const BOUNCES: (Stream, u32) = (Stream::Light, layout::LIGHT_HEAD);
+
+/// Walks from the emitters. Strategy t = 1 for every vertex, and (1, 1), the emitter itself
+/// joined to the lens, because a light tracer has no other way to show it (spec:
+/// bdpt-and-mis.md 4). What is seen in Dirac surfaces and the environment itself stay dark.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LightTracing {
+    /// What all builders are told.
+    pub settings: BuilderSettings,
+}
+
+impl PathBuilder for LightTracing {
+    fn build(&self, scene: &Scene, u: &mut dyn Coordinates, out: &mut Contributions) {
+        out.clear();
+        let sampling = self.settings.wavelengths;
+        let wavelengths = Wavelengths::sample(u.get(Stream::Wavelength, 0), sampling);
+        let emission = scene.sample_emission(&wavelengths, |i| u.get(Stream::Light, i));
+        let Some(emission) = emission else { return };
+        if let Some(area) = &emission.area {
+            self.join_emitter(scene, area, &emission, &wavelengths, u, out);
+        }
+        self.walk(scene, &emission, wavelengths, u, out);
+    }
+}
+
+impl LightTracing {
+    /// A splat's scale: the raster is drawn from a window of this area by the other builders.
+    fn scale(&self) -> f64 {
+        1.0 / self.settings.window_area()
+    }
+
+    fn walk(
+        &self,
+        scene: &Scene,
+        emission: &EmissionSample,
+        wavelengths: Wavelengths,
+        u: &mut dyn Coordinates,
+        out: &mut Contributions,
+    ) {
+        let mut walk = Walk {
+            mode: Mode::Importance,
+            wavelengths,
+            ray: emission.ray,
+            direction: emission.ray.direction.as_dvec3().normalize(),
+            interior: emission.interior,
+            throughput: emission.weight,
+            dispersive: false,
+            edges: 0,
+        };
+        while walk.edges + 1 < self.settings.max_edges && !walk.throughput.is_zero() {
+            let Some((vertex, distance)) = walk.advance(scene, u) else {
+                return;
+            };
+            if walk.edges == 1 {
+                walk.throughput *= scene.fading(emission, distance);
+            }
+            let scatter = walk.scatter(scene, vertex);
+            self.join(scene, &walk, &scatter, u, out);
+            if walk.bounce(scene, &scatter, u, BOUNCES).is_none() || !walk.survives(u, BOUNCES) {
+                return;
+            }
+        }
+    }
+
+    /// Joins the vertex just reached to a point of the lens.
+    fn join(
+        &self,
+        scene: &Scene,
+        walk: &Walk,
+        scatter: &Scatter,
+        u: &mut dyn Coordinates,
+        out: &mut Contributions,
+    ) {
+        if !scatter.bsdf.is_connectable() {
+            return;
+        }
+        let vertex = &scatter.vertex;
+        let lens = lens_coordinates(scene, walk.edges, u);
+        let Some(lens) = scene.camera().sample_lens(vertex.position, lens) else {
+            return;
+        };
+        let wi = vertex.frame.to_local(lens.direction);
+        let factor = shading::connection_factor(wi, scatter.wo, scatter.ng);
+        if factor == 0.0 {
+            return;
+        }
+        let f = scatter.bsdf.eval(scatter.wo, wi, Mode::Importance);
+        let geometry = factor * wi.dot(scatter.ng).abs() * lens.importance * self.scale();
+        let mut value = walk.throughput * f * geometry as f32;
+        if value.is_zero() {
+            return;
+        }
+        let wo = vertex.frame.to_world(scatter.wo);
+        let interior = scene.interior_toward(vertex, &walk.interior, wo, lens.direction);
+        let ray = Ray::towards(&vertex.surface, lens.position.as_vec3());
+        value *= scene.transmittance(&ray, &interior);
+        value *= scene.absorption(&interior, &walk.wavelengths, lens.distance);
+        let mut gathered = Gathered::default();
+        let dispersive = walk.dispersive || scatter.bsdf.dispersive_between(scatter.wo, wi);
+        gathered.add(value, dispersive);
+        out.push(lens.raster, gathered.to_xyz(&walk.wavelengths));
+    }
+
+    /// Strategy (1, 1): the emitter seen directly.
+    fn join_emitter(
+        &self,
+        scene: &Scene,
+        area: &AreaSample,
+        emission: &EmissionSample,
+        wavelengths: &Wavelengths,
+        u: &mut dyn Coordinates,
+        out: &mut Contributions,
+    ) {
+        let position = area.surface.position.as_dvec3();
+        let lens = lens_coordinates(scene, 0, u);
+        let Some(lens) = scene.camera().sample_lens(position, lens) else {
+            return;
+        };
+        let radiance = scene.area_radiance(area, lens.direction, wavelengths);
+        let cos = area
+            .surface
+            .geometric_normal
+            .as_dvec3()
+            .dot(lens.direction)
+            .abs();
+        let geometry = area.weight * cos * lens.importance * self.scale();
+        let mut value = radiance * geometry as f32;
+        if value.is_zero() {
+            return;
+        }
+        let ray = Ray::towards(&area.surface, lens.position.as_vec3());
+        value *= scene.transmittance(&ray, &emission.interior);
+        value *= scene.absorption(&emission.interior, wavelengths, lens.distance);
+        out.push(lens.raster, wavelengths.to_xyz(value));
+    }
+}
+
+/// The lens point for the vertex after `edges` edges; a pinhole asks for nothing.
+fn lens_coordinates(scene: &Scene, edges: u32, u: &mut dyn Coordinates) -> [f64; 2] {
+    if !scene.camera().has_aperture() {
+        return [0.5; 2];
+    }
+    [0, 1].map(|i| u.get(Stream::Connection, layout::LENS * edges + i))
+}

@@ -1,0 +1,79 @@
+//! Next-event estimation: joining a vertex of a camera walk to an emitter.
+
+use kaustik_bsdf::{Lobe, Mode, shading};
+use kaustik_pss::{Coordinates, Stream};
+use kaustik_scene::{Reach, Scene};
+
+use crate::contributions::Gathered;
+use crate::layout;
+use crate::walk::{Scatter, Walk, power_heuristic};
+
+/// How often the two techniques that find an emitter are used, as factors of their densities.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Shares {
+    /// Probability that next event is used at this vertex.
+    pub(crate) next_event: f64,
+    /// Probability that the walk goes on.
+    pub(crate) scattering: f64,
+}
+
+impl Shares {
+    /// Both always.
+    pub(crate) const BOTH: Self = Self {
+        next_event: 1.0,
+        scattering: 1.0,
+    };
+}
+
+/// Adds the light that reaches the vertex from one point of an emitter, weighted against
+/// the chance that scattering finds the same emitter (power heuristic).
+#[inline]
+pub(crate) fn next_event(
+    scene: &Scene,
+    walk: &Walk,
+    scatter: &Scatter,
+    shares: Shares,
+    u: &mut dyn Coordinates,
+    gathered: &mut Gathered,
+) {
+    if !scatter.bsdf.is_connectable() {
+        return;
+    }
+    let vertex = &scatter.vertex;
+    let first = layout::NEXT_EVENT * (walk.edges - 1);
+    let sample = scene.sample_direct(vertex.position, &walk.wavelengths, |i| {
+        u.get(Stream::Connection, first + i)
+    });
+    let Some(sample) = sample else { return };
+    let wi = vertex.frame.to_local(sample.wi);
+    if !shading::sides_agree(scatter.wo, wi, scatter.ng) {
+        return;
+    }
+    let f = scatter.bsdf.eval(scatter.wo, wi, Mode::Radiance);
+    let pdf = sample.pdf * shares.next_event;
+    let mut value = walk.throughput * f * sample.radiance * ((wi.z.abs() / pdf) as f32);
+    if value.is_zero() {
+        return;
+    }
+    if !sample.delta {
+        let other = scatter.bsdf.pdf(scatter.wo, wi, Mode::Radiance) * shares.scattering;
+        value *= power_heuristic(pdf, other);
+    }
+    let wo = vertex.frame.to_world(scatter.wo);
+    let interior = scene.interior_toward(vertex, &walk.interior, wo, sample.wi);
+    let visible = scene.transmittance(&scene.shadow_ray(vertex, &sample), &interior);
+    if visible == 0.0 {
+        return;
+    }
+    value *= visible;
+    if !interior.is_vacuum() {
+        let distance = match sample.reach {
+            Reach::Surface(surface) => (surface.position.as_dvec3() - vertex.position).length(),
+            Reach::Point(point) => (point - vertex.position).length(),
+            Reach::Infinity => f64::INFINITY,
+        };
+        value *= scene.absorption(&interior, &walk.wavelengths, distance);
+    }
+    let dispersive = walk.dispersive || scatter.bsdf.dispersive_between(scatter.wo, wi);
+    gathered.add(value, dispersive);
+}

@@ -1,0 +1,21 @@
+//! Russian roulette: when a walk is worth going on with.
+
+use kaustik_spectrum::Spectrum;
+
+/// Walks of fewer edges always go on.
+const FIRST_EDGE: u32 = 4;
+/// Even a white wall ends one walk in twenty.
+const MOST: f32 = 0.95;
+/// Radiance inside glass is seen divided by the square of its index, and gets it back on the way
+/// out; without this factor roulette would take it for a loss.
+const INSIDE_SOLID: f32 = 2.25;
+
+/// Probability of going on after `edge` edges with this throughput; 1 is no roulette.
+#[inline]
+pub(crate) fn survival(edge: u32, throughput: Spectrum, inside_solid: bool) -> f32 {
+    if edge < FIRST_EDGE {
+        return 1.0;
+    }
+    let mean = throughput.mean() * if inside_solid { INSIDE_SOLID } else { 1.0 };
+    mean.min(MOST)
+}

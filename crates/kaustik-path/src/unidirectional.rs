@@ -1,0 +1,122 @@
+//! Path tracing: walks from the camera, with or without next-event estimation.
+
+use glam::DVec3;
+use kaustik_pss::{Coordinates, Stream};
+use kaustik_scene::{Scene, Vertex};
+
+use crate::contributions::Gathered;
+use crate::next_event::{Shares, next_event};
+use crate::walk::{Walk, power_heuristic};
+use crate::{BuilderSettings, Contributions, PathBuilder, camera_walk, layout};
+
+const BOUNCES: (Stream, u32) = (Stream::Camera, layout::CAMERA_HEAD);
+
+/// Walks from the camera; emitters are found by next-event estimation at every vertex and by
+/// running into them, weighted by the power heuristic (spec: pss-and-pssmlt.md 7.1), or by
+/// running into them alone.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Unidirectional {
+    /// What all builders are told.
+    pub settings: BuilderSettings,
+    /// Join every vertex to an emitter.
+    pub next_event: bool,
+}
+
+/// The last scattering, for weighing an emitter that it found.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Origin {
+    position: DVec3,
+    /// Density per solid angle of the direction taken.
+    pdf: f64,
+}
+
+impl Origin {
+    pub(crate) fn new(position: DVec3, pdf: f64) -> Self {
+        Self { position, pdf }
+    }
+}
+
+impl PathBuilder for Unidirectional {
+    fn build(&self, scene: &Scene, u: &mut dyn Coordinates, out: &mut Contributions) {
+        out.clear();
+        let (mut walk, raster) = camera_walk::start(&self.settings, scene, u);
+        let mut gathered = Gathered::default();
+        self.gather(scene, &mut walk, u, &mut gathered);
+        out.push(raster, gathered.to_xyz(&walk.wavelengths));
+    }
+}
+
+impl Unidirectional {
+    fn gather(
+        &self,
+        scene: &Scene,
+        walk: &mut Walk,
+        u: &mut dyn Coordinates,
+        gathered: &mut Gathered,
+    ) {
+        // `None`: next event could not have found what the walk runs into.
+        let mut origin = None;
+        while let Some((vertex, _)) = walk.advance(scene, u) {
+            emission(scene, walk, &vertex, origin, 1.0, gathered);
+            if walk.edges == self.settings.max_edges {
+                return;
+            }
+            let scatter = walk.scatter(scene, vertex);
+            if self.next_event {
+                next_event(scene, walk, &scatter, Shares::BOTH, u, gathered);
+            }
+            let Some(sample) = walk.bounce(scene, &scatter, u, BOUNCES) else {
+                return;
+            };
+            let rivalled = self.next_event && !sample.delta;
+            origin = rivalled.then(|| Origin::new(scatter.vertex.position, sample.pdf));
+            if !walk.survives(u, BOUNCES) {
+                return;
+            }
+        }
+        escape(scene, walk, origin, 1.0, gathered);
+    }
+}
+
+/// Adds what the surface just met emits toward the walk. `share` is the factor of next event's
+/// density at the last vertex.
+#[inline]
+pub(crate) fn emission(
+    scene: &Scene,
+    walk: &Walk,
+    vertex: &Vertex,
+    origin: Option<Origin>,
+    share: f64,
+    gathered: &mut Gathered,
+) {
+    let radiance = scene.emitted(vertex, -walk.direction, &walk.wavelengths);
+    if radiance.is_zero() {
+        return;
+    }
+    let weight = origin.map_or(1.0, |origin| {
+        power_heuristic(
+            origin.pdf,
+            scene.direct_pdf(origin.position, vertex) * share,
+        )
+    });
+    gathered.add(walk.throughput * radiance * weight, walk.dispersive);
+}
+
+/// Adds what a walk that left the scene sees.
+#[inline]
+pub(crate) fn escape(
+    scene: &Scene,
+    walk: &Walk,
+    origin: Option<Origin>,
+    share: f64,
+    gathered: &mut Gathered,
+) {
+    let radiance = scene.environment(walk.direction, &walk.wavelengths);
+    if radiance.is_zero() {
+        return;
+    }
+    let weight = origin.map_or(1.0, |origin| {
+        power_heuristic(origin.pdf, scene.environment_pdf(walk.direction) * share)
+    });
+    gathered.add(walk.throughput * radiance * weight, walk.dispersive);
+}

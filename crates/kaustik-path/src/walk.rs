@@ -1,0 +1,150 @@
+//! A walk through the scene, from the camera or from a light, one edge at a time.
+
+use glam::DVec3;
+use kaustik_bsdf::{Bsdf, Lobe, Mode, Sample, shading};
+use kaustik_geometry::Ray;
+use kaustik_pss::{Coordinates, Stream};
+use kaustik_scene::{Interior, Scene, Vertex};
+use kaustik_spectrum::{Spectrum, Wavelengths};
+
+use crate::layout;
+use crate::roulette;
+
+/// Where a walk stands.
+#[derive(Clone, Debug)]
+pub(crate) struct Walk {
+    pub(crate) mode: Mode,
+    pub(crate) wavelengths: Wavelengths,
+    /// The next edge starts here.
+    pub(crate) ray: Ray,
+    /// Direction of the next edge, unit.
+    pub(crate) direction: DVec3,
+    /// The solids around the walk.
+    pub(crate) interior: Interior,
+    /// Product of scattering over densities so far.
+    pub(crate) throughput: Spectrum,
+    /// Refracted where the index depends on the wavelength: the hero counts alone.
+    pub(crate) dispersive: bool,
+    /// Edges so far.
+    pub(crate) edges: u32,
+}
+
+/// A vertex of a walk with its scattering function, in local directions.
+#[derive(Clone, Debug)]
+pub(crate) struct Scatter {
+    pub(crate) vertex: Vertex,
+    pub(crate) bsdf: Bsdf,
+    /// Local direction to where the walk came from.
+    pub(crate) wo: DVec3,
+    /// Local geometric normal.
+    pub(crate) ng: DVec3,
+}
+
+impl Walk {
+    /// Takes the next edge. `None`: the walk left the scene.
+    #[inline]
+    pub(crate) fn advance(
+        &mut self,
+        scene: &Scene,
+        u: &mut dyn Coordinates,
+    ) -> Option<(Vertex, f64)> {
+        let edge = self.edges;
+        let segment = scene.advance(&self.ray, &mut self.interior, &self.wavelengths, || {
+            u.get(Stream::Transparency, transparency(self.mode, edge))
+        });
+        self.edges += 1;
+        self.throughput *= segment.absorption;
+        segment.vertex.map(|vertex| (vertex, segment.distance))
+    }
+
+    /// The scattering function at the vertex just reached.
+    #[inline]
+    pub(crate) fn scatter(&self, scene: &Scene, vertex: Vertex) -> Scatter {
+        let bsdf = scene.bsdf(&vertex, &self.wavelengths, &self.interior);
+        let wo = vertex.frame.to_local(-self.direction);
+        Scatter {
+            bsdf,
+            wo,
+            ng: vertex.local_normal(),
+            vertex,
+        }
+    }
+
+    /// Draws the next direction; `false` when the walk ends here. `head` is the start of the
+    /// bounces in `stream`. Returns what was drawn, for weights.
+    #[inline]
+    pub(crate) fn bounce(
+        &mut self,
+        scene: &Scene,
+        scatter: &Scatter,
+        u: &mut dyn Coordinates,
+        (stream, head): (Stream, u32),
+    ) -> Option<Sample> {
+        let first = layout::bounce(head, self.edges);
+        let uc = if needs_choice(&scatter.bsdf) {
+            u.get(stream, first)
+        } else {
+            0.0
+        };
+        let direction = if scatter.bsdf.is_delta() {
+            [0.0; 2]
+        } else {
+            [u.get(stream, first + 1), u.get(stream, first + 2)]
+        };
+        let sample = scatter.bsdf.sample(scatter.wo, uc, direction, self.mode)?;
+        let factor = shading::walk_factor(scatter.wo, sample.wi, scatter.ng, self.mode);
+        self.throughput *= sample.weight * factor as f32;
+        if self.throughput.is_zero() {
+            return None;
+        }
+        let vertex = &scatter.vertex;
+        self.dispersive |= sample.dispersive;
+        self.direction = vertex.frame.to_world(sample.wi);
+        if sample.transmitted {
+            scene.cross(vertex, self.direction, &mut self.interior);
+        }
+        self.ray = Ray::spawn(&vertex.surface, self.direction.as_vec3());
+        Some(sample)
+    }
+
+    /// Russian roulette after a bounce; `false` when the walk ends.
+    #[inline]
+    pub(crate) fn survives(
+        &mut self,
+        u: &mut dyn Coordinates,
+        (stream, head): (Stream, u32),
+    ) -> bool {
+        let survival = roulette::survival(self.edges, self.throughput, !self.interior.is_vacuum());
+        if survival >= 1.0 {
+            return true;
+        }
+        if u.get(stream, layout::bounce(head, self.edges) + 3) >= f64::from(survival) {
+            return false;
+        }
+        self.throughput /= survival;
+        true
+    }
+}
+
+/// Does sampling this function need a number for the choice of a lobe?
+#[inline]
+fn needs_choice(bsdf: &Bsdf) -> bool {
+    !matches!(
+        bsdf,
+        Bsdf::Lambertian(_) | Bsdf::Mirror(_) | Bsdf::Conductor(_)
+    )
+}
+
+/// Camera and light walks take turns in the stream of transparency.
+#[inline]
+fn transparency(mode: Mode, edge: u32) -> u32 {
+    2 * edge + u32::from(mode == Mode::Importance)
+}
+
+/// The power heuristic with exponent 2 for a sample of density `p` that might as well have come
+/// with density `q` (Veach 9.2.4); 1 when `q` is 0.
+#[inline]
+pub(crate) fn power_heuristic(p: f64, q: f64) -> f32 {
+    let ratio = q / p;
+    (1.0 / (1.0 + ratio * ratio)) as f32
+}
