@@ -1,7 +1,7 @@
 //! From films to a picture: a linear combination of XYZ sums, in linear Rec.709.
 
-use crate::colour::{Rgb, Xyz};
 use crate::{Film, Image, ImageError};
+use kaustik_spectrum::{Rgb, Xyz};
 
 /// Films that cannot be developed together.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

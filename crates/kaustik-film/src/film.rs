@@ -5,8 +5,8 @@
 //! splat is refused from 2^61 quanta on, so that no single add can jump over the guard band between 2^62
 //! and the wrap at 2^63 unseen.
 
-use crate::colour::Xyz;
 use crate::{Bounds, Filter, Layout, Quantum};
+use kaustik_spectrum::Xyz;
 use serde::{Deserialize, Serialize};
 use std::sync::atomic::{AtomicI64, AtomicU64, Ordering::Relaxed};
 

@@ -62,7 +62,7 @@ pub enum ImageError {
     },
     /// A name that is empty, taken, too long, or not plain text.
     #[error(
-        "layer '{layer}', channel '{channel}': expected unique names of 1 to 120 printable ASCII characters, channels without dots"
+        "layer '{layer}', channel '{channel}': expected unique names of 1 to 255 printable ASCII characters, channels without dots"
     )]
     Name {
         /// The layer's name.
@@ -160,36 +160,51 @@ impl Image {
     /// Adds a layer behind the others.
     ///
     /// # Errors
-    /// If a channel has another size, or a name is empty, taken, longer than 120 characters, not
+    /// If a channel has another size, or a name is empty, taken, longer than 255 characters, not
     /// printable ASCII, or (a channel's) has a dot.
     pub fn push_layer(&mut self, layer: Layer) -> Result<(), ImageError> {
-        let expected = self.pixels();
+        let main = self.layers.is_empty();
+        let wrong = !plain(&layer.name, usize::from(!main)) || self.layer(&layer.name).is_some();
+        if wrong || layer.channels.is_empty() {
+            let channel = String::new();
+            return Err(ImageError::Name {
+                layer: layer.name,
+                channel,
+            });
+        }
+        self.push_channels(layer)
+    }
+
+    /// Adds channels to the layer of this name, which is made if it is not there; all or none.
+    pub(crate) fn push_channels(&mut self, layer: Layer) -> Result<(), ImageError> {
+        let index = self
+            .layers
+            .iter()
+            .position(|other| other.name == layer.name);
+        let old = index.map_or(&[][..], |index| &self.layers[index].channels);
         for (i, channel) in layer.channels.iter().enumerate() {
-            if channel.samples.len() != expected {
-                let found = channel.samples.len();
+            let name = channel.name.clone();
+            let (found, expected) = (channel.samples.len(), self.pixels());
+            if found != expected {
                 return Err(ImageError::Samples {
-                    channel: channel.name.clone(),
+                    channel: name,
                     found,
                     expected,
                 });
             }
-            let twice = layer.channels[..i].iter().any(|c| c.name == channel.name);
-            if twice || !plain(&channel.name, 1) || channel.name.contains('.') {
+            let mut others = old.iter().chain(&layer.channels[..i]);
+            let wrong = !plain(&name, 1) || name.contains('.') || !plain(&layer.name, 0);
+            if wrong || others.any(|other| other.name == name) {
                 return Err(ImageError::Name {
                     layer: layer.name,
-                    channel: channel.name.clone(),
+                    channel: name,
                 });
             }
         }
-        let main = self.layers.is_empty();
-        let wrong = !plain(&layer.name, usize::from(!main)) || self.layer(&layer.name).is_some();
-        if wrong || layer.channels.is_empty() {
-            return Err(ImageError::Name {
-                layer: layer.name,
-                channel: String::new(),
-            });
+        match index {
+            Some(index) => self.layers[index].channels.extend(layer.channels),
+            None => self.layers.push(layer),
         }
-        self.layers.push(layer);
         Ok(())
     }
 
@@ -295,7 +310,7 @@ impl Image {
     }
 }
 
-/// Whether a name can stand in a file: printable ASCII, `min` to 120 characters.
+/// Whether a name can stand in a file: printable ASCII, `min` to 255 characters.
 fn plain(name: &str, min: usize) -> bool {
-    (min..=120).contains(&name.len()) && name.bytes().all(|b| (0x20..0x7f).contains(&b))
+    (min..=255).contains(&name.len()) && name.bytes().all(|b| (0x20..0x7f).contains(&b))
 }

@@ -5,14 +5,15 @@
 //! [`Film`] keeps 64-bit fixed-point sums, shared by reference, added to with relaxed atomics: one film
 //! for all threads, no copy a thread, no lock.
 //!
-//! The way of a picture: [`Film::splat`] -> [`develop`] -> [`Image`] -> `exr::write` or `png::write`;
-//! and back: `read` -> `compare`.
+//! The way of a picture: [`Film::splat`] -> [`develop`] -> [`Image`] -> [`exr::write`] or [`png::write`];
+//! and back: [`read()`] -> [`metrics::compare`].
 //!
 //! ```
 //! use kaustik_film::{Film, Filter, Layout, Quantum, develop};
-//! use kaustik_film::Xyz;
+//! use kaustik_spectrum::Xyz;
 //!
-//! let film = Film::with_layout(&Layout::new(4, 2).with_filter(Filter::BOX), Quantum::from_mean(1.0))?;
+//! let layout = Layout::new(4, 2).with_filter(Filter::BOX);
+//! let film = Film::with_layout(&layout, Quantum::from_mean(1.0))?;
 //! std::thread::scope(|scope| {
 //!     for y in 0..2 {
 //!         let film = &film;
@@ -24,18 +25,25 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-mod colour;
+mod atomic;
 mod develop;
+pub mod exr;
 mod film;
 mod filter;
 mod image;
 mod layout;
+pub mod metrics;
+pub mod png;
 mod quantum;
+mod read;
+mod tone;
 
-pub use colour::{Rgb, Xyz};
+pub use atomic::{Sink, WriteError, check_writable, write_file};
 pub use develop::{DevelopError, develop, develop_xyz};
 pub use film::{Added, Counters, Film, FilmError};
-pub use filter::{Filter, FilterError};
+pub use filter::{Filter, FilterError, Taps};
 pub use image::{Channel, Image, ImageError, Layer};
 pub use layout::{Bounds, Layout, Window};
 pub use quantum::Quantum;
+pub use read::{DecodeError, Keep, Limits, ReadError, decode, read};
+pub use tone::{Tone, ToneCurve, ToneError};

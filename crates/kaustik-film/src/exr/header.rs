@@ -1,0 +1,312 @@
+//! The head of an EXR file: what we need of it, each value checked before it is believed.
+
+use super::bytes::Bytes;
+use super::write::ATTRIBUTE;
+use crate::Image;
+use crate::read::{DecodeError, Limits};
+use ::exr::prelude::{Compression, SampleType};
+
+/// One part: a rectangle of pixels and how it is stored.
+#[derive(Clone, Debug)]
+pub(super) struct Part {
+    /// The part's name; may be empty.
+    pub name: String,
+    pub channels: Vec<ChannelInfo>,
+    pub compression: Compression,
+    /// First column and row.
+    pub origin: [i32; 2],
+    /// Columns and rows, each >= 1 and within the limits.
+    pub size: [usize; 2],
+    /// Minimum corner and size of the display window.
+    pub display: ([i32; 2], [u32; 2]),
+    /// Tile size, if tiled.
+    pub tiles: Option<[usize; 2]>,
+    pub metadata: Option<String>,
+}
+
+/// One channel, not subsampled.
+#[derive(Clone, Debug)]
+pub(super) struct ChannelInfo {
+    pub name: String,
+    pub sample_type: SampleType,
+    pub linear: bool,
+}
+
+impl Part {
+    /// Columns and rows of a whole block.
+    pub(super) fn block_size(&self) -> [usize; 2] {
+        self.tiles
+            .unwrap_or([self.size[0], self.compression.scan_lines_per_block()])
+    }
+
+    /// Blocks along each axis.
+    pub(super) fn block_counts(&self) -> [usize; 2] {
+        let block = self.block_size();
+        [
+            self.size[0].div_ceil(block[0]),
+            self.size[1].div_ceil(block[1]),
+        ]
+    }
+}
+
+/// Reads magic number, version and all headers; leaves `bytes` at the offset tables. Whether the file
+/// has several parts decides how chunks are spelled.
+pub(super) fn read(
+    bytes: &mut Bytes<'_>,
+    limits: &Limits,
+) -> Result<(Vec<Part>, bool), DecodeError> {
+    const MULTIPART: u32 = 0x1000;
+    const DEEP: u32 = 0x800;
+    const KNOWN: u32 = 0x200 | 0x400 | DEEP | MULTIPART;
+    if bytes.u32("magic number")? != 0x0131_2f76 {
+        return Err(DecodeError::malformed(
+            "magic number",
+            0,
+            "expected an EXR file".into(),
+        ));
+    }
+    let version = bytes.u32("version")?;
+    if version & 0xff != 2 || version & !0xff & !KNOWN != 0 {
+        return Err(DecodeError::unsupported(format!(
+            "version word {version:#x}, expected OpenEXR 2"
+        )));
+    }
+    if version & DEEP != 0 {
+        return Err(DecodeError::unsupported(
+            "deep data, expected flat pixels".into(),
+        ));
+    }
+    let multipart = version & MULTIPART != 0;
+    let mut parts = Vec::new();
+    let mut samples = 0u64;
+    loop {
+        let part = part(bytes, limits, version & 0x200 != 0)?;
+        samples += part.size[0] as u64 * part.size[1] as u64 * part.channels.len() as u64;
+        if samples > limits.max_samples {
+            return Err(DecodeError::TooLarge {
+                what: "samples",
+                found: samples,
+                limit: limits.max_samples,
+            });
+        }
+        parts.push(part);
+        if !multipart {
+            return Ok((parts, false));
+        }
+        let mut ahead = *bytes;
+        if ahead.u8("end of headers")? == 0 {
+            *bytes = ahead;
+            return Ok((parts, true));
+        }
+    }
+}
+
+/// One header, up to and including the zero that ends it.
+fn part(bytes: &mut Bytes<'_>, limits: &Limits, tiled_bit: bool) -> Result<Part, DecodeError> {
+    let mut raw = Raw::default();
+    loop {
+        let name = bytes.name("attribute name")?;
+        if name.is_empty() {
+            return raw.checked(bytes.at(), limits, tiled_bit);
+        }
+        let kind = bytes.name("attribute type")?;
+        let size = bytes.size("attribute size")?;
+        let at = bytes.at();
+        let mut value = Bytes::new(bytes.take(size, "attribute")?);
+        raw.attribute(name, kind, &mut value)
+            .map_err(|error| error.shifted(at))?;
+    }
+}
+
+/// Attributes as they come, before it is known whether all are there.
+#[derive(Default)]
+struct Raw {
+    name: String,
+    kind: Option<String>,
+    channels: Vec<ChannelInfo>,
+    compression: Option<Compression>,
+    data: Option<[i32; 4]>,
+    display: Option<[i32; 4]>,
+    tiles: Option<[u32; 2]>,
+    metadata: Option<String>,
+}
+
+impl Raw {
+    fn attribute(
+        &mut self,
+        name: &str,
+        kind: &str,
+        value: &mut Bytes<'_>,
+    ) -> Result<(), DecodeError> {
+        match (name, kind) {
+            ("channels", "chlist") => self.channels = channels(value)?,
+            ("compression", "compression") => {
+                self.compression = Some(compression(value.u8("compression")?)?);
+            }
+            ("dataWindow", "box2i") => self.data = Some(window(value)?),
+            ("displayWindow", "box2i") => self.display = Some(window(value)?),
+            ("tiles", "tiledesc") => self.tiles = Some(tiles(value)?),
+            ("name", "string") => self.name = text(value)?.unwrap_or_default(),
+            ("type", "string") => self.kind = text(value)?,
+            (ATTRIBUTE, "string") => self.metadata = text(value)?,
+            _ => {}
+        }
+        Ok(())
+    }
+
+    fn checked(self, at: usize, limits: &Limits, tiled_bit: bool) -> Result<Part, DecodeError> {
+        let missing =
+            |what| DecodeError::malformed("header", at, format!("attribute '{what}' is missing"));
+        let data = self.data.ok_or_else(|| missing("dataWindow"))?;
+        let display = self.display.ok_or_else(|| missing("displayWindow"))?;
+        let compression = self.compression.ok_or_else(|| missing("compression"))?;
+        if self.channels.is_empty() {
+            return Err(missing("channels"));
+        }
+        let tiled = match self.kind.as_deref() {
+            None => tiled_bit,
+            Some("scanlineimage") => false,
+            Some("tiledimage") => true,
+            Some(other) => {
+                return Err(DecodeError::unsupported(format!(
+                    "part of type '{other}', expected flat pixels"
+                )));
+            }
+        };
+        let size = extent(data, limits)?;
+        let full = extent(display, limits)?;
+        let tiles = if tiled {
+            Some(self.tiles.ok_or_else(|| missing("tiles"))?)
+        } else {
+            None
+        };
+        // A tile larger than the image is as good as one of its size.
+        let tiles = tiles.map(|t| [(t[0] as usize).min(size[0]), (t[1] as usize).min(size[1])]);
+        Ok(Part {
+            name: self.name,
+            channels: self.channels,
+            compression,
+            origin: [data[0], data[1]],
+            size,
+            display: ([display[0], display[1]], [full[0] as u32, full[1] as u32]),
+            tiles,
+            metadata: self.metadata,
+        })
+    }
+}
+
+/// Columns and rows of a window with inclusive corners.
+fn extent(window: [i32; 4], limits: &Limits) -> Result<[usize; 2], DecodeError> {
+    let mut size = [0; 2];
+    for axis in 0..2 {
+        let extent = i64::from(window[axis + 2]) - i64::from(window[axis]) + 1;
+        if extent < 1 {
+            return Err(DecodeError::unsupported(format!(
+                "an empty window {window:?}"
+            )));
+        }
+        let limit = u64::from(limits.max_side.min(Image::MAX_SIDE));
+        if extent as u64 > limit {
+            return Err(DecodeError::TooLarge {
+                what: "columns or rows",
+                found: extent as u64,
+                limit,
+            });
+        }
+        size[axis] = extent as usize;
+    }
+    Ok(size)
+}
+
+fn window(value: &mut Bytes<'_>) -> Result<[i32; 4], DecodeError> {
+    let mut window = [0; 4];
+    for corner in &mut window {
+        *corner = value.i32("window")?;
+    }
+    Ok(window)
+}
+
+fn tiles(value: &mut Bytes<'_>) -> Result<[u32; 2], DecodeError> {
+    let size = [value.u32("tile width")?, value.u32("tile height")?];
+    if size.contains(&0) {
+        return Err(DecodeError::unsupported(format!(
+            "tiles of {} x {} pixels",
+            size[0], size[1]
+        )));
+    }
+    if value.u8("tile mode")? & 0xf != 0 {
+        return Err(DecodeError::unsupported(
+            "several resolution levels, expected one".into(),
+        ));
+    }
+    Ok(size)
+}
+
+/// The text of a string attribute; `None` if it is not UTF-8.
+fn text(value: &mut Bytes<'_>) -> Result<Option<String>, DecodeError> {
+    let bytes = value.take(value.left(), "text")?;
+    Ok(std::str::from_utf8(bytes).ok().map(str::to_owned))
+}
+
+fn channels(value: &mut Bytes<'_>) -> Result<Vec<ChannelInfo>, DecodeError> {
+    const MOST: usize = 1024;
+    let mut channels = Vec::new();
+    loop {
+        let at = value.at();
+        let name = value.name("channel name")?;
+        if name.is_empty() {
+            return Ok(channels);
+        }
+        if channels.len() == MOST {
+            let found = MOST as u64 + 1;
+            return Err(DecodeError::TooLarge {
+                what: "channels",
+                found,
+                limit: MOST as u64,
+            });
+        }
+        let sample_type = match value.u32("sample type")? {
+            0 => SampleType::U32,
+            1 => SampleType::F16,
+            2 => SampleType::F32,
+            other => {
+                return Err(DecodeError::malformed(
+                    "sample type",
+                    at,
+                    format!("it is {other}, expected 0 to 2"),
+                ));
+            }
+        };
+        let linear = value.take(4, "channel flags")?[0] != 0;
+        if [value.u32("sampling")?, value.u32("sampling")?] != [1, 1] {
+            return Err(DecodeError::unsupported(format!(
+                "channel '{name}' is subsampled"
+            )));
+        }
+        channels.push(ChannelInfo {
+            name: name.to_owned(),
+            sample_type,
+            linear,
+        });
+    }
+}
+
+fn compression(code: u8) -> Result<Compression, DecodeError> {
+    Ok(match code {
+        0 => Compression::Uncompressed,
+        1 => Compression::RLE,
+        2 => Compression::ZIP1,
+        3 => Compression::ZIP16,
+        4 => Compression::PIZ,
+        5 => Compression::PXR24,
+        6 => Compression::B44,
+        7 => Compression::B44A,
+        8 => Compression::DWAA(None),
+        9 => Compression::DWAB(None),
+        other => {
+            return Err(DecodeError::unsupported(format!(
+                "compression number {other}, expected 0 to 9"
+            )));
+        }
+    })
+}

@@ -1,0 +1,67 @@
+//! Normalised standard deviation over independent renders of one method.
+
+use super::colour::ToXyz;
+use crate::Image;
+use serde::Serialize;
+
+/// Spread of a method's pictures: for each pixel the standard deviation of its luminance over the
+/// pictures (n - 1 in the denominator) divided by its mean, over the pixels whose mean is above zero.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Nsd {
+    /// Mean over pixels: the image's NSD.
+    pub mean: f64,
+    /// 5 % quantile over pixels.
+    pub quantile_5: f64,
+    /// Median over pixels.
+    pub median: f64,
+    /// 95 % quantile over pixels.
+    pub quantile_95: f64,
+    /// Root of the mean variance over pixels, divided by the mean luminance.
+    pub pooled: f64,
+    /// Pixels that entered.
+    pub pixels: u64,
+    /// Pictures.
+    pub images: usize,
+}
+
+/// NSD of two or more pictures of one size; `None` for fewer, other sizes, or no pixel above zero.
+#[must_use]
+pub fn nsd(images: &[&Image]) -> Option<Nsd> {
+    let (first, rest) = images.split_first()?;
+    let same = |i: &&Image| (i.width(), i.height()) == (first.width(), first.height());
+    if rest.is_empty() || !rest.iter().all(same) {
+        return None;
+    }
+    let colour = ToXyz::new();
+    let n = images.len() as f64;
+    let (mut values, mut variances, mut means) = (Vec::new(), 0.0, 0.0);
+    for pixel in 0..first.pixels() {
+        let luminance = |image: &&Image| colour.luminance(image.pixel(pixel));
+        let mean = images.iter().map(luminance).sum::<f64>() / n;
+        let squares = images
+            .iter()
+            .map(|image| (luminance(image) - mean) * (luminance(image) - mean));
+        let variance = squares.sum::<f64>() / (n - 1.0);
+        if mean > 0.0 && variance.is_finite() {
+            values.push((variance.sqrt() / mean) as f32);
+            variances += variance;
+            means += mean;
+        }
+    }
+    if values.is_empty() {
+        return None;
+    }
+    let pixels = values.len() as f64;
+    let mean = values.iter().map(|&v| f64::from(v)).sum::<f64>() / pixels;
+    values.sort_unstable_by(f32::total_cmp);
+    let quantile = |q: f64| f64::from(values[((pixels - 1.0) * q + 0.5) as usize]);
+    Some(Nsd {
+        mean,
+        quantile_5: quantile(0.05),
+        median: quantile(0.5),
+        quantile_95: quantile(0.95),
+        pooled: (variances / pixels).sqrt() / (means / pixels),
+        pixels: values.len() as u64,
+        images: images.len(),
+    })
+}
