@@ -13,9 +13,9 @@ pub(crate) struct Solution {
     pub(crate) error: f64,
 }
 
-/// Pull towards small coefficients, in CIELab per unit. It moves no colour visibly (200 units cost
-/// 0.002) but makes the answer unique where the wanted colour is a limit.
-const PULL: f64 = 1e-5;
+/// Pull towards small coefficients, in CIELab per unit. It moves no colour visibly (1000 units cost
+/// 0.001) but makes the answer unique where the wanted colour is a limit.
+const PULL: f64 = 1e-6;
 
 /// From a starting point, coefficients of t^2, t and 1.
 pub(crate) fn solve(rgb: [f64; 3], start: [f64; 3]) -> Solution {
