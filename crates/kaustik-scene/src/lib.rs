@@ -4,6 +4,7 @@
 //! A file or a built-in becomes a [`Description`] (plain data), and a description becomes a
 //! [`Scene`] (ready for rays).
 
+pub mod builtin;
 pub mod camera;
 pub mod description;
 mod emitter;
