@@ -27,13 +27,17 @@
 //! ```
 
 mod aabb;
+mod assembly;
+mod bvh;
+mod instance;
 mod mesh;
 mod ray;
 mod surface;
 mod world;
 
 pub use aabb::Aabb;
+pub use instance::{Instance, WorldError};
 pub use mesh::{Mesh, MeshError};
 pub use ray::{Hit, Ray};
 pub use surface::{Surface, offset_origin};
-pub use world::{Instance, World, WorldError};
+pub use world::World;

@@ -1,0 +1,86 @@
+//! From triangles and placed trees to a wide tree.
+
+use glam::Vec3;
+use obvhs::aabb::Aabb as Bounds;
+use obvhs::bvh2::Bvh2;
+use obvhs::bvh2::reinsertion::ReinsertionOptimizer;
+use obvhs::ploc::{PlocBuilder, PlocSearchDistance, SortPrecision};
+
+use super::collapse::collapse;
+use super::node::Bvh;
+use crate::Aabb;
+
+/// What the tree leads to.
+#[derive(Clone, Copy)]
+pub(crate) enum Leaf {
+    Triangle {
+        corners: [Vec3; 3],
+        instance: u32,
+        primitive: u32,
+    },
+    Instance {
+        place: u32,
+        bounds: Aabb,
+    },
+}
+
+impl Leaf {
+    /// A box that holds it, with room for the rounding of the distance to it: that is relative to its size, besides
+    /// the distance itself, which the walk allows for.
+    pub(crate) fn bounds(&self) -> Aabb {
+        let tight = match self {
+            Leaf::Triangle { corners, .. } => Aabb::from_points(*corners),
+            Leaf::Instance { bounds, .. } => *bounds,
+        };
+        let room = Vec3::splat(tight.extent().max_element() * ROOM);
+        Aabb {
+            min: tight.min - room,
+            max: tight.max + room,
+        }
+    }
+}
+
+/// 2^-20.
+const ROOM: f32 = 1.0 / 1_048_576.0;
+
+/// Beyond these coordinates the builder works on scaled boxes, as the products of its areas would leave `f32`.
+const COMFORTABLE: f32 = (1u64 << 40) as f32;
+
+/// Builds the tree. The same bits for the same leaves, with any number of threads.
+pub(crate) fn build(leaves: &[Leaf]) -> Bvh {
+    let boxes: Vec<Aabb> = leaves.iter().map(Leaf::bounds).collect();
+    let scale = scale(&boxes);
+    let scaled: Vec<Bounds> = boxes
+        .iter()
+        .map(|b| Bounds::new((b.min * scale).into(), (b.max * scale).into()))
+        .collect();
+    collapse(&binary(&scaled), leaves, &boxes)
+}
+
+/// Locally ordered clustering, then reinsertion of the nodes that cost most.
+fn binary(boxes: &[Bounds]) -> Bvh2 {
+    let mut tree = PlocBuilder::with_capacity(boxes.len()).build(
+        PlocSearchDistance::Medium,
+        boxes,
+        (0..boxes.len() as u32).collect(),
+        SortPrecision::U64,
+        3,
+    );
+    ReinsertionOptimizer::default().run(&mut tree, 0.15, None);
+    tree
+}
+
+/// A power of two that brings the boxes to comfortable coordinates; mostly one.
+fn scale(boxes: &[Aabb]) -> f32 {
+    let reach = boxes
+        .iter()
+        .map(|b| b.min.abs().max(b.max.abs()).max_element())
+        .fold(0.0, f32::max);
+    if reach > COMFORTABLE {
+        1.0 / COMFORTABLE / COMFORTABLE
+    } else if reach < 1.0 / COMFORTABLE && reach > 0.0 {
+        COMFORTABLE * COMFORTABLE
+    } else {
+        1.0
+    }
+}

@@ -1,0 +1,22 @@
+//! The acceleration structure: an 8-wide tree over blocks of triangles.
+//!
+//! obvhs builds a binary tree (locally ordered clustering, then reinsertion); [`collapse`] turns it into wide nodes of
+//! least expected cost. The layouts follow from how they are read: a node is tested as a whole, so its boxes lie as one
+//! array a plane; so do the corners of a block, copied out of the mesh so that a leaf is one run of memory.
+
+mod build;
+mod collapse;
+mod goal;
+mod lanes;
+mod node;
+mod precise;
+mod prepared;
+mod stack;
+mod walk;
+
+pub(crate) use build::{Leaf, build};
+pub(crate) use goal::{Any, Closest, Goal};
+pub(crate) use lanes::InstructionSet;
+pub(crate) use node::{Bvh, Kind, LIMIT};
+pub(crate) use prepared::{Exact, Prepared};
+pub(crate) use walk::{Level, Place};
