@@ -1,6 +1,6 @@
 //! The workspace's one integration binary: it links once.
 //!
-//! The first four modules hold the house together: what the manifests, the sources and
+//! These modules hold the house together: what the manifests, the sources and
 //! the documents promise each other. Each scan is itself tested on a planted violation.
 
 /// Who depends on whom, and who must not.
@@ -9,6 +9,8 @@ mod arrows;
 mod decision;
 /// Every link in the documents leads somewhere.
 mod links;
+/// Settings and methods: the documents against the program.
+mod settings;
 /// Reading the tree: files, and Rust without its comments, strings and tests.
 mod source;
 /// Manifests, lengths, leftovers, paths of somebody's machine.

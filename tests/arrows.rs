@@ -52,7 +52,7 @@ const TABLE: &[(u8, &str, &str, &str, &str)] = &[
     (
         4,
         "kaustik-estimate",
-        "bsdf film geometry mcmc path pss scene spectrum",
+        "film mcmc path pss scene spectrum",
         "",
         "",
     ),
@@ -60,7 +60,7 @@ const TABLE: &[(u8, &str, &str, &str, &str)] = &[
         5,
         "kaustik",
         "bsdf estimate film geometry mcmc path pss scene spectrum",
-        "rayon serde serde_json thiserror",
+        "glam rayon serde serde_json thiserror",
         "",
     ),
     (

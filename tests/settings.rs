@@ -1,0 +1,66 @@
+//! What the documents say of methods and settings is what the program knows.
+
+use kaustik::{KEYS, Key, Method};
+
+use crate::source::read;
+
+/// The line of docs/settings.md that a key amounts to, up to its explanation.
+fn row(key: &Key) -> String {
+    let all = key.methods.len() == Method::ALL.len();
+    let names: Vec<String> = key.methods.iter().map(|m| format!("`{m}`")).collect();
+    let methods = if all {
+        "all".to_owned()
+    } else {
+        names.join(", ")
+    };
+    let range = key.range.replace('|', "\\|");
+    format!(
+        "| `{}` | {methods} | `{range}` | `{}` |",
+        key.name, key.default
+    )
+}
+
+/// Keys whose line is missing, and lines in the table of keys that no key has.
+fn differences(keys: &[Key], document: &str) -> Vec<String> {
+    let rows: Vec<String> = keys.iter().map(row).collect();
+    let lines: Vec<&str> = document
+        .lines()
+        .filter(|line| line.starts_with("| `"))
+        .collect();
+    let missing = rows
+        .iter()
+        .filter(|row| !lines.iter().any(|l| l.starts_with(row.as_str())));
+    let surplus = lines
+        .iter()
+        .filter(|l| !rows.iter().any(|row| l.starts_with(row.as_str())));
+    let missing = missing.map(|row| format!("lacks {row}"));
+    missing
+        .chain(surplus.map(|line| format!("has   {line}")))
+        .collect()
+}
+
+#[test]
+fn the_settings_page_lists_every_key() {
+    let faults = differences(KEYS, &read("docs/settings.md"));
+    assert!(faults.is_empty(), "docs/settings.md\n{}", faults.join("\n"));
+}
+
+#[test]
+fn the_readme_lists_every_method() {
+    let readme = read("README.md");
+    for method in Method::ALL {
+        assert!(
+            readme.contains(&format!("\n| `{method}` |")),
+            "README.md lacks {method}"
+        );
+    }
+}
+
+#[test]
+fn a_planted_difference_is_found() {
+    let page = read("docs/settings.md");
+    assert_eq!(differences(&KEYS[1..], &page).len(), 1);
+    let mut keys = KEYS.to_vec();
+    keys[0].default = "another";
+    assert_eq!(differences(&keys, &page).len(), 2);
+}
