@@ -272,6 +272,15 @@ impl Image {
         self.rgb().map(|plane| f64::from(plane[index]))
     }
 
+    /// Multiplies the main layer's pixels by a factor for each index, row by row from the top.
+    pub fn scale_pixels(&mut self, factor: impl Fn(usize) -> f32) {
+        for channel in self.layers[0].channels.iter_mut().take(3) {
+            for (index, sample) in channel.samples.iter_mut().enumerate() {
+                *sample *= factor(index);
+            }
+        }
+    }
+
     /// A copy of the main layer's pixels in a window given in coordinates of the full image.
     ///
     /// # Errors

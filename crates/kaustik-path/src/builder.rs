@@ -9,7 +9,7 @@ use crate::Contributions;
 ///
 /// A builder owns no random generator: every choice is a coordinate, so that the same point gives the
 /// same paths. Which coordinate means what is fixed by the builder ([`layout`](crate::layout)).
-pub trait PathBuilder: Sync {
+pub trait PathBuilder: Send + Sync {
     /// Evaluates `u` into `out`, which is cleared first.
     fn build(&self, scene: &Scene, u: &mut dyn Coordinates, out: &mut Contributions);
 }
@@ -44,6 +44,12 @@ impl BuilderSettings {
     #[inline]
     pub(crate) fn raster(&self, u: DVec2) -> DVec2 {
         self.window_min + u * (self.window_max - self.window_min)
+    }
+
+    /// Does the window hold this raster point?
+    #[inline]
+    pub(crate) fn serves(&self, raster: DVec2) -> bool {
+        raster.cmpge(self.window_min).all() && raster.cmplt(self.window_max).all()
     }
 
     /// Area of the window; the whole image has 1.

@@ -91,6 +91,9 @@ impl LightTracing {
         let Some(lens) = scene.camera().sample_lens(vertex.position, lens) else {
             return;
         };
+        if !self.settings.serves(lens.raster) {
+            return;
+        }
         let wi = vertex.frame.to_local(lens.direction);
         let factor = shading::connection_factor(wi, scatter.wo, scatter.ng);
         if factor == 0.0 {
@@ -128,6 +131,9 @@ impl LightTracing {
         let Some(lens) = scene.camera().sample_lens(position, lens) else {
             return;
         };
+        if !self.settings.serves(lens.raster) {
+            return;
+        }
         let radiance = scene.area_radiance(area, lens.direction, wavelengths);
         let cos = area
             .surface

@@ -26,6 +26,7 @@ pub struct Scene {
     notices: Vec<String>,
     center: DVec3,
     radius: f64,
+    image_size: [u32; 2],
 }
 
 /// What the next segment of a walk led to.
@@ -43,6 +44,11 @@ impl Scene {
     /// The camera.
     pub fn camera(&self) -> &Camera {
         &self.camera
+    }
+
+    /// Columns and rows of the image that the camera was built for.
+    pub fn image_size(&self) -> [u32; 2] {
+        self.image_size
     }
 
     /// The geometry.

@@ -1,1 +1,50 @@
-//! Markov-chain Monte Carlo light transport: methods, rounds, threads.
+//! Markov-chain Monte Carlo light transport.
+//!
+//! This crate wires the others: a [`Scene`](scene::Scene) and [`RenderSettings`] go in, an
+//! image and [`RenderStatistics`] come out of [`render`]. Threads stand here and nowhere
+//! below; the same settings give the same bits for any number of them.
+//!
+//! ```
+//! use kaustik::{Budget, Control, Method, RenderSettings, render};
+//! use kaustik::scene::{Scene, SceneOptions, builtin};
+//!
+//! let description = builtin::load("furnace")?;
+//! let scene = Scene::new(&description, &SceneOptions { width: 8, height: 8, ..Default::default() })?;
+//! let settings = RenderSettings {
+//!     method: Method::Path,
+//!     width: 8,
+//!     height: 8,
+//!     budget: Budget::PerPixel(4),
+//!     ..RenderSettings::default()
+//! };
+//! let done = render(&scene, &settings, &mut Control::default())?;
+//! assert_eq!(done.image.width(), 8);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod control;
+mod engine;
+mod error;
+mod features;
+mod independent;
+mod method;
+mod options;
+mod pssmlt;
+mod render;
+mod settings;
+mod statistics;
+
+pub use control::{Control, Progress};
+pub use error::RenderError;
+pub use method::{KEYS, Key, Method, UnknownMethod};
+pub use options::{Builder, Normaliser, OptionError, Options, SmallStep};
+pub use render::{Outcome, Rendered, render};
+pub use settings::{Budget, RenderSettings};
+pub use statistics::{ChainStatistics, RenderStatistics};
+
+pub use kaustik_estimate as estimate;
+pub use kaustik_film as film;
+pub use kaustik_mcmc as mcmc;
+pub use kaustik_path as path;
+pub use kaustik_scene as scene;
+pub use kaustik_spectrum as spectrum;

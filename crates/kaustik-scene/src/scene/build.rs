@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use glam::{Affine3A, DVec3, Vec3A};
+use glam::{Affine3A, DVec2, DVec3, Vec3A};
 use kaustik_geometry::{Instance, World};
 
 use super::{Scene, SceneError};
@@ -54,7 +54,9 @@ impl Scene {
         let matter = matter(description, options)?;
         let (center, radius) = bounding_sphere(&matter.world);
         let camera = camera_description(description, options, (center, radius), &mut notices)?;
-        let camera = Camera::new(&camera, options.width, options.height)?;
+        // Builders know which part of the raster they serve; the camera accepts all of it.
+        let camera = Camera::new(&camera, options.width, options.height)?
+            .with_window(DVec2::NEG_INFINITY, DVec2::INFINITY);
         let environment = options
             .environment
             .as_ref()
@@ -97,6 +99,7 @@ impl Scene {
             notices,
             center,
             radius,
+            image_size: [options.width, options.height],
         })
     }
 }

@@ -1,0 +1,36 @@
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use kaustik_mcmc::Target;
+use kaustik_path::{Contributions, PathBuilder};
+use kaustik_pss::Coordinates;
+use kaustik_scene::Scene;
+
+/// A path builder in a scene as what a chain evaluates.
+#[derive(Clone, Copy)]
+pub struct PathTarget<'a> {
+    /// Where the paths run.
+    pub scene: &'a Scene,
+    /// How they are made.
+    pub builder: &'a dyn PathBuilder,
+    /// Counts contributions that were not finite.
+    pub nonfinite: &'a AtomicU64,
+}
+
+impl Target for PathTarget<'_> {
+    type Value = Contributions;
+
+    #[inline]
+    fn evaluate(&self, u: &mut dyn Coordinates, value: &mut Contributions) {
+        self.builder.build(self.scene, u, value);
+        if value.nonfinite() > 0 {
+            self.nonfinite
+                .fetch_add(u64::from(value.nonfinite()), Ordering::Relaxed);
+        }
+    }
+}
+
+impl std::fmt::Debug for PathTarget<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("PathTarget").finish_non_exhaustive()
+    }
+}

@@ -1,0 +1,41 @@
+//! What a pixel shows first: for denoisers, for a look at the scene.
+
+use glam::{DVec2, Vec3};
+use kaustik_geometry::Ray;
+use kaustik_scene::Scene;
+use kaustik_spectrum::{Illuminant, Rgb, WavelengthSampling, Wavelengths};
+
+/// Of the first surface that a camera ray meets.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Features {
+    /// Reflectance under D65, linear Rec.709; an estimate from four wavelengths.
+    pub albedo: [f32; 3],
+    /// Unit shading normal in the world, on the camera's side; zero if nothing is met.
+    pub normal: Vec3,
+    /// Distance in scene units; 0 if nothing is met.
+    pub depth: f32,
+}
+
+/// Looks through a raster point, from the centre of the lens, with the wavelengths of a number in [0, 1).
+pub fn features(scene: &Scene, raster: DVec2, wavelength: f64) -> Features {
+    let wavelengths = Wavelengths::sample(wavelength, WavelengthSampling::Hero);
+    let ray = scene.camera().sample_ray(raster, [0.5; 2]);
+    let mut interior = scene.camera_interior();
+    let traced = Ray::new(ray.origin.as_vec3(), ray.direction.as_vec3());
+    let segment = scene.advance(&traced, &mut interior, &wavelengths, || 0.5);
+    let Some(vertex) = segment.vertex else {
+        return Features::default();
+    };
+    let albedo = scene.albedo(&vertex, -ray.direction, &wavelengths);
+    let lit = albedo * Illuminant::D65.eval(&wavelengths);
+    let normal = vertex.frame.z.as_vec3();
+    Features {
+        albedo: Rgb::from(wavelengths.to_xyz(lit)).0,
+        normal: if normal.dot(traced.direction) > 0.0 {
+            -normal
+        } else {
+            normal
+        },
+        depth: segment.distance as f32,
+    }
+}

@@ -1,0 +1,62 @@
+//! What the render loop asks of a method.
+
+use std::sync::atomic::AtomicBool;
+
+use kaustik_film::{Counters, Image};
+
+use crate::{Budget, ChainStatistics, RenderError, RenderSettings};
+
+/// A method at work: ladders that can be driven on, and films that can be developed.
+///
+/// Ladders are independent of each other and of how their steps are cut into rounds, so that
+/// the picture depends on the number of steps alone.
+pub(crate) trait Engine: Send + Sync {
+    /// Drives the ladders of this process on by as many steps as `plan` says for each, on the threads
+    /// of the current pool; returns early when `stop` is raised. Returns the number of steps taken.
+    fn advance(&mut self, plan: &[u64], stop: Option<&AtomicBool>) -> u64;
+
+    /// Steps that a ladder is to take in all.
+    fn planned(&self, ladder: u32, settings: &RenderSettings) -> u64 {
+        match settings.budget {
+            Budget::PerPixel(n) => settings.share(n.saturating_mul(settings.pixels()), ladder),
+            Budget::Total(n) => settings.share(n, ladder),
+            Budget::Time(_) => u64::MAX,
+        }
+    }
+
+    /// The smallest number of steps of a ladder that leaves the picture even.
+    fn grain(&self, _ladder: u32) -> u64 {
+        1
+    }
+
+    /// The picture of all steps taken. For the end: what chains hold back is added first.
+    fn develop(&mut self) -> Result<Image, RenderError>;
+
+    /// The chains so far.
+    fn chain_statistics(&self) -> Option<ChainStatistics> {
+        None
+    }
+
+    /// Contributions left out because they were not finite.
+    fn nonfinite(&self) -> u64;
+
+    /// What the films left out.
+    fn film_counters(&self) -> Counters;
+
+    /// Does anything bring light to the camera? `false` lets the render end at once.
+    fn is_lit(&self) -> bool {
+        true
+    }
+}
+
+/// Steps between two looks at the stop flag.
+pub(crate) const STRIDE: u64 = 1024;
+
+/// Sum of two films' counters.
+pub(crate) fn add_counters(a: Counters, b: Counters) -> Counters {
+    Counters {
+        non_finite: a.non_finite + b.non_finite,
+        too_large: a.too_large + b.too_large,
+        overflowed: a.overflowed + b.overflowed,
+    }
+}

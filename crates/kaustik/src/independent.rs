@@ -1,0 +1,357 @@
+//! Methods of independent samples: path tracing and light tracing.
+
+use std::sync::atomic::AtomicBool;
+
+use kaustik_estimate::Scale;
+use kaustik_film::{Counters, Film, Image, Quantum, develop};
+use kaustik_mcmc::{Independent, Mean, sample_generator};
+use kaustik_path::{Contributions, LightTracing, PathBuilder, Unidirectional};
+use kaustik_pss::{Coordinates, Stream};
+use kaustik_scene::Scene;
+use rayon::prelude::*;
+
+use crate::control::is_stopped;
+use crate::engine::{Engine, STRIDE};
+use crate::render::builder_settings;
+use crate::{Budget, RenderError, RenderSettings};
+
+/// The pilot needs only the order of magnitude.
+const PILOT_SHARE: u64 = 100;
+/// Its samples come from a ladder that no render has.
+const PILOT_LADDER: u64 = u64::MAX;
+
+/// Streams of independent samples on one film.
+pub(crate) struct IndependentEngine<'a> {
+    scene: &'a Scene,
+    builder: Box<dyn PathBuilder + 'a>,
+    film: Film,
+    streams: Vec<SampleStream>,
+    seed: u64,
+    scale: Scale,
+    /// Raster area of the window in pixels.
+    area: f64,
+    /// Path tracing visits the cells of a grid over the window in turn; light tracing has none.
+    cells: Option<Cells>,
+    /// A sample touches one pixel only.
+    single_pixel: bool,
+    lit: bool,
+}
+
+/// A grid over the window, one cell a pixel (nearly so where a filter reaches over the edge).
+#[derive(Clone, Copy, Debug)]
+struct Cells {
+    columns: u64,
+    rows: u64,
+    ladders: u64,
+}
+
+/// One ladder: sample `step` is made from (seed, ladder, step) alone.
+struct SampleStream {
+    ladder: u32,
+    step: u64,
+    value: Contributions,
+    nonfinite: u64,
+}
+
+impl<'a> IndependentEngine<'a> {
+    pub(crate) fn path(scene: &'a Scene, settings: &RenderSettings) -> Result<Self, RenderError> {
+        let builder = Unidirectional {
+            settings: builder_settings(settings),
+            next_event: settings.options.next_event,
+        };
+        let bounds = settings.layout().extended_bounds();
+        let side = |axis: usize| ((bounds.max[axis] - bounds.min[axis]).round() as u64).max(1);
+        let cells = Cells {
+            columns: side(0),
+            rows: side(1),
+            ladders: u64::from(settings.options.ladders),
+        };
+        Self::new(scene, settings, Box::new(builder), Some(cells))
+    }
+
+    pub(crate) fn light(scene: &'a Scene, settings: &RenderSettings) -> Result<Self, RenderError> {
+        let builder = LightTracing {
+            settings: builder_settings(settings),
+        };
+        Self::new(scene, settings, Box::new(builder), None)
+    }
+
+    fn new(
+        scene: &'a Scene,
+        settings: &RenderSettings,
+        builder: Box<dyn PathBuilder + 'a>,
+        cells: Option<Cells>,
+    ) -> Result<Self, RenderError> {
+        let layout = settings.layout();
+        let mean = pilot(scene, builder.as_ref(), settings);
+        let stream = |ladder| SampleStream {
+            ladder,
+            step: 0,
+            value: Contributions::default(),
+            nonfinite: 0,
+        };
+        Ok(Self {
+            scene,
+            builder,
+            film: Film::with_layout(&layout, Quantum::from_mean(mean / 3.0))?,
+            streams: settings.ladder_range().map(stream).collect(),
+            seed: settings.seed,
+            scale: Scale {
+                width: f64::from(settings.width),
+                height: f64::from(settings.height),
+            },
+            area: layout.extended_bounds().area(),
+            cells,
+            single_pixel: layout.filter.is_single_pixel(),
+            lit: scene.has_light(),
+        })
+    }
+
+    /// Samples of all streams.
+    fn steps(&self) -> u64 {
+        self.streams.iter().map(|stream| stream.step).sum()
+    }
+}
+
+/// Rough mean of X + Y + Z over the window, for the film's quantum.
+fn pilot(scene: &Scene, builder: &dyn PathBuilder, settings: &RenderSettings) -> f64 {
+    let samples = (settings.options.pilot / PILOT_SHARE).max(1);
+    let mut value = Contributions::default();
+    let mut mean = Mean::new();
+    for index in 0..samples {
+        let draws = sample_generator(settings.seed, PILOT_LADDER, index);
+        builder.build(scene, &mut Independent::new(draws), &mut value);
+        mean.push(
+            value
+                .splats()
+                .iter()
+                .map(|splat| f64::from(splat.xyz.sum()))
+                .sum(),
+        );
+    }
+    mean.mean()
+}
+
+impl Engine for IndependentEngine<'_> {
+    fn advance(&mut self, plan: &[u64], stop: Option<&AtomicBool>) -> u64 {
+        let before = self.steps();
+        let Self {
+            scene,
+            builder,
+            film,
+            streams,
+            seed,
+            scale,
+            cells,
+            single_pixel,
+            ..
+        } = self;
+        let lab = Lab {
+            scene,
+            builder: builder.as_ref(),
+            film,
+            seed: *seed,
+            scale: *scale,
+            cells: *cells,
+            // A pass that is broken off leaves the picture uneven; with a filter that
+            // spreads samples nothing could make it even again.
+            stop: stop.filter(|_| cells.is_none() || *single_pixel),
+        };
+        streams
+            .par_iter_mut()
+            .zip(plan)
+            .with_max_len(1)
+            .for_each(|(stream, &steps)| stream.run(&lab, steps));
+        self.steps() - before
+    }
+
+    fn planned(&self, ladder: u32, settings: &RenderSettings) -> u64 {
+        let Some(cells) = &self.cells else {
+            return match settings.budget {
+                Budget::PerPixel(n) => settings.share(n.saturating_mul(settings.pixels()), ladder),
+                Budget::Total(n) => settings.share(n, ladder),
+                Budget::Time(_) => u64::MAX,
+            };
+        };
+        let [first, end] = cells.of_ladder(ladder);
+        match settings.budget {
+            Budget::PerPixel(n) => n.saturating_mul(end - first),
+            Budget::Total(n) => {
+                let passes = n / cells.count();
+                let rest = if self.single_pixel {
+                    n % cells.count()
+                } else {
+                    0
+                };
+                let passes = if self.single_pixel {
+                    passes
+                } else {
+                    passes.max(1)
+                };
+                passes * (end - first) + cells.share(rest, [first, end])
+            }
+            Budget::Time(_) => u64::MAX,
+        }
+    }
+
+    fn grain(&self, ladder: u32) -> u64 {
+        self.cells.map_or(1, |cells| {
+            let [first, end] = cells.of_ladder(ladder);
+            end - first
+        })
+    }
+
+    fn develop(&mut self) -> Result<Image, RenderError> {
+        let Some(cells) = self.cells else {
+            let factor = self.area / self.steps().max(1) as f64;
+            return Ok(develop(&[(&self.film, factor)])?);
+        };
+        let cell_area = self.area / cells.count() as f64;
+        let even = self
+            .streams
+            .iter()
+            .map(|stream| stream.passes(&cells))
+            .collect::<Vec<_>>();
+        if let Some(passes) = all_equal(&even) {
+            return Ok(develop(&[(&self.film, cell_area / passes.max(1) as f64)])?);
+        }
+        // Every pixel has its own number of samples (one pixel a cell).
+        let mut image = develop(&[(&self.film, 1.0)])?;
+        let mut factors = vec![0.0_f32; cells.count() as usize];
+        for stream in &self.streams {
+            let [first, end] = cells.of_ladder(stream.ladder);
+            for cell in first..end {
+                let visits = stream.visits(&cells, cell - first);
+                factors[cell as usize] = if visits > 0 { 1.0 / visits as f32 } else { 0.0 };
+            }
+        }
+        image.scale_pixels(|index| factors[index]);
+        Ok(image)
+    }
+
+    fn nonfinite(&self) -> u64 {
+        self.streams.iter().map(|stream| stream.nonfinite).sum()
+    }
+
+    fn film_counters(&self) -> Counters {
+        self.film.counters()
+    }
+
+    fn is_lit(&self) -> bool {
+        self.lit
+    }
+}
+
+/// What a stream works with.
+struct Lab<'a> {
+    scene: &'a Scene,
+    builder: &'a dyn PathBuilder,
+    film: &'a Film,
+    seed: u64,
+    scale: Scale,
+    cells: Option<Cells>,
+    stop: Option<&'a AtomicBool>,
+}
+
+impl SampleStream {
+    fn run(&mut self, lab: &Lab<'_>, steps: u64) {
+        for done in 0..steps {
+            if done % STRIDE == 0 && is_stopped(lab.stop) {
+                return;
+            }
+            let draws = sample_generator(lab.seed, u64::from(self.ladder), self.step);
+            let mut coordinates = Independent::new(draws);
+            match &lab.cells {
+                None => lab
+                    .builder
+                    .build(lab.scene, &mut coordinates, &mut self.value),
+                Some(cells) => {
+                    let mut coordinates = cells.confine(self.ladder, self.step, coordinates);
+                    lab.builder
+                        .build(lab.scene, &mut coordinates, &mut self.value);
+                }
+            }
+            self.nonfinite += u64::from(self.value.nonfinite());
+            lab.scale.splat(lab.film, &self.value, 1.0);
+            self.step += 1;
+        }
+    }
+
+    /// Whole passes over the ladder's cells; `None` in the middle of one.
+    fn passes(&self, cells: &Cells) -> Option<u64> {
+        let [first, end] = cells.of_ladder(self.ladder);
+        match end - first {
+            0 => Some(u64::MAX),
+            count => (self.step % count == 0).then_some(self.step / count),
+        }
+    }
+
+    /// Samples that the ladder's cell number `index` has had.
+    fn visits(&self, cells: &Cells, index: u64) -> u64 {
+        let [first, end] = cells.of_ladder(self.ladder);
+        let count = end - first;
+        self.step / count + u64::from(index < self.step % count)
+    }
+}
+
+/// The common number of passes; ladders without cells (`u64::MAX`) go with any.
+fn all_equal(passes: &[Option<u64>]) -> Option<u64> {
+    let mut common = None;
+    for passes in passes.iter().filter(|passes| **passes != Some(u64::MAX)) {
+        let passes = (*passes)?;
+        if *common.get_or_insert(passes) != passes {
+            return None;
+        }
+    }
+    common
+}
+
+impl Cells {
+    fn count(&self) -> u64 {
+        self.columns * self.rows
+    }
+
+    /// First cell of a ladder and the one after its last: ladders own bands of the image.
+    fn of_ladder(&self, ladder: u32) -> [u64; 2] {
+        [u64::from(ladder), u64::from(ladder) + 1].map(|l| self.count() * l / self.ladders)
+    }
+
+    /// The part of `n` samples (fewer than there are cells) that falls to a ladder's cells.
+    fn share(&self, n: u64, [first, end]: [u64; 2]) -> u64 {
+        let up_to =
+            |cell: u64| (u128::from(n) * u128::from(cell) / u128::from(self.count())) as u64;
+        up_to(end) - up_to(first)
+    }
+
+    /// Coordinates whose raster point lies in the cell of a ladder's step.
+    fn confine<C>(&self, ladder: u32, step: u64, inner: C) -> InCell<C> {
+        let [first, end] = self.of_ladder(ladder);
+        let cell = first + step % (end - first);
+        let (column, row) = (cell % self.columns, cell / self.columns);
+        InCell {
+            inner,
+            corner: [column as f64, row as f64],
+            size: [1.0 / self.columns as f64, 1.0 / self.rows as f64],
+        }
+    }
+}
+
+/// Coordinates with the raster point confined to one cell.
+struct InCell<C> {
+    inner: C,
+    corner: [f64; 2],
+    size: [f64; 2],
+}
+
+impl<C: Coordinates> Coordinates for InCell<C> {
+    #[inline]
+    fn get(&mut self, stream: Stream, index: u32) -> f64 {
+        let u = self.inner.get(stream, index);
+        if stream == Stream::Camera && index < 2 {
+            let axis = index as usize;
+            (self.corner[axis] + u) * self.size[axis]
+        } else {
+            u
+        }
+    }
+}

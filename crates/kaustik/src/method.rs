@@ -1,0 +1,189 @@
+//! The methods and their settings by name.
+
+use std::fmt;
+use std::str::FromStr;
+
+/// A way to compute the picture.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Method {
+    /// Path tracing from the camera.
+    Path,
+    /// Light tracing to the camera.
+    Light,
+    /// Primary sample space Metropolis light transport (Kelemen 2002).
+    #[default]
+    Pssmlt,
+}
+
+impl Method {
+    /// All methods.
+    pub const ALL: [Self; 3] = [Self::Path, Self::Light, Self::Pssmlt];
+
+    /// The name on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Path => "path",
+            Self::Light => "light",
+            Self::Pssmlt => "pssmlt",
+        }
+    }
+
+    /// One line about it.
+    pub fn summary(self) -> &'static str {
+        match self {
+            Self::Path => {
+                "path tracing with next-event estimation and multiple importance sampling"
+            }
+            Self::Light => {
+                "light tracing: walks from the emitters, every vertex joined to the lens"
+            }
+            Self::Pssmlt => {
+                "Metropolis light transport on primary samples (Kelemen, Szirmay-Kalos 2002)"
+            }
+        }
+    }
+
+    /// The settings that it reads.
+    pub fn keys(self) -> impl Iterator<Item = &'static Key> {
+        KEYS.iter().filter(move |key| key.methods.contains(&self))
+    }
+}
+
+impl fmt::Display for Method {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+/// A name that is no method.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("there is no method '{wanted}'; known are: {}", Method::ALL.map(Method::name).join(", "))]
+pub struct UnknownMethod {
+    /// The name.
+    pub wanted: String,
+}
+
+impl FromStr for Method {
+    type Err = UnknownMethod;
+
+    fn from_str(name: &str) -> Result<Self, UnknownMethod> {
+        Self::ALL
+            .into_iter()
+            .find(|method| method.name() == name)
+            .ok_or_else(|| UnknownMethod {
+                wanted: name.to_owned(),
+            })
+    }
+}
+
+/// A `--set` key.
+#[derive(Clone, Copy, Debug)]
+pub struct Key {
+    /// Its name.
+    pub name: &'static str,
+    /// Its default, as one would write it.
+    pub default: &'static str,
+    /// What it may be.
+    pub range: &'static str,
+    /// What it does.
+    pub meaning: &'static str,
+    /// The methods that read it.
+    pub methods: &'static [Method],
+}
+
+const EVERY: &[Method] = &Method::ALL;
+const CHAINS: &[Method] = &[Method::Pssmlt];
+
+/// All keys.
+pub const KEYS: &[Key] = &[
+    Key {
+        name: "ladders",
+        default: "64",
+        range: "1..=4096",
+        meaning: "independent chains or streams of samples; part of the result, unlike --threads",
+        methods: EVERY,
+    },
+    Key {
+        name: "wavelengths",
+        default: "hero",
+        range: "hero|uniform",
+        meaning: "four wavelengths importance-sampled over 360-830 nm, or one uniform over 400-700 nm \
+                  (RELT 5.1.1; the same as --wavelengths 1)",
+        methods: EVERY,
+    },
+    Key {
+        name: "compensation",
+        default: "on",
+        range: "on|off",
+        meaning: "give back the light that scatters between the facets of rough surfaces",
+        methods: EVERY,
+    },
+    Key {
+        name: "pilot",
+        default: "100000",
+        range: "1..=100000000",
+        meaning: "independent samples at the start: they choose the chains' first states, estimate the \
+                  normalisation and fix the film's quantum (path, light: a hundredth of it)",
+        methods: EVERY,
+    },
+    Key {
+        name: "nextevent",
+        default: "on",
+        range: "on|off",
+        meaning: "join every vertex to an emitter; off: emitters are found by running into them",
+        methods: &[Method::Path, Method::Pssmlt],
+    },
+    Key {
+        name: "builder",
+        default: "unidirectional",
+        range: "unidirectional|endpoint",
+        meaning: "how paths are made: a walk joined to emitters at every vertex, or at its end only \
+                  (Kelemen sec. 2)",
+        methods: CHAINS,
+    },
+    Key {
+        name: "target",
+        default: "xyz",
+        range: "xyz|luminance",
+        meaning: "the scalar that the chain follows: X+Y+Z, or luminance (which starves dispersion)",
+        methods: CHAINS,
+    },
+    Key {
+        name: "contribution",
+        default: "sum",
+        range: "sum|maximum",
+        meaning: "how the splats of one point make one scalar",
+        methods: CHAINS,
+    },
+    Key {
+        name: "plarge",
+        default: "0.3",
+        range: "0 < p <= 1",
+        meaning: "probability of a large step (Kelemen reports about 0.5 as best)",
+        methods: CHAINS,
+    },
+    Key {
+        name: "mutation",
+        default: "kelemen",
+        range: "kelemen|kelemen:S1:S2|uniform:FRACTION",
+        meaning: "small steps: exponential between S1 and S2 (1/1024 and 1/64), or uniform within a \
+                  fraction of the domain",
+        methods: CHAINS,
+    },
+    Key {
+        name: "mis",
+        default: "split",
+        range: "split|printed|off",
+        meaning: "large steps as independent samples: on a film of their own (unbiased), with the \
+                  paper's weights, or not at all",
+        methods: CHAINS,
+    },
+    Key {
+        name: "normaliser",
+        default: "running",
+        range: "running|initial",
+        meaning: "the scale of the image: from the pilot and all large steps, or from the pilot alone \
+                  (exactly unbiased)",
+        methods: CHAINS,
+    },
+];

@@ -1,0 +1,242 @@
+//! The settings that `--set key=value` reaches.
+
+use kaustik_estimate::{Contribution, Mis, ScalarTarget};
+use kaustik_spectrum::WavelengthSampling;
+
+use crate::method::{KEYS, Method};
+
+/// How small steps are made.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum SmallStep {
+    /// Kelemen's: size between the two, its logarithm uniform.
+    Kelemen(f64, f64),
+    /// Uniform within this fraction of the domain.
+    Uniform(f64),
+}
+
+/// How paths are made under a chain.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Builder {
+    /// A walk from the camera, joined to emitters at every vertex.
+    #[default]
+    Unidirectional,
+    /// A walk from the camera, joined at its end only.
+    Endpoint,
+}
+
+/// Which estimate of `b` scales the image.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Normaliser {
+    /// The pilot and all large steps: consistent, and better all the time.
+    #[default]
+    Running,
+    /// The pilot alone: exactly unbiased.
+    Initial,
+}
+
+/// All settings; a method reads those that [`Method::keys`] lists.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[expect(missing_docs, reason = "the table of keys says what each does")]
+pub struct Options {
+    pub ladders: u32,
+    pub wavelengths: WavelengthSampling,
+    pub compensation: bool,
+    pub pilot: u64,
+    pub next_event: bool,
+    pub builder: Builder,
+    pub target: ScalarTarget,
+    pub contribution: Contribution,
+    pub p_large: f64,
+    pub small_step: SmallStep,
+    pub mis: Mis,
+    pub normaliser: Normaliser,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self {
+            ladders: 64,
+            wavelengths: WavelengthSampling::Hero,
+            compensation: true,
+            pilot: 100_000,
+            next_event: true,
+            builder: Builder::default(),
+            target: ScalarTarget::default(),
+            contribution: Contribution::default(),
+            p_large: 0.3,
+            small_step: SmallStep::Kelemen(1.0 / 1024.0, 1.0 / 64.0),
+            mis: Mis::default(),
+            normaliser: Normaliser::default(),
+        }
+    }
+}
+
+/// A `--set` that means nothing.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum OptionError {
+    /// Not of the form `key=value`.
+    #[error("'{0}' is not of the form key=value")]
+    Form(String),
+    /// A key that the method does not have.
+    #[error("method {method} has no setting '{key}'; it has: {known}")]
+    Key {
+        /// The method.
+        method: Method,
+        /// The key.
+        key: String,
+        /// The keys that it has.
+        known: String,
+    },
+    /// A value out of its range.
+    #[error("setting {key}: '{value}' is not one of {range}")]
+    Value {
+        /// The key.
+        key: &'static str,
+        /// The value.
+        value: String,
+        /// What was expected.
+        range: &'static str,
+    },
+}
+
+impl Options {
+    /// Applies `key=value` for a method.
+    ///
+    /// # Errors
+    /// A text of another form, a key that the method does not have, a value out of range; each
+    /// names what was expected.
+    pub fn set(&mut self, method: Method, text: &str) -> Result<(), OptionError> {
+        let (key, value) = text
+            .split_once('=')
+            .ok_or_else(|| OptionError::Form(text.to_owned()))?;
+        let key = KEYS
+            .iter()
+            .find(|known| known.name == key && known.methods.contains(&method))
+            .ok_or_else(|| OptionError::Key {
+                method,
+                key: key.to_owned(),
+                known: method
+                    .keys()
+                    .map(|key| key.name)
+                    .collect::<Vec<_>>()
+                    .join(", "),
+            })?;
+        self.assign(key.name, value)
+            .ok_or_else(|| OptionError::Value {
+                key: key.name,
+                value: value.to_owned(),
+                range: key.range,
+            })
+    }
+
+    /// `None` if the value is out of range.
+    fn assign(&mut self, key: &str, value: &str) -> Option<()> {
+        match key {
+            "ladders" => self.ladders = integer(value, 1, 4096)? as u32,
+            "pilot" => self.pilot = integer(value, 1, 100_000_000)?,
+            "wavelengths" => {
+                let (hero, single) = (WavelengthSampling::Hero, WavelengthSampling::Single);
+                self.wavelengths = word(value, &[("hero", hero), ("uniform", single)])?;
+            }
+            "compensation" => self.compensation = switch(value)?,
+            "nextevent" => self.next_event = switch(value)?,
+            "builder" => {
+                let (walk, end) = (Builder::Unidirectional, Builder::Endpoint);
+                self.builder = word(value, &[("unidirectional", walk), ("endpoint", end)])?;
+            }
+            "target" => {
+                let (xyz, y) = (ScalarTarget::Xyz, ScalarTarget::Luminance);
+                self.target = word(value, &[("xyz", xyz), ("luminance", y)])?;
+            }
+            "contribution" => {
+                let (sum, max) = (Contribution::Sum, Contribution::Maximum);
+                self.contribution = word(value, &[("sum", sum), ("maximum", max)])?;
+            }
+            "plarge" => self.p_large = number(value).filter(|p| *p > 0.0 && *p <= 1.0)?,
+            "mutation" => self.small_step = small_step(value)?,
+            "mis" => {
+                let words = [
+                    ("split", Mis::Split),
+                    ("printed", Mis::Printed),
+                    ("off", Mis::Off),
+                ];
+                self.mis = word(value, &words)?;
+            }
+            "normaliser" => {
+                let (running, initial) = (Normaliser::Running, Normaliser::Initial);
+                self.normaliser = word(value, &[("running", running), ("initial", initial)])?;
+            }
+            _ => return None,
+        }
+        Some(())
+    }
+}
+
+fn word<T: Copy>(value: &str, words: &[(&str, T)]) -> Option<T> {
+    words
+        .iter()
+        .find(|(word, _)| *word == value)
+        .map(|(_, meaning)| *meaning)
+}
+
+fn switch(value: &str) -> Option<bool> {
+    word(value, &[("on", true), ("off", false)])
+}
+
+fn integer(value: &str, least: u64, most: u64) -> Option<u64> {
+    value.parse().ok().filter(|n| (least..=most).contains(n))
+}
+
+fn number(value: &str) -> Option<f64> {
+    value.parse().ok().filter(|x: &f64| x.is_finite())
+}
+
+fn small_step(value: &str) -> Option<SmallStep> {
+    let mut words = value.split(':');
+    let kind = words.next()?;
+    let numbers = words.map(number).collect::<Option<Vec<f64>>>()?;
+    match (kind, numbers.as_slice()) {
+        ("kelemen", []) => Some(Options::default().small_step),
+        ("kelemen", &[s1, s2]) if s1 > 0.0 && s1 < s2 && s2 <= 0.5 => {
+            Some(SmallStep::Kelemen(s1, s2))
+        }
+        ("uniform", &[fraction]) if fraction > 0.0 && fraction <= 1.0 => {
+            Some(SmallStep::Uniform(fraction))
+        }
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_default_of_the_table_is_the_default() {
+        for method in Method::ALL {
+            for key in method.keys() {
+                let mut options = Options::default();
+                options
+                    .set(method, &format!("{}={}", key.name, key.default))
+                    .unwrap();
+                assert_eq!(options, Options::default(), "{}", key.name);
+            }
+        }
+    }
+
+    #[test]
+    fn wrong_words_are_refused_with_what_was_expected() {
+        let mut options = Options::default();
+        let message = |text: &str, options: &mut Options| {
+            options.set(Method::Pssmlt, text).unwrap_err().to_string()
+        };
+        assert!(message("plarge=0", &mut options).contains("0 < p <= 1"));
+        assert!(message("plarge=nan", &mut options).contains("plarge"));
+        assert!(message("mutation=uniform", &mut options).contains("uniform:FRACTION"));
+        assert!(message("colour=red", &mut options).contains("ladders"));
+        assert!(message("plarge", &mut options).contains("key=value"));
+        assert_eq!(options, Options::default());
+        let error = options.set(Method::Path, "plarge=0.5").unwrap_err();
+        assert!(matches!(error, OptionError::Key { .. }));
+    }
+}

@@ -1,0 +1,280 @@
+//! Primary sample space Metropolis light transport (Kelemen et al. 2002; spec: pss-and-pssmlt.md).
+
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+
+use kaustik_estimate::{KelemenDeposit, Mis, PathTarget, ScalarContribution, Scale};
+use kaustik_film::{Counters, Film, Image, Quantum, develop};
+use kaustik_mcmc::{
+    Draws, Exponential, Mean, Metropolis, Mutation, Pcg64Dxsm, Point, PointKernel, Pool,
+    Statistics, Uniform, generator, sample, sample_generator,
+};
+use kaustik_path::{Contributions, Endpoint, PathBuilder, Unidirectional};
+use kaustik_scene::Scene;
+use rayon::prelude::*;
+
+use crate::control::is_stopped;
+use crate::engine::{Engine, STRIDE, add_counters};
+use crate::render::builder_settings;
+use crate::{
+    Builder, ChainStatistics, Normaliser, Options, RenderError, RenderSettings, SmallStep,
+};
+
+/// The pilot's samples come from a ladder that no render has.
+const PILOT_LADDER: u64 = u64::MAX;
+/// So does the choice of the starts.
+const CHOICE_LADDER: u64 = u64::MAX - 1;
+
+/// Either kind of small step.
+#[derive(Clone, Debug)]
+enum Small {
+    Kelemen(Exponential),
+    Uniform(Uniform),
+}
+
+impl Mutation for Small {
+    #[inline]
+    fn mutate<D: Draws + ?Sized>(&self, x: f64, draws: &mut D) -> f64 {
+        match self {
+            Self::Kelemen(mutation) => mutation.mutate(x, draws),
+            Self::Uniform(mutation) => mutation.mutate(x, draws),
+        }
+    }
+
+    fn mixed_after(&self) -> u64 {
+        match self {
+            Self::Kelemen(mutation) => mutation.mixed_after(),
+            Self::Uniform(mutation) => mutation.mixed_after(),
+        }
+    }
+}
+
+impl Small {
+    fn new(step: SmallStep) -> Self {
+        match step {
+            SmallStep::Kelemen(s1, s2) => Self::Kelemen(Exponential::new(s1, s2)),
+            SmallStep::Uniform(fraction) => Self::Uniform(Uniform::new(fraction)),
+        }
+    }
+}
+
+/// Chains on one pair of films.
+pub(crate) struct PssmltEngine<'a> {
+    scene: &'a Scene,
+    builder: Box<dyn PathBuilder + 'a>,
+    family: ScalarContribution,
+    options: Options,
+    chains: Vec<Chain>,
+    chain_film: Film,
+    large_film: Option<Film>,
+    pool: Mean,
+    /// The constant in the weights; 0 if the pilot saw nothing.
+    b0: f64,
+    scale: Scale,
+    /// Raster area of the window in pixels.
+    area: f64,
+    nonfinite: AtomicU64,
+}
+
+/// One ladder. Its chain is absent if the pilot saw no light.
+struct Chain {
+    draws: Pcg64Dxsm,
+    metropolis: Metropolis<Point<Small>, Contributions, 1>,
+}
+
+impl<'a> PssmltEngine<'a> {
+    /// Runs the pilot and starts the chains.
+    pub(crate) fn new(scene: &'a Scene, settings: &RenderSettings) -> Result<Self, RenderError> {
+        let options = settings.options;
+        let builder: Box<dyn PathBuilder> = match options.builder {
+            Builder::Unidirectional => Box::new(Unidirectional {
+                settings: builder_settings(settings),
+                next_event: options.next_event,
+            }),
+            Builder::Endpoint => Box::new(Endpoint {
+                settings: builder_settings(settings),
+            }),
+        };
+        let family = ScalarContribution {
+            target: options.target,
+            contribution: options.contribution,
+        };
+        let nonfinite = AtomicU64::new(0);
+        let target = PathTarget {
+            scene,
+            builder: builder.as_ref(),
+            nonfinite: &nonfinite,
+        };
+        let pool = pilot(target, family, settings);
+        let b0 = pool.normaliser().mean();
+        let chains = start_chains(target, family, &pool, settings)?;
+        let layout = settings.layout();
+        let quantum = Quantum::from_mean(b0 / 3.0);
+        let large_film = match options.mis {
+            Mis::Split => Some(Film::with_layout(&layout, quantum)?),
+            Mis::Printed | Mis::Off => None,
+        };
+        Ok(Self {
+            scene,
+            family,
+            options,
+            chains,
+            chain_film: Film::with_layout(&layout, quantum)?,
+            large_film,
+            pool: *pool.normaliser(),
+            b0,
+            scale: Scale {
+                width: f64::from(settings.width),
+                height: f64::from(settings.height),
+            },
+            area: layout.extended_bounds().area(),
+            nonfinite,
+            builder,
+        })
+    }
+
+    fn deposit(&self) -> KelemenDeposit<'_> {
+        KelemenDeposit {
+            chain: &self.chain_film,
+            large: self.large_film.as_ref(),
+            scale: self.scale,
+            b0: self.b0,
+            p_large: self.options.p_large,
+            mis: self.options.mis,
+        }
+    }
+
+    /// All chains' statistics, in the order of the ladders.
+    fn statistics(&self) -> Statistics<1> {
+        let mut all = Statistics::new();
+        for chain in &self.chains {
+            all.merge(chain.metropolis.statistics());
+        }
+        all
+    }
+
+    /// The estimate of `b` that scales the image.
+    fn normaliser(&self, statistics: &Statistics<1>) -> Mean {
+        let mut mean = self.pool;
+        if self.options.normaliser == Normaliser::Running {
+            mean.merge(&statistics.independent[0]);
+        }
+        mean
+    }
+}
+
+/// Independent samples for the start (spec sec. 5), in parallel, in the order of their indices.
+fn pilot(target: PathTarget<'_>, family: ScalarContribution, settings: &RenderSettings) -> Pool {
+    let densities: Vec<f64> = (0..settings.options.pilot as usize)
+        .into_par_iter()
+        .with_min_len(256)
+        .map_init(Contributions::default, |value, index| {
+            let draws = sample_generator(settings.seed, PILOT_LADDER, index as u64);
+            sample(&target, &family, draws, value).map_or(f64::NAN, |[density]| density)
+        })
+        .collect();
+    Pool::new(densities)
+}
+
+/// A chain for every ladder of this process; none if the pool saw nothing. All ladders choose, so that
+/// a share of them starts as it would among all.
+fn start_chains(
+    target: PathTarget<'_>,
+    family: ScalarContribution,
+    pool: &Pool,
+    settings: &RenderSettings,
+) -> Result<Vec<Chain>, RenderError> {
+    let mut choice = generator(settings.seed, CHOICE_LADDER);
+    let range = settings.ladder_range();
+    let mut chains = Vec::new();
+    for ladder in 0..settings.options.ladders {
+        let Some(start) = pool.choose(&mut choice) else {
+            break;
+        };
+        if !range.contains(&ladder) {
+            continue;
+        }
+        let mut draws = sample_generator(settings.seed, PILOT_LADDER, start.index);
+        let small = Small::new(settings.options.small_step);
+        chains.push(Chain {
+            metropolis: Metropolis::rebuild(&target, &family, 0, small, &start, &mut draws)?,
+            draws: generator(settings.seed, u64::from(ladder)),
+        });
+    }
+    Ok(chains)
+}
+
+impl Engine for PssmltEngine<'_> {
+    fn advance(&mut self, plan: &[u64], stop: Option<&AtomicBool>) -> u64 {
+        let before = self.statistics().steps;
+        let mut chains = std::mem::take(&mut self.chains);
+        let target = PathTarget {
+            scene: self.scene,
+            builder: self.builder.as_ref(),
+            nonfinite: &self.nonfinite,
+        };
+        let kernel = PointKernel::new(target, self.options.p_large);
+        chains
+            .par_iter_mut()
+            .zip(plan)
+            .with_max_len(1)
+            .for_each(|(chain, &steps)| {
+                let mut deposit = self.deposit();
+                for done in 0..steps {
+                    if done % STRIDE == 0 && is_stopped(stop) {
+                        return;
+                    }
+                    chain
+                        .metropolis
+                        .step(&kernel, &self.family, &mut chain.draws, &mut deposit);
+                }
+            });
+        self.chains = chains;
+        self.statistics().steps - before
+    }
+
+    fn develop(&mut self) -> Result<Image, RenderError> {
+        let mut chains = std::mem::take(&mut self.chains);
+        for chain in &mut chains {
+            chain.metropolis.flush(&mut self.deposit());
+        }
+        self.chains = chains;
+        let statistics = self.statistics();
+        let per_step = self.area / statistics.steps.max(1) as f64;
+        let b = self.normaliser(&statistics).mean();
+        let scale = match self.options.mis {
+            Mis::Printed => 1.0,
+            Mis::Split | Mis::Off if self.b0 > 0.0 => b / self.b0,
+            Mis::Split | Mis::Off => 0.0,
+        };
+        let mut films = vec![(&self.chain_film, scale * per_step)];
+        films.extend(self.large_film.iter().map(|film| (film, per_step)));
+        Ok(develop(&films)?)
+    }
+
+    fn chain_statistics(&self) -> Option<ChainStatistics> {
+        let statistics = self.statistics();
+        let b = self.normaliser(&statistics);
+        Some(ChainStatistics::new(
+            &statistics,
+            [b.mean(), b.standard_error()],
+            self.b0,
+        ))
+    }
+
+    fn nonfinite(&self) -> u64 {
+        self.nonfinite.load(Ordering::Relaxed)
+    }
+
+    fn film_counters(&self) -> Counters {
+        let large = self
+            .large_film
+            .as_ref()
+            .map(Film::counters)
+            .unwrap_or_default();
+        add_counters(self.chain_film.counters(), large)
+    }
+
+    fn is_lit(&self) -> bool {
+        self.b0 > 0.0
+    }
+}

@@ -1,0 +1,236 @@
+//! The render loop: rounds of work until the budget is spent.
+
+use std::time::{Duration, Instant};
+
+use glam::DVec2;
+use kaustik_film::Image;
+use kaustik_path::BuilderSettings;
+use kaustik_scene::Scene;
+
+use crate::engine::Engine;
+use crate::independent::IndependentEngine;
+use crate::pssmlt::PssmltEngine;
+use crate::{
+    Budget, Control, Method, Progress, RenderError, RenderSettings, RenderStatistics, features,
+};
+
+/// What became of a render.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Outcome {
+    /// The budget is spent.
+    Complete,
+    /// Stopped from outside; the picture is right for what was done.
+    Stopped,
+    /// Nothing in the scene brings light to the camera: the picture is black.
+    Black,
+}
+
+/// A picture and what is to be said about it.
+#[derive(Clone, Debug)]
+pub struct Rendered {
+    /// Linear Rec.709, with feature layers if asked for.
+    pub image: Image,
+    /// What happened.
+    pub statistics: RenderStatistics,
+    /// How it ended.
+    pub outcome: Outcome,
+}
+
+/// Rounds aim at this length: short enough for a lively display, long enough that
+/// waiting for the last ladder costs little.
+const ROUND: Duration = Duration::from_millis(250);
+
+/// Renders a scene.
+///
+/// The picture depends on the scene and the settings alone (but for `threads`); with
+/// [`Budget::Time`] also on how many rounds fit.
+///
+/// # Errors
+/// Settings out of range or not those that the scene was built for, no memory for the film, no threads,
+/// a path builder that does not repeat itself.
+pub fn render(
+    scene: &Scene,
+    settings: &RenderSettings,
+    control: &mut Control<'_>,
+) -> Result<Rendered, RenderError> {
+    check(scene, settings)?;
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(settings.threads)
+        .build()
+        .map_err(|error| RenderError::Threads(error.to_string()))?;
+    let start = Instant::now();
+    let mut engine = pool.install(|| engine(scene, settings))?;
+    let pilot = start.elapsed();
+    let mut work = Work {
+        settings,
+        start,
+        pilot,
+        steps: 0,
+    };
+    let outcome = work.run(engine.as_mut(), &pool, control);
+    let seconds = (start.elapsed() - pilot).as_secs_f64();
+    let mut image = engine.develop()?;
+    let statistics = RenderStatistics {
+        method: settings.method.to_string(),
+        seed: settings.seed,
+        ladders: settings.options.ladders,
+        steps: work.steps,
+        per_pixel: work.steps as f64 / settings.pixels() as f64,
+        seconds,
+        pilot_seconds: pilot.as_secs_f64(),
+        nonfinite: engine.nonfinite(),
+        film: engine.film_counters(),
+        chain: engine.chain_statistics(),
+    };
+    // The films are not needed any more, the feature planes are.
+    drop(engine);
+    if settings.features {
+        for layer in pool.install(|| features::layers(scene, settings)) {
+            image.push_layer(layer)?;
+        }
+    }
+    Ok(Rendered {
+        image,
+        statistics,
+        outcome,
+    })
+}
+
+fn check(scene: &Scene, settings: &RenderSettings) -> Result<(), RenderError> {
+    let setting = |what, found: String, expected: String| {
+        Err(RenderError::Setting {
+            what,
+            found,
+            expected,
+        })
+    };
+    let size = [settings.width, settings.height];
+    if scene.image_size() != size {
+        let found = format!("{} x {}", size[0], size[1]);
+        let [w, h] = scene.image_size();
+        return setting(
+            "image size",
+            found,
+            format!("that of the scene's camera, {w} x {h}"),
+        );
+    }
+    if settings.max_depth == 0 {
+        return setting("max-depth", "0".into(), "at least 1".into());
+    }
+    let range = settings.ladder_range();
+    if range.is_empty() || range.end > settings.options.ladders {
+        let expected = format!("a part of 0..{}", settings.options.ladders);
+        return setting(
+            "ladders",
+            format!("{}..{}", range.start, range.end),
+            expected,
+        );
+    }
+    Ok(())
+}
+
+fn engine<'a>(
+    scene: &'a Scene,
+    settings: &'a RenderSettings,
+) -> Result<Box<dyn Engine + 'a>, RenderError> {
+    Ok(match settings.method {
+        Method::Path => Box::new(IndependentEngine::path(scene, settings)?),
+        Method::Light => Box::new(IndependentEngine::light(scene, settings)?),
+        Method::Pssmlt => Box::new(PssmltEngine::new(scene, settings)?),
+    })
+}
+
+/// What path builders are told by these settings.
+pub(crate) fn builder_settings(settings: &RenderSettings) -> BuilderSettings {
+    let bounds = settings.layout().extended_bounds();
+    let size = DVec2::new(f64::from(settings.width), f64::from(settings.height));
+    BuilderSettings {
+        max_edges: settings.max_depth,
+        wavelengths: settings.options.wavelengths,
+        window_min: DVec2::from(bounds.min) / size,
+        window_max: DVec2::from(bounds.max) / size,
+    }
+}
+
+struct Work<'a> {
+    settings: &'a RenderSettings,
+    start: Instant,
+    pilot: Duration,
+    steps: u64,
+}
+
+impl Work<'_> {
+    fn run(
+        &mut self,
+        engine: &mut dyn Engine,
+        pool: &rayon::ThreadPool,
+        control: &mut Control<'_>,
+    ) -> Outcome {
+        if !engine.is_lit() {
+            return Outcome::Black;
+        }
+        // Every ladder may have taken `allowed` grains, but no more than planned.
+        let mut allowed = 0;
+        let mut chunk = 1;
+        loop {
+            let (from, to) = (allowed, allowed + chunk);
+            allowed = to;
+            let steps = |engine: &dyn Engine, ladder: u32| {
+                let planned = engine.planned(ladder, self.settings);
+                let grain = engine.grain(ladder);
+                planned.min(to * grain) - planned.min(from * grain)
+            };
+            let round_start = Instant::now();
+            let plan: Vec<u64> = self
+                .settings
+                .ladder_range()
+                .map(|ladder| steps(engine, ladder))
+                .collect();
+            let taken = pool.install(|| engine.advance(&plan, control.stop));
+            self.steps += taken;
+            control.tell(&self.progress(engine));
+            if control.stopped() {
+                return Outcome::Stopped;
+            }
+            if plan.iter().all(|&steps| steps == 0) || self.out_of_time() {
+                return Outcome::Complete;
+            }
+            // Grow gently toward rounds of the wanted length, never past twice the last.
+            let ratio = ROUND.as_secs_f64() / round_start.elapsed().as_secs_f64().max(1e-6);
+            chunk = ((chunk as f64 * ratio.clamp(0.5, 2.0)) as u64).max(1);
+        }
+    }
+
+    fn out_of_time(&self) -> bool {
+        matches!(self.settings.budget, Budget::Time(limit) if self.start.elapsed() >= limit)
+    }
+
+    fn progress(&self, engine: &dyn Engine) -> Progress {
+        let elapsed = self.start.elapsed();
+        let fraction = match self.settings.budget {
+            Budget::Time(limit) => elapsed.as_secs_f64() / limit.as_secs_f64().max(1e-9),
+            Budget::PerPixel(_) | Budget::Total(_) => {
+                let planned: u64 = self
+                    .settings
+                    .ladder_range()
+                    .map(|ladder| engine.planned(ladder, self.settings))
+                    .sum();
+                self.steps as f64 / planned.max(1) as f64
+            }
+        };
+        let fraction = fraction.clamp(0.0, 1.0);
+        let sampling = (elapsed - self.pilot).as_secs_f64();
+        let chain = engine.chain_statistics();
+        Progress {
+            fraction,
+            elapsed,
+            remaining: Duration::from_secs_f64(
+                (sampling * (1.0 - fraction) / fraction.max(1e-9)).min(1e9),
+            ),
+            steps: self.steps,
+            rate: self.steps as f64 / sampling.max(1e-9),
+            acceptance: chain.map(|c| [c.small_acceptance, c.large_acceptance]),
+            normalisation: chain.map(|c| [c.normalisation, c.normalisation_error]),
+        }
+    }
+}

@@ -1,0 +1,92 @@
+use std::ops::Range;
+use std::time::Duration;
+
+use kaustik_film::{Filter, Layout, Window};
+
+use crate::{Method, Options};
+
+/// When a render is done.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Budget {
+    /// Samples (or mutations) a pixel.
+    PerPixel(u64),
+    /// Samples or mutations in all.
+    Total(u64),
+    /// Wall-clock time; as many rounds as begin within it.
+    Time(Duration),
+}
+
+/// All that decides what a render computes, but for the scene.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RenderSettings {
+    /// The method.
+    pub method: Method,
+    /// Its settings.
+    pub options: Options,
+    /// Columns of the image, > 0.
+    pub width: u32,
+    /// Rows of the image, > 0.
+    pub height: u32,
+    /// Pixels to render; `None` is all.
+    pub crop: Option<Window>,
+    /// Reconstruction filter.
+    pub filter: Filter,
+    /// When it is done.
+    pub budget: Budget,
+    /// Every random number follows from it.
+    pub seed: u64,
+    /// Worker threads; 0 is one for each processor. Not part of the result.
+    pub threads: usize,
+    /// Longest path in edges, > 0.
+    pub max_depth: u32,
+    /// The ladders that this process runs; `None` is all.
+    pub ladders: Option<Range<u32>>,
+    /// Render albedo, normal and depth of what is seen first as layers.
+    pub features: bool,
+}
+
+impl Default for RenderSettings {
+    fn default() -> Self {
+        Self {
+            method: Method::default(),
+            options: Options::default(),
+            width: 1024,
+            height: 1024,
+            crop: None,
+            filter: Filter::default(),
+            budget: Budget::Time(Duration::from_secs(60)),
+            seed: 0,
+            threads: 0,
+            max_depth: 64,
+            ladders: None,
+            features: true,
+        }
+    }
+}
+
+impl RenderSettings {
+    /// Size, crop and filter for a film.
+    pub(crate) fn layout(&self) -> Layout {
+        let layout = Layout::new(self.width, self.height).with_filter(self.filter);
+        match self.crop {
+            Some(crop) => layout.with_crop(crop),
+            None => layout,
+        }
+    }
+
+    /// The ladders that this process runs.
+    pub(crate) fn ladder_range(&self) -> Range<u32> {
+        self.ladders.clone().unwrap_or(0..self.options.ladders)
+    }
+
+    /// Pixels of the crop window.
+    pub(crate) fn pixels(&self) -> u64 {
+        self.layout().crop.area()
+    }
+
+    /// How many of `total` steps fall to a ladder: as even as can be, the first ladders take one more.
+    pub(crate) fn share(&self, total: u64, ladder: u32) -> u64 {
+        let ladders = u64::from(self.options.ladders);
+        total / ladders + u64::from(u64::from(ladder) < total % ladders)
+    }
+}

@@ -1,0 +1,61 @@
+use kaustik_film::Counters;
+use kaustik_mcmc::Statistics;
+use serde::Serialize;
+
+/// What a render tells about itself; goes into the image file and into `--stats`.
+#[derive(Clone, Debug, Serialize)]
+pub struct RenderStatistics {
+    /// Name of the method.
+    pub method: String,
+    /// Seed.
+    pub seed: u64,
+    /// Independent chains or streams.
+    pub ladders: u32,
+    /// Samples or mutations.
+    pub steps: u64,
+    /// Samples or mutations a pixel.
+    pub per_pixel: f64,
+    /// Wall-clock seconds of sampling.
+    pub seconds: f64,
+    /// Wall-clock seconds of the pilot before it.
+    pub pilot_seconds: f64,
+    /// Contributions that were not finite, left out.
+    pub nonfinite: u64,
+    /// What the films left out.
+    pub film: Counters,
+    /// Of a chain method.
+    pub chain: Option<ChainStatistics>,
+}
+
+/// What chains tell about themselves.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct ChainStatistics {
+    /// Mean acceptance of small steps.
+    pub small_acceptance: f64,
+    /// Mean acceptance of large steps.
+    pub large_acceptance: f64,
+    /// Estimate of the integral of the scalar contribution that scales the image.
+    pub normalisation: f64,
+    /// Its standard error.
+    pub normalisation_error: f64,
+    /// The constant in the weights.
+    pub b0: f64,
+    /// Longest stay in one state, in steps.
+    pub longest_stay: u64,
+    /// Proposals whose density was not valid.
+    pub defects: u64,
+}
+
+impl ChainStatistics {
+    pub(crate) fn new(statistics: &Statistics<1>, [b, error]: [f64; 2], b0: f64) -> Self {
+        Self {
+            small_acceptance: statistics.small().rate(),
+            large_acceptance: statistics.large().rate(),
+            normalisation: b,
+            normalisation_error: error,
+            b0,
+            longest_stay: statistics.longest_stay,
+            defects: statistics.defects,
+        }
+    }
+}
