@@ -9,6 +9,7 @@ pub mod camera;
 pub mod description;
 mod emitter;
 pub mod environment;
+pub mod gltf;
 mod interior;
 mod material;
 mod matter;

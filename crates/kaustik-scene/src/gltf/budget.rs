@@ -1,0 +1,91 @@
+use super::{ErrorKind, LoadError, LoadOptions};
+
+/// Granted to any file, however small.
+const BASE: u64 = 1 << 30;
+/// Granted for each byte that is read from disk: decoded images and indexed geometry are
+/// larger than what they are stored as.
+const PER_BYTE: u64 = 16;
+
+/// Counts the bytes that a file asks for *before* they are allocated: a failed allocation
+/// aborts the process and cannot be caught, and a successful one of 100 GB is no better.
+#[derive(Debug)]
+pub(super) struct Budget {
+    limit: u64,
+    used: u64,
+    grows: bool,
+}
+
+impl Budget {
+    pub(super) fn new(options: &LoadOptions) -> Self {
+        Self {
+            limit: options.max_memory.unwrap_or(BASE),
+            used: 0,
+            grows: options.max_memory.is_none(),
+        }
+    }
+
+    /// Raises the default limit for bytes that really lie on the disk.
+    pub(super) fn credit(&mut self, bytes_on_disk: u64) {
+        if self.grows {
+            self.limit = self
+                .limit
+                .saturating_add(bytes_on_disk.saturating_mul(PER_BYTE));
+        }
+    }
+
+    /// Takes `bytes` for what stands at `place`, or refuses.
+    pub(super) fn take(&mut self, place: &str, bytes: u64) -> Result<(), LoadError> {
+        let used = self.used.saturating_add(bytes);
+        if used > self.limit {
+            return Err(LoadError::new(
+                ErrorKind::Budget,
+                place,
+                format!("a need of {} in all", size(used)),
+                format!("at most {}", size(self.limit)),
+            )
+            .help("if the file is to be trusted, allow more memory (--max-memory)"));
+        }
+        self.used = used;
+        Ok(())
+    }
+
+    /// `count` things of `each` bytes.
+    pub(super) fn take_many(
+        &mut self,
+        place: &str,
+        count: usize,
+        each: usize,
+    ) -> Result<(), LoadError> {
+        self.take(place, (count as u64).saturating_mul(each as u64))
+    }
+
+    /// Gives back what was temporary.
+    pub(super) fn give(&mut self, bytes: u64) {
+        self.used = self.used.saturating_sub(bytes);
+    }
+
+    /// What is counted at the moment.
+    pub(super) fn used(&self) -> u64 {
+        self.used
+    }
+
+    /// What is left.
+    pub(super) fn left(&self) -> u64 {
+        self.limit - self.used
+    }
+}
+
+/// A size for people: 3 digits and a unit.
+pub(super) fn size(bytes: u64) -> String {
+    const UNITS: [&str; 5] = ["B", "KiB", "MiB", "GiB", "TiB"];
+    let mut value = bytes as f64;
+    let mut unit = 0;
+    while value >= 1024.0 && unit + 1 < UNITS.len() {
+        value /= 1024.0;
+        unit += 1;
+    }
+    if unit == 0 {
+        return format!("{bytes} B");
+    }
+    format!("{value:.1} {}", UNITS[unit])
+}

@@ -1,0 +1,198 @@
+use super::json::Cursor;
+use super::reader::Reader;
+use super::texture::Textures;
+use super::{LoadError, extras};
+use crate::description::{
+    AlphaMode, MaterialDescription, Specular, TextureSlot, Transmission, Volume,
+};
+
+type Result<T> = std::result::Result<T, LoadError>;
+
+const UNIT: (f32, f32) = (0.0, 1.0);
+const POSITIVE: (f32, f32) = (0.0, f32::INFINITY);
+
+/// Reads all materials of the file.
+pub(super) fn load(
+    reader: &mut Reader<'_>,
+    textures: &Textures,
+) -> Result<Vec<MaterialDescription>> {
+    let mut materials = Vec::new();
+    for place in reader.root.list("materials")? {
+        let mut material = core(reader, textures, &place)?;
+        if let Some(place) = place.extension("KHR_materials_pbrSpecularGlossiness")? {
+            specular_glossiness(reader, textures, &place, &mut material)?;
+        }
+        extensions(reader, textures, &place, &mut material)?;
+        if let Some(ours) = place.extras()? {
+            extras::material(reader, &ours, &mut material)?;
+        }
+        materials.push(material);
+    }
+    Ok(materials)
+}
+
+/// The texture `key`, if there is one that can be read.
+fn slot<'a>(
+    reader: &mut Reader<'_>,
+    textures: &Textures,
+    place: &Cursor<'a>,
+    key: &'a str,
+) -> Result<Option<TextureSlot>> {
+    match place.get(key)? {
+        Some(info) => textures.slot(reader, &info),
+        None => Ok(None),
+    }
+}
+
+/// What needs no extension, and the strength of the emission.
+fn core(
+    reader: &mut Reader<'_>,
+    textures: &Textures,
+    place: &Cursor<'_>,
+) -> Result<MaterialDescription> {
+    let mut material = MaterialDescription {
+        name: place.text("name")?.to_owned(),
+        alpha_mode: alpha_mode(reader, place)?,
+        double_sided: place.flag("doubleSided")?,
+        emissive: emissive(reader, place)?,
+        emissive_texture: slot(reader, textures, place, "emissiveTexture")?,
+        ..MaterialDescription::default()
+    };
+    if let Some(pbr) = place.get("pbrMetallicRoughness")? {
+        material.base_color = reader.numbers(&pbr, "baseColorFactor", [1.0; 4], UNIT)?;
+        material.base_color_texture = slot(reader, textures, &pbr, "baseColorTexture")?;
+        material.metallic = reader.number(&pbr, "metallicFactor", 1.0, UNIT)?;
+        material.roughness = reader.number(&pbr, "roughnessFactor", 1.0, UNIT)?;
+        material.metallic_roughness_texture =
+            slot(reader, textures, &pbr, "metallicRoughnessTexture")?;
+    }
+    if let Some(normal) = place.get("normalTexture")? {
+        material.normal_texture = textures.slot(reader, &normal)?;
+        material.normal_scale = normal.f32_or("scale", 1.0)?;
+    }
+    Ok(material)
+}
+
+fn alpha_mode(reader: &mut Reader<'_>, place: &Cursor<'_>) -> Result<AlphaMode> {
+    let cutoff = reader.number(place, "alphaCutoff", 0.5, POSITIVE)?;
+    let Some(mode) = place.get("alphaMode")? else {
+        return Ok(AlphaMode::Opaque);
+    };
+    match mode.string()? {
+        "OPAQUE" => Ok(AlphaMode::Opaque),
+        "MASK" => Ok(AlphaMode::Mask(cutoff)),
+        "BLEND" => Ok(AlphaMode::Blend),
+        _ => Err(mode.mismatch("OPAQUE, MASK or BLEND")),
+    }
+}
+
+/// Factor times strength. The product is taken in double precision, so that what the exporter
+/// splits into a factor and a power of two comes back with the same bits.
+fn emissive(reader: &mut Reader<'_>, place: &Cursor<'_>) -> Result<[f32; 3]> {
+    let strength = match place.extension("KHR_materials_emissive_strength")? {
+        Some(e) => reader.number(&e, "emissiveStrength", 1.0, POSITIVE)?,
+        None => 1.0,
+    };
+    let mut emissive = [0.0; 3];
+    let Some(factor) = place.get("emissiveFactor")? else {
+        return Ok(emissive);
+    };
+    let numbers = reader.numbers(place, "emissiveFactor", emissive, POSITIVE)?;
+    if numbers.iter().any(|&n| n > 1.0) {
+        let message =
+            "above 1, which glTF leaves to KHR_materials_emissive_strength; taken as it is";
+        reader.warn(&factor, message);
+    }
+    for (radiance, number) in emissive.iter_mut().zip(factor.items()?) {
+        let product = number.f64()?.max(0.0) * f64::from(strength);
+        *radiance = product as f32;
+        if !radiance.is_finite() {
+            return Err(number.mismatch("a radiance below 3.4e38"));
+        }
+    }
+    Ok(emissive)
+}
+
+fn extensions(
+    reader: &mut Reader<'_>,
+    textures: &Textures,
+    place: &Cursor<'_>,
+    material: &mut MaterialDescription,
+) -> Result<()> {
+    material.unlit = place.extension("KHR_materials_unlit")?.is_some();
+    if let Some(e) = place.extension("KHR_materials_ior")? {
+        material.ior = ior(reader, &e)?;
+    }
+    if let Some(e) = place.extension("KHR_materials_dispersion")? {
+        material.dispersion = reader.number(&e, "dispersion", 0.0, POSITIVE)?;
+    }
+    if let Some(e) = place.extension("KHR_materials_specular")? {
+        material.specular = Specular {
+            factor: reader.number(&e, "specularFactor", 1.0, UNIT)?,
+            texture: slot(reader, textures, &e, "specularTexture")?,
+            color: reader.numbers(&e, "specularColorFactor", [1.0; 3], POSITIVE)?,
+            color_texture: slot(reader, textures, &e, "specularColorTexture")?,
+        };
+    }
+    if let Some(e) = place.extension("KHR_materials_transmission")? {
+        material.transmission = Some(Transmission {
+            factor: reader.number(&e, "transmissionFactor", 0.0, UNIT)?,
+            texture: slot(reader, textures, &e, "transmissionTexture")?,
+        });
+    }
+    if let Some(e) = place.extension("KHR_materials_volume")? {
+        material.volume = Some(volume(reader, &e)?);
+    }
+    Ok(())
+}
+
+/// 1 or more, or the 0 by which the extension spells a reflection of 1 everywhere.
+fn ior(reader: &mut Reader<'_>, place: &Cursor<'_>) -> Result<f32> {
+    match place.get("ior")? {
+        Some(ior) if ior.f32()? == 0.0 => Ok(0.0),
+        _ => reader.number(place, "ior", 1.5, (1.0, f32::INFINITY)),
+    }
+}
+
+/// The thickness texture is not read: rays find how thick a solid is, and need to know only
+/// that it is one.
+fn volume(reader: &mut Reader<'_>, place: &Cursor<'_>) -> Result<Volume> {
+    let mut attenuation_distance = f32::INFINITY;
+    if let Some(distance) = place.get("attenuationDistance")? {
+        attenuation_distance = distance.f32()?;
+        if attenuation_distance <= 0.0 {
+            reader.warn(&distance, "not above 0; the volume does not absorb");
+            attenuation_distance = f32::INFINITY;
+        }
+    }
+    Ok(Volume {
+        thickness: reader.number(place, "thicknessFactor", 0.0, POSITIVE)?,
+        attenuation_distance,
+        attenuation_color: reader.numbers(place, "attenuationColor", [1.0; 3], UNIT)?,
+    })
+}
+
+/// The older model in terms of the newer: no metal, a specular colour that gives the wanted
+/// reflectance at normal incidence (that of ior 1.5 is 0.04), roughness 1 - glossiness.
+fn specular_glossiness(
+    reader: &mut Reader<'_>,
+    textures: &Textures,
+    place: &Cursor<'_>,
+    material: &mut MaterialDescription,
+) -> Result<()> {
+    material.base_color = reader.numbers(place, "diffuseFactor", [1.0; 4], UNIT)?;
+    material.base_color_texture = slot(reader, textures, place, "diffuseTexture")?;
+    material.metallic = 0.0;
+    material.roughness = 1.0 - reader.number(place, "glossinessFactor", 1.0, UNIT)?;
+    material.metallic_roughness_texture = None;
+    let specular = reader.numbers(place, "specularFactor", [1.0; 3], UNIT)?;
+    material.specular.color = specular.map(|f| f / 0.04);
+    material.specular.color_texture = slot(reader, textures, place, "specularGlossinessTexture")?;
+    if let Some(texture) = place.get("specularGlossinessTexture")? {
+        reader.warn(
+            &texture,
+            "its alpha (glossiness) is ignored; the factor alone is used",
+        );
+    }
+    Ok(())
+}

@@ -1,0 +1,234 @@
+use std::collections::{HashMap, HashSet};
+use std::sync::Arc;
+
+use kaustik_geometry::Mesh;
+
+use super::accessor::Accessor;
+use super::json::Cursor;
+use super::reader::Reader;
+use super::triangles::Topology;
+use super::{ErrorKind, LoadError, vertices};
+
+type Result<T> = std::result::Result<T, LoadError>;
+
+/// The accessors of a primitive's vertices.
+type Attributes = [Option<usize>; vertices::NAMES.len()];
+
+/// What makes two primitives the same geometry, whatever their materials.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+struct Key {
+    attributes: Attributes,
+    indices: Option<usize>,
+    topology: Topology,
+}
+
+/// A primitive: a mesh of the description and a material.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Part {
+    pub(super) mesh: usize,
+    pub(super) material: Option<usize>,
+}
+
+/// All geometry of the file. Primitives over the same accessors are one mesh.
+#[derive(Debug, Default)]
+pub(super) struct Meshes {
+    pub(super) list: Vec<Arc<Mesh>>,
+    /// The primitives of each mesh of the file.
+    pub(super) parts: Vec<Vec<Part>>,
+    known: HashMap<Key, usize>,
+    /// The vertices read last: primitives that share them come one after another.
+    last: Option<(Attributes, Mesh)>,
+}
+
+impl Meshes {
+    pub(super) fn load(reader: &mut Reader<'_>) -> Result<Self> {
+        let shared = shared_vertices(reader)?;
+        let mut meshes = Self::default();
+        for place in reader.root.list("meshes")? {
+            let mut parts = Vec::new();
+            let mut morphs = false;
+            for primitive in place.need("primitives")?.items()? {
+                morphs |= primitive.count("targets")? > 0;
+                parts.extend(meshes.part(reader, &shared, &primitive)?);
+            }
+            if morphs {
+                reader.warn(
+                    &place,
+                    "morph targets are ignored; the mesh is in its bind pose",
+                );
+            }
+            meshes.parts.push(parts);
+        }
+        meshes.last = None;
+        Ok(meshes)
+    }
+
+    fn part<'a>(
+        &mut self,
+        reader: &mut Reader<'a>,
+        shared: &HashSet<Attributes>,
+        primitive: &Cursor<'a>,
+    ) -> Result<Option<Part>> {
+        let Some(key) = key(primitive)? else {
+            let topology = Topology::read(primitive)?;
+            let what = if topology.is_none() {
+                "points or lines"
+            } else {
+                "no POSITION"
+            };
+            reader.warn(primitive, format!("{what}; the primitive is left out"));
+            return Ok(None);
+        };
+        let material = match primitive.get("material")? {
+            Some(material) => Some(material.index("/materials", reader.root.count("materials")?)?),
+            None => None,
+        };
+        if let Some(&mesh) = self.known.get(&key) {
+            return Ok(Some(Part { mesh, material }));
+        }
+        let mesh = if shared.contains(&key.attributes) {
+            self.share(reader, primitive, &key)?
+        } else {
+            let mut mesh = vertices::read(reader, &primitive.need("attributes")?)?;
+            mesh.indices = triangles(reader, primitive, key.topology, mesh.positions.len())?;
+            mesh
+        };
+        let checked = mesh
+            .checked()
+            .map_err(|e| primitive.error(ErrorKind::Value, e.to_string(), "a well-formed mesh"))?;
+        self.known.insert(key, self.list.len());
+        self.list.push(Arc::new(checked));
+        let mesh = self.list.len() - 1;
+        Ok(Some(Part { mesh, material }))
+    }
+
+    /// A primitive that uses only some of the vertices it names gets a copy of those alone:
+    /// exporters put the vertices of thousands of primitives into one buffer.
+    fn share<'a>(
+        &mut self,
+        reader: &mut Reader<'a>,
+        primitive: &Cursor<'a>,
+        key: &Key,
+    ) -> Result<Mesh> {
+        let last = match self.last.take() {
+            Some(last) if last.0 == key.attributes => last,
+            old => {
+                reader
+                    .budget
+                    .give(old.map_or(0, |(_, mesh)| mesh.memory() as u64));
+                let attributes = primitive.need("attributes")?;
+                (key.attributes, vertices::read(reader, &attributes)?)
+            }
+        };
+        let all = &last.1;
+        let triangles = triangles(reader, primitive, key.topology, all.positions.len())?;
+        let each = all.memory() / all.positions.len().max(1);
+        let most = all.positions.len().min(3 * triangles.len());
+        reader.budget.take_many(&primitive.pointer(), most, each)?;
+        let mesh = compact(all, triangles);
+        self.last = Some(last);
+        Ok(mesh)
+    }
+}
+
+/// The vertex sets that more than one geometry uses.
+fn shared_vertices(reader: &Reader<'_>) -> Result<HashSet<Attributes>> {
+    let (mut seen, mut once, mut shared) = (HashSet::new(), HashSet::new(), HashSet::new());
+    for place in reader.root.list("meshes")? {
+        for primitive in place.need("primitives")?.items()? {
+            let Some(key) = key(&primitive)? else {
+                continue;
+            };
+            if seen.insert(key) && !once.insert(key.attributes) {
+                shared.insert(key.attributes);
+            }
+        }
+    }
+    Ok(shared)
+}
+
+/// `None` for what has no triangles.
+fn key(primitive: &Cursor<'_>) -> Result<Option<Key>> {
+    let Some(topology) = Topology::read(primitive)? else {
+        return Ok(None);
+    };
+    let place = primitive.need("attributes")?;
+    let mut attributes = [None; vertices::NAMES.len()];
+    for (attribute, name) in attributes.iter_mut().zip(vertices::NAMES) {
+        *attribute = place.get(name)?.map(|a| a.usize()).transpose()?;
+    }
+    if attributes[0].is_none() {
+        return Ok(None);
+    }
+    Ok(Some(Key {
+        attributes,
+        indices: primitive.get("indices")?.map(|i| i.usize()).transpose()?,
+        topology,
+    }))
+}
+
+/// The triangles of a primitive over `vertices` vertices.
+fn triangles<'a>(
+    reader: &mut Reader<'a>,
+    primitive: &Cursor<'a>,
+    topology: Topology,
+    vertices: usize,
+) -> Result<Vec<[u32; 3]>> {
+    let pointer = primitive.pointer();
+    let indices = match primitive.get("indices")? {
+        Some(place) => Some(indices(reader, &place, vertices)?),
+        None => None,
+    };
+    let corners = indices.as_ref().map_or(vertices, Vec::len);
+    if topology == Topology::List && corners % 3 != 0 {
+        reader.warn(
+            primitive,
+            "its vertices do not make whole triangles; the rest is left out",
+        );
+    }
+    reader
+        .budget
+        .take_many(&pointer, topology.count(corners), size_of::<[u32; 3]>())?;
+    Ok(match indices {
+        Some(indices) => {
+            let triangles = topology.triangles(corners, |i| indices[i]);
+            reader.budget.give(size_of_val(&indices[..]) as u64);
+            triangles
+        }
+        None => topology.triangles(corners, |i| i as u32),
+    })
+}
+
+fn indices<'a>(reader: &mut Reader<'a>, place: &Cursor<'a>, vertices: usize) -> Result<Vec<u32>> {
+    let accessor = Accessor::find(&reader.root, place)?;
+    let indices = accessor.indices(&reader.buffers, &mut reader.budget)?;
+    if let Some(at) = indices.iter().position(|&i| i as usize >= vertices) {
+        let found = format!("index {} at position {at}", indices[at]);
+        let expected = format!("indices below {vertices}, the number of vertices");
+        return Err(place.error(ErrorKind::Reference, found, expected));
+    }
+    Ok(indices)
+}
+
+/// The vertices that the triangles use, in their old order, and the triangles over them.
+fn compact(all: &Mesh, mut triangles: Vec<[u32; 3]>) -> Mesh {
+    let mut used: Vec<u32> = triangles.iter().flatten().copied().collect();
+    used.sort_unstable();
+    used.dedup();
+    for index in triangles.iter_mut().flatten() {
+        // found, as it was put there
+        *index = used.binary_search(index).unwrap_or_default() as u32;
+    }
+    fn pick<T: Copy>(used: &[u32], values: &[T]) -> Vec<T> {
+        let value = |&i: &u32| values.get(i as usize).copied();
+        used.iter().filter_map(value).collect()
+    }
+    Mesh {
+        positions: pick(&used, &all.positions),
+        indices: triangles,
+        normals: pick(&used, &all.normals),
+        tangents: pick(&used, &all.tangents),
+        uv: [pick(&used, &all.uv[0]), pick(&used, &all.uv[1])],
+        colors: pick(&used, &all.colors),
+    }
+}

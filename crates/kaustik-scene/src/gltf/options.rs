@@ -1,0 +1,34 @@
+/// What a file may cost. The defaults suit files of unknown origin.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct LoadOptions {
+    /// Most bytes that loading may hold at a time, as counted before they are allocated;
+    /// `None`: 1 GiB plus 16 times the bytes of the files that are read.
+    pub max_memory: Option<u64>,
+    /// Most instances (placements of a mesh) in the scene.
+    pub max_instances: usize,
+    /// Most nodes from a root to a leaf.
+    pub max_depth: usize,
+    /// Most columns and most rows of an image.
+    pub max_image_side: u32,
+}
+
+impl Default for LoadOptions {
+    fn default() -> Self {
+        Self {
+            max_memory: None,
+            max_instances: 4_000_000,
+            max_depth: 4096,
+            max_image_side: 32_768,
+        }
+    }
+}
+
+impl LoadOptions {
+    /// These options with at most `bytes` held at a time.
+    #[must_use]
+    pub fn with_max_memory(mut self, bytes: u64) -> Self {
+        self.max_memory = Some(bytes);
+        self
+    }
+}

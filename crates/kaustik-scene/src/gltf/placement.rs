@@ -1,0 +1,190 @@
+//! What stands where: nodes become instances, cameras and lights.
+
+use glam::{DAffine3, DVec3};
+
+use super::accessor::Accessor;
+use super::camera::CameraKind;
+use super::json::Cursor;
+use super::light::Punctual;
+use super::mesh::Meshes;
+use super::node::Placed;
+use super::reader::Reader;
+use super::{ErrorKind, LoadError, transform, vertices};
+use crate::description::{CameraDescription, Description, InstanceDescription, LightDescription};
+
+type Result<T> = std::result::Result<T, LoadError>;
+
+/// The parts of a file that nodes refer to.
+#[derive(Debug)]
+pub(super) struct Parts {
+    pub(super) meshes: Meshes,
+    pub(super) cameras: Vec<CameraKind>,
+    pub(super) lights: Vec<Punctual>,
+}
+
+/// Adds all that the nodes place to the description. Cameras come in the order of the file's
+/// cameras, as the first one is the default; all else in the order of the nodes.
+pub(super) fn place<'a>(
+    reader: &mut Reader<'a>,
+    nodes: &[Placed<'a>],
+    parts: &Parts,
+    description: &mut Description,
+) -> Result<()> {
+    let mut cameras = Vec::new();
+    for placed in nodes {
+        let name = placed.node.text("name")?;
+        instances(reader, placed, name, &parts.meshes, description)?;
+        if let Some(camera) = camera(reader, placed, name, &parts.cameras)? {
+            cameras.push(camera);
+        }
+        if let Some(light) = light(reader, placed, name, &parts.lights)? {
+            description.lights.push(light);
+        }
+    }
+    cameras.sort_by_key(|&(index, _)| index);
+    description.cameras = cameras.into_iter().map(|(_, camera)| camera).collect();
+    Ok(())
+}
+
+/// The node's name, or else that of what it holds.
+fn named(reader: &mut Reader<'_>, place: &Cursor<'_>, node: &str, own: &str) -> Result<String> {
+    let name = if node.is_empty() { own } else { node };
+    reader.budget.take(&place.pointer(), name.len() as u64)?;
+    Ok(name.to_owned())
+}
+
+fn camera(
+    reader: &mut Reader<'_>,
+    placed: &Placed<'_>,
+    name: &str,
+    cameras: &[CameraKind],
+) -> Result<Option<(usize, CameraDescription)>> {
+    let Some(place) = placed.node.get("camera")? else {
+        return Ok(None);
+    };
+    let index = place.index("/cameras", cameras.len())?;
+    let kind = &cameras[index];
+    let camera = CameraDescription {
+        name: named(reader, &placed.node, name, &kind.name)?,
+        transform: transform::narrow(&placed.world, &placed.node)?,
+        projection: kind.projection,
+        lens: kind.lens,
+        shutter: kind.shutter,
+    };
+    Ok(Some((index, camera)))
+}
+
+fn light(
+    reader: &mut Reader<'_>,
+    placed: &Placed<'_>,
+    name: &str,
+    lights: &[Punctual],
+) -> Result<Option<LightDescription>> {
+    let Some(extension) = placed.node.extension("KHR_lights_punctual")? else {
+        return Ok(None);
+    };
+    let index = extension.need("light")?;
+    let punctual = &lights[index.index("/extensions/KHR_lights_punctual/lights", lights.len())?];
+    Ok(Some(LightDescription {
+        name: named(reader, &placed.node, name, &punctual.name)?,
+        kind: punctual.kind,
+        color: punctual.color,
+        intensity: punctual.intensity,
+        range: punctual.range,
+        transform: transform::narrow(&placed.world, &placed.node)?,
+    }))
+}
+
+/// One instance for each primitive of the node's mesh, and for each copy of the node.
+fn instances<'a>(
+    reader: &mut Reader<'a>,
+    placed: &Placed<'a>,
+    name: &str,
+    meshes: &Meshes,
+    description: &mut Description,
+) -> Result<()> {
+    let node = &placed.node;
+    let Some(place) = node.get("mesh")? else {
+        return Ok(());
+    };
+    let parts = &meshes.parts[place.index("/meshes", meshes.parts.len())?];
+    if node.get("skin")?.is_some() {
+        reader.warn(node, "the skin is ignored; the mesh is in its bind pose");
+    }
+    let copies = copies(reader, placed)?;
+    let added = copies.len().saturating_mul(parts.len());
+    let most = reader.options.max_instances;
+    if description.instances.len().saturating_add(added) > most {
+        let found = format!("a node with which there are more than {most} instances");
+        let expected = format!("at most {most}");
+        return Err(node.error(ErrorKind::Budget, found, expected));
+    }
+    let each = size_of::<InstanceDescription>() + name.len();
+    reader.budget.take_many(&node.pointer(), added, each)?;
+    for world in &copies {
+        let transform = transform::narrow(world, node)?;
+        if transform.matrix3.as_dmat3().determinant() == 0.0 {
+            reader.warn(
+                node,
+                "its scale is 0, so that nothing of it is seen; it is left out",
+            );
+            continue;
+        }
+        description
+            .instances
+            .extend(parts.iter().map(|part| InstanceDescription {
+                name: name.to_owned(),
+                mesh: part.mesh,
+                material: part.material,
+                transform,
+            }));
+    }
+    Ok(())
+}
+
+/// The transforms of a node's copies (`EXT_mesh_gpu_instancing`): its own one if it has none.
+fn copies<'a>(reader: &mut Reader<'a>, placed: &Placed<'a>) -> Result<Vec<DAffine3>> {
+    let Some(extension) = placed.node.extension("EXT_mesh_gpu_instancing")? else {
+        return Ok(vec![placed.world]);
+    };
+    let place = extension.need("attributes")?;
+    let mut count = None;
+    let translations = vectors(reader, &place, "TRANSLATION", &vertices::VECTOR, &mut count)?;
+    let rotations = vectors(reader, &place, "ROTATION", &vertices::ROTATION, &mut count)?;
+    let scales = vectors(reader, &place, "SCALE", &vertices::VECTOR, &mut count)?;
+    let count = count.unwrap_or(1);
+    reader
+        .budget
+        .take_many(&place.pointer(), count, size_of::<DAffine3>())?;
+    let wide = |v: &[f32; 3]| DVec3::from_array(v.map(f64::from));
+    let local = |i: usize| {
+        let rotation = rotations.get(i).and_then(|&r| transform::rotation(r));
+        DAffine3::from_scale_rotation_translation(
+            scales.get(i).map_or(DVec3::ONE, wide),
+            rotation.unwrap_or_default(),
+            translations.get(i).map_or(DVec3::ZERO, wide),
+        )
+    };
+    Ok((0..count).map(|i| placed.world * local(i)).collect())
+}
+
+/// The values of an attribute of the copies, as many as of the others.
+fn vectors<'a, const N: usize>(
+    reader: &mut Reader<'a>,
+    attributes: &Cursor<'a>,
+    name: &'static str,
+    allowed: &super::accessor::Allowed,
+    count: &mut Option<usize>,
+) -> Result<Vec<[f32; N]>> {
+    let Some(place) = attributes.get(name)? else {
+        return Ok(Vec::new());
+    };
+    let accessor = Accessor::find(&reader.root, &place)?;
+    let others = *count.get_or_insert(accessor.count());
+    if accessor.count() != others {
+        let found = format!("{} values", accessor.count());
+        let expected = format!("{others}, as the other attributes have");
+        return Err(place.error(ErrorKind::Value, found, expected));
+    }
+    accessor.floats(allowed, &reader.buffers, &mut reader.budget)
+}

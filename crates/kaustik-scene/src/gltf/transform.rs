@@ -1,0 +1,61 @@
+//! Node transforms, in double precision until they are placed.
+
+use glam::{Affine3A, DAffine3, DMat3, DQuat, DVec3};
+
+use super::json::Cursor;
+use super::reader::Reader;
+use super::{ErrorKind, LoadError};
+
+/// The transform of a node to its parent: a matrix, or translation, rotation and scale.
+pub(super) fn local(reader: &mut Reader<'_>, node: &Cursor<'_>) -> Result<DAffine3, LoadError> {
+    if let Some(place) = node.get("matrix")? {
+        return matrix(reader, &place);
+    }
+    let vector = |key, default| {
+        let [x, y, z] = node.floats_or(key, default)?;
+        Ok(DVec3::new(x.into(), y.into(), z.into()))
+    };
+    let rotation = match node.get("rotation")? {
+        Some(place) => rotation(place.floats()?).unwrap_or_else(|| {
+            reader.warn(&place, "a rotation of length 0 is ignored");
+            DQuat::IDENTITY
+        }),
+        None => DQuat::IDENTITY,
+    };
+    Ok(DAffine3::from_scale_rotation_translation(
+        vector("scale", [1.0; 3])?,
+        rotation,
+        vector("translation", [0.0; 3])?,
+    ))
+}
+
+/// The unit quaternion along `[x, y, z, w]`; `None` if that has no length.
+pub(super) fn rotation(xyzw: [f32; 4]) -> Option<DQuat> {
+    let quaternion = DQuat::from_array(xyzw.map(f64::from));
+    let length = quaternion.length_squared().sqrt();
+    (length > 0.0).then(|| DQuat::from_array(quaternion.to_array().map(|q| q / length)))
+}
+
+/// Sixteen numbers, column by column; the last row is that of an affine map.
+fn matrix(reader: &mut Reader<'_>, place: &Cursor<'_>) -> Result<DAffine3, LoadError> {
+    let m = place.floats::<16>()?;
+    let last = [m[3], m[7], m[11], m[15]];
+    if last != [0.0, 0.0, 0.0, 1.0] {
+        reader.warn(place, "its last row is not (0, 0, 0, 1) and is ignored");
+    }
+    let column = |i: usize| DVec3::new(m[4 * i].into(), m[4 * i + 1].into(), m[4 * i + 2].into());
+    Ok(DAffine3 {
+        matrix3: DMat3::from_cols(column(0), column(1), column(2)),
+        translation: column(3),
+    })
+}
+
+/// In single precision, if it stays finite there.
+pub(super) fn narrow(world: &DAffine3, node: &Cursor<'_>) -> Result<Affine3A, LoadError> {
+    let narrow = Affine3A::from_cols_array(&world.to_cols_array().map(|x| x as f32));
+    if narrow.is_finite() {
+        return Ok(narrow);
+    }
+    let found = "a transform to the world with infinite entries";
+    Err(node.error(ErrorKind::NotFinite, found, "entries below 3.4e38"))
+}
