@@ -254,14 +254,15 @@ fn main() {
     if let Err(error) = &library {
         println!("Embree is not compared ({error}); set KAUSTIK_EMBREE to the path of libembree4");
     }
-    let library = library.ok();
+    // Never unloaded: its worker threads outlive the last scene.
+    let library = library.ok().map(|l| &*Box::leak(Box::new(l)));
     let wanted = std::env::args()
         .skip(1)
         .find(|a| !a.starts_with('-'))
         .unwrap_or_default();
     let run = |name: &str, mesh: &dyn Fn() -> Mesh, eye: Vec3, at: Vec3| {
         if name.contains(&wanted) {
-            scene(name, library.as_ref(), mesh(), eye, at);
+            scene(name, library, mesh(), eye, at);
         }
     };
     run("cornell", &cornell, Vec3::new(0.0, 0.0, 3.4), Vec3::ZERO);

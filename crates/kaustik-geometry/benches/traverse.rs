@@ -1,5 +1,9 @@
 //! Build and traversal times. Not gated: they are as noisy as the machine.
-#![allow(missing_docs, reason = "criterion writes a public function")]
+#![allow(
+    missing_docs,
+    unreachable_pub,
+    reason = "criterion writes a public function"
+)]
 
 mod support;
 

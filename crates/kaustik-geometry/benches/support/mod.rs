@@ -1,5 +1,5 @@
 //! Meshes and rays for the benches: made by arithmetic, the same on every machine.
-#![allow(dead_code, reason = "each bench uses a part")]
+#![allow(dead_code, unreachable_pub, reason = "each bench uses a part")]
 
 use glam::{Affine3A, Vec3};
 use kaustik_geometry::{Instance, Mesh, Ray, Surface, World};

@@ -4,7 +4,7 @@ use glam::Affine3A;
 
 use super::Goal;
 use super::lanes::{Kernel, Lanes};
-use super::node::{Block, Bvh, Child, Kind, Node, WIDTH};
+use super::node::{BLOCK, Block, Bvh, Child, Kind, Node, WIDTH};
 use super::precise;
 use super::prepared::{Exact, Prepared, WIDEN};
 use super::stack::{Entry, Stack};
@@ -144,16 +144,30 @@ fn sort_descending(entries: &mut [Entry]) {
 /// Which children the ray enters between `low` and `high`, and where.
 #[inline(always)]
 fn test_node<L: Lanes<WIDTH>>(node: &Node, ray: &Prepared, low: f32, high: f32) -> (u32, L) {
-    let plane = |row: usize, axis: usize, inverse: f32| {
-        L::load(&node.planes[row])
-            .sub(L::splat(ray.origin[axis]))
-            .mul(L::splat(inverse))
-    };
-    let near = |axis: usize| plane(ray.near_row[axis], axis, ray.inverse[axis]);
-    let far = |axis: usize| plane(ray.far_row[axis], axis, ray.inverse_far[axis]);
-    let enter = near(0).max(near(1)).max(near(2).max(L::splat(low)));
-    let leave = far(0).min(far(1)).min(far(2).min(L::splat(high)));
+    let enter = near::<L>(node, ray, 0)
+        .max(near(node, ray, 1))
+        .max(near::<L>(node, ray, 2).max(L::splat(low)));
+    let leave = far::<L>(node, ray, 0)
+        .min(far(node, ray, 1))
+        .min(far::<L>(node, ray, 2).min(L::splat(high)));
     (enter.le(leave), enter)
+}
+
+/// Where the ray enters the slab of an axis. (No closures here and below: one is compiled without the vector
+/// instructions and its operations become calls.)
+#[inline(always)]
+fn near<L: Lanes<WIDTH>>(node: &Node, ray: &Prepared, axis: usize) -> L {
+    L::load(&node.planes[ray.near_row[axis]])
+        .sub(L::splat(ray.origin[axis]))
+        .mul(L::splat(ray.inverse[axis]))
+}
+
+/// Where it leaves.
+#[inline(always)]
+fn far<L: Lanes<WIDTH>>(node: &Node, ray: &Prepared, axis: usize) -> L {
+    L::load(&node.planes[ray.far_row[axis]])
+        .sub(L::splat(ray.origin[axis]))
+        .mul(L::splat(ray.inverse_far[axis]))
 }
 
 /// Twice the rounding of the volume that decides on which side of a triangle a point lies, as a multiple of the sizes
@@ -169,17 +183,9 @@ fn meet_block<K: Kernel, G: Goal>(
     goal: &mut G,
 ) -> bool {
     let ray = &level.ray;
-    let shift = |corner: usize, axis: usize| {
-        K::Block::load(&block.corners[corner][ray.axes[axis]])
-            .sub(K::Block::splat(ray.origin[ray.axes[axis]]))
-    };
-    let (sx, sy) = (K::Block::splat(ray.shear.x), K::Block::splat(ray.shear.y));
-    let shear = |corner: usize| {
-        let z = shift(corner, 2);
-        let x = shift(corner, 0).sub(sx.mul(z));
-        [x, shift(corner, 1).sub(sy.mul(z)), z]
-    };
-    let (a, b, c) = (shear(0), shear(1), shear(2));
+    let a = sheared::<K::Block>(block, ray, 0);
+    let b = sheared::<K::Block>(block, ray, 1);
+    let c = sheared::<K::Block>(block, ray, 2);
     let u = c[0].mul(b[1]).sub(c[1].mul(b[0]));
     let v = a[0].mul(c[1]).sub(a[1].mul(c[0]));
     let w = b[0].mul(a[1]).sub(b[1].mul(a[0]));
@@ -230,6 +236,21 @@ fn meet_block<K: Kernel, G: Goal>(
     false
 }
 
+/// A corner of each triangle seen from the ray's origin, sheared so that the ray is the last axis.
+#[inline(always)]
+fn sheared<L: Lanes<BLOCK>>(block: &Block, ray: &Prepared, corner: usize) -> [L; 3] {
+    let z = shifted::<L>(block, ray, corner, 2);
+    let x = shifted::<L>(block, ray, corner, 0).sub(L::splat(ray.shear.x).mul(z));
+    let y = shifted::<L>(block, ray, corner, 1).sub(L::splat(ray.shear.y).mul(z));
+    [x, y, z]
+}
+
+#[inline(always)]
+fn shifted<L: Lanes<BLOCK>>(block: &Block, ray: &Prepared, corner: usize, axis: usize) -> L {
+    let axis = ray.axes[axis];
+    L::load(&block.corners[corner][axis]).sub(L::splat(ray.origin[axis]))
+}
+
 /// Lanes whose three edge functions have one sign and none of them is zero or undefined.
 #[inline(always)]
 fn strictly_inside<K: Kernel>(least: K::Block, most: K::Block) -> u32 {
@@ -245,19 +266,20 @@ fn clear_of_ends<K: Kernel>(
     height: K::Block,
     det: K::Block,
 ) -> u32 {
-    let splat = K::Block::splat;
-    let [a, b, c] = corners.map(|corner| corner.map(K::Block::abs));
-    let across = a[0].max(a[1]).max(b[0]).max(b[1]).max(c[0]).max(c[1]);
-    let along = a[2].max(b[2]).max(c[2]);
+    let [a, b, c] = corners;
+    let x = a[0].abs().max(b[0].abs()).max(c[0].abs());
+    let y = a[1].abs().max(b[1].abs()).max(c[1].abs());
+    let along = a[2].abs().max(b[2].abs()).max(c[2].abs());
+    let across = x.max(y);
     let reach = across.add(along);
     let bound = across
         .mul(reach)
-        .mul(reach.add(splat(ray.blur)))
-        .mul(splat(ray.shear.z.abs() * DOUBT));
-    let below = height.sub(det.mul(splat(ray.t_min))).abs();
+        .mul(reach.add(K::Block::splat(ray.blur)))
+        .mul(K::Block::splat(ray.shear.z.abs() * DOUBT));
+    let below = height.sub(det.mul(K::Block::splat(ray.t_min))).abs();
     let clear = bound.lt(below);
     if ray.t_max < f32::INFINITY {
-        clear & bound.lt(height.sub(det.mul(splat(ray.t_max))).abs())
+        clear & bound.lt(height.sub(det.mul(K::Block::splat(ray.t_max))).abs())
     } else {
         clear
     }
