@@ -208,7 +208,8 @@ impl Pending {
         } else {
             0.0
         };
-        if weight > 0.0 || self.independent > 0.0 {
+        let dark = densities.iter().all(|density| *density <= 0.0);
+        if weight > 0.0 || (self.independent > 0.0 && !dark) {
             recorder.record(Visit {
                 level,
                 value,
@@ -281,6 +282,17 @@ impl<M: Mutation, V: Default, const K: usize> Metropolis<Point<M>, V, K> {
     /// paid first.
     pub fn set_mutation<D: Draws + ?Sized>(&mut self, mutation: M, draws: &mut D) {
         self.state.set_mutation(mutation, draws);
+    }
+
+    /// Pays what sleeping coordinates owe: see [`Point::settle`].
+    pub fn settle<D: Draws + ?Sized>(&mut self, draws: &mut D) {
+        self.state.settle(draws);
+    }
+
+    /// Forgets the coordinates that the current value does not use: see [`Point::refresh`],
+    /// also on when it may be called.
+    pub fn refresh(&mut self) {
+        self.state.refresh();
     }
 
     /// Evaluates the current state again, into `value`: a target that is a function of its

@@ -26,8 +26,10 @@ pub struct Visit<'a, V, const K: usize> {
     pub weight: f64,
     /// How many independent (large-step) proposals had this value: 1 if it was proposed
     /// by one, otherwise 0. Every valid independent proposal is reported exactly once,
-    /// accepted or not, also with density zero; so sum of independent * h(value) over the
-    /// number of independent proposals is a plain Monte Carlo estimate of the integral of h.
+    /// accepted or not, unless all its K densities are zero; so sum of
+    /// independent * h(value) over the number of independent proposals is a plain Monte
+    /// Carlo estimate of the integral of h, for every h that is zero where they are. (With
+    /// more than one level the density at the chain's own may be zero here.)
     pub independent: f64,
 }
 

@@ -68,10 +68,13 @@ impl<S> Law<S> {
     }
 }
 
+/// See [`point_key`]: stream, index, bits of the value, steps owed, read by the state.
+pub type PointKey = Vec<(u8, u32, u64, i64, bool)>;
+
 /// A key under which two points of one mutation are equal if and only if they have the same
 /// future: for each coordinate that is not stale its address, its value, how many steps it
 /// owes and whether the current state has read it.
-pub fn point_key<M>(point: &Point<M>) -> Vec<(u8, u32, u64, i64, bool)> {
+pub fn point_key<M>(point: &Point<M>) -> PointKey {
     let clock = &point.clock;
     let mut key = Vec::new();
     for (stream, stored) in point.streams.iter().enumerate() {

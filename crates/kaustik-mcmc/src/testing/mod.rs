@@ -15,5 +15,5 @@ mod matrix;
 
 pub use enumerator::{Enumerator, enumerate};
 pub use grid::GridStep;
-pub use law::{Law, point_key};
+pub use law::{Law, PointKey, point_key};
 pub use matrix::TransitionMatrix;

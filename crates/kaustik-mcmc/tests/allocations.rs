@@ -1,0 +1,85 @@
+//! After warm-up a step allocates nothing. (A binary of its own: it owns the allocator.)
+
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::cell::Cell;
+
+use kaustik_mcmc::{Exponential, Metropolis, PointKernel, Target, Visit, generator};
+use kaustik_pss::{Coordinates, Stream};
+
+/// The system's allocator, counting what each thread asks for.
+struct Counting;
+
+thread_local! {
+    static COUNT: Cell<u64> = const { Cell::new(0) };
+}
+
+#[expect(
+    unsafe_code,
+    reason = "an allocator can only be written so; it forwards to System"
+)]
+// SAFETY: every call is passed on to `System` unchanged; the counter neither allocates nor
+// unwinds (a const-initialised Cell without a destructor).
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        COUNT.with(|count| count.set(count.get() + 1));
+        // SAFETY: the caller's promise is passed on
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn dealloc(&self, memory: *mut u8, layout: Layout) {
+        // SAFETY: the caller's promise is passed on
+        unsafe { System.dealloc(memory, layout) }
+    }
+}
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
+fn allocations() -> u64 {
+    COUNT.with(Cell::get)
+}
+
+/// Variable length, with a buffer in its value.
+struct Walk;
+
+type Products = Vec<f64>;
+
+impl Target for Walk {
+    type Value = Products;
+
+    fn evaluate(&self, u: &mut dyn Coordinates, value: &mut Vec<f64>) {
+        value.clear();
+        let length = 1 + (u.get(Stream::Technique, 0) * 30.0) as u32;
+        for i in 0..length {
+            value.push(u.get(Stream::Camera, 4 * i) * u.get(Stream::Light, 4 * i));
+        }
+    }
+}
+
+fn family(value: &Products) -> [f64; 2] {
+    [1.0, value.iter().sum()]
+}
+
+#[test]
+fn a_step_allocates_nothing_after_warm_up() {
+    let mut rng = generator(1, 0);
+    let kernel = PointKernel::new(Walk, 0.3);
+    let mut sum = 0.0;
+    let mut record = |visit: Visit<'_, Vec<f64>, 2>| sum += visit.weight;
+    let mut chain = Metropolis::start(&Walk, &family, 1, Exponential::default(), &mut rng);
+    for _ in 0..1000 {
+        chain.step(&kernel, &family, &mut rng, &mut record);
+    }
+    let before = allocations();
+    for step in 0..10_000 {
+        chain.step(&kernel, &family, &mut rng, &mut record);
+        match step % 100 {
+            0 => chain.set_mutation(Exponential::new(0.001, 0.1), &mut rng),
+            50 => chain.restart(&Walk, &family, &mut rng),
+            _ => {}
+        }
+    }
+    assert_eq!(allocations() - before, 0);
+    let probe = Box::new(sum); // the counter does count
+    assert_eq!(allocations() - before, 1, "{probe}");
+}
