@@ -96,6 +96,7 @@ pub(crate) static CMF: [[f32; 4]; KNOTS] = {
 };
 
 #[cfg(test)]
+#[expect(clippy::float_cmp, reason = "entries of the table come back exactly")]
 mod tests {
     use super::*;
 

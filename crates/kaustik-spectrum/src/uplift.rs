@@ -15,6 +15,7 @@ mod table;
 #[cfg(test)]
 mod build;
 #[cfg(test)]
+#[expect(clippy::float_cmp, reason = "limits are exact")]
 mod tests;
 
 use crate::Sigmoid;
@@ -43,7 +44,7 @@ pub fn solve_reflectance(rgb: [f32; 3]) -> Sigmoid {
 }
 
 fn clamped(rgb: [f32; 3]) -> [f32; 3] {
-    rgb.map(|c| c.max(0.0).min(1.0)) // max first: it turns NaN into 0
+    rgb.map(|c| if c > 0.0 { c.min(1.0) } else { 0.0 }) // NaN is not above 0
 }
 
 /// The closed form, where there is one.

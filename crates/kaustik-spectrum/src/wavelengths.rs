@@ -4,14 +4,25 @@
 //! any hero takes three companions along that are spread over the whole range (hero wavelength
 //! sampling, rotated in u and not in nm, so that every lane has the same law).
 //!
-//! **The pdf** is proportional to xbar + ybar + zbar. The chain's target is X + Y + Z of what a
-//! path brings: with this pdf a spectrally flat path brings the same X + Y + Z whatever u is, so a
-//! change of wavelength costs a neutral path no rejection, and large steps never land where the eye
-//! sees nothing. Noise in linear RGB, whose matching functions change sign, would be least with
-//! a pdf proportional to the root of their summed squares; measured for D65 (tests), ours comes within a few
-//! percent of that and of any other sensible choice, because four rotated lanes cancel most of the
-//! noise of either. The floor keeps the pdf above 0 to the ends of the range, so that the map from u
-//! to nm is continuous and invertible and no weight can blow up.
+//! **The pdf** is proportional to |rbar| + |gbar| + |bbar|, the matching functions of linear Rec.709, and a
+//! small floor. Two noises count: that of X + Y + Z, the chain's target, since a target that
+//! depends on the wavelength rejects changes of it; and that of the image's RGB. Standard deviation
+//! over mean, of the estimate from four lanes, for whole D65 / D65 seen in a saturated red, green,
+//! blue reflectance:
+//!
+//! | pdf proportional to | X + Y + Z | linear RGB |
+//! |---|---|---|
+//! | 1 | 0.35 / 0.67, 0.93, 0.78 | 0.70 / 0.76, 1.11, 0.88 |
+//! | ybar | 0.97 / 0.34, 0.12, 2.45 | 1.60 / 0.45, 0.19, 2.63 |
+//! | xbar + ybar + zbar | 0.01 / 0.28, 0.46, 0.22 | 0.25 / 0.37, 0.71, 0.27 |
+//! | root of the squares of rbar, gbar, bbar | 0.07 / 0.18, 0.25, 0.18 | 0.20 / 0.22, 0.41, 0.21 |
+//! | abs(rbar) + abs(gbar) + abs(bbar) | 0.03 / 0.15, 0.20, 0.13 | 0.19 / 0.20, 0.26, 0.18 |
+//!
+//! The sum of xbar, ybar, zbar makes a grey path's target exactly flat, but crowds the blue, where
+//! zbar is large, and starves the green. The last row leaves a white path's target 3 % and is best or
+//! near it everywhere else. XYZ is linear in RGB, so the weights are bounded by a matrix norm. The
+//! floor keeps the pdf above 0 to the ends of the range, so that the map from u to nm is
+//! continuous and invertible.
 
 mod sampler;
 
@@ -80,7 +91,7 @@ impl Wavelengths {
     ///
     /// With [`WavelengthSampling::Single`], of the part of it within 400-700 nm, under the same normalisation:
     /// the rest is simply not seen, as in RELT, and no factor makes up for it. White
-    /// then has Y = 0.9996 and xy a thousandth off; brightness is comparable with
+    /// then has Y = 0.9996 and xy (0.3127, 0.3295): brightness is comparable with
     /// [`WavelengthSampling::Hero`] without a switch anywhere.
     #[inline]
     pub fn to_xyz(&self, values: Spectrum) -> Xyz {

@@ -2,6 +2,10 @@
 
 pub(crate) mod cie_1931;
 pub(crate) mod cornell;
+#[expect(
+    clippy::excessive_precision,
+    reason = "digits as published, rounded by the compiler"
+)]
 pub(crate) mod glasses;
 pub(crate) mod illuminants;
 pub(crate) mod metals;

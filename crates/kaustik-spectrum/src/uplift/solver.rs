@@ -6,11 +6,12 @@ use crate::rgb::{RGB_TO_XYZ, WHITE_XYZ};
 
 /// What the solver found.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Solution {
+pub(super) struct Solution {
     /// Of t^2, t and 1.
-    pub(crate) coefficients: [f64; 3],
+    pub(super) coefficients: [f64; 3],
     /// Distance of the colour reached from the colour wanted, in CIELab.
-    pub(crate) error: f64,
+    #[cfg(test)]
+    pub(super) error: f64,
 }
 
 /// Pull towards small coefficients, in CIELab per unit. It moves no colour visibly (1000 units cost
@@ -18,7 +19,7 @@ pub(crate) struct Solution {
 const PULL: f64 = 1e-6;
 
 /// From a starting point, coefficients of t^2, t and 1.
-pub(crate) fn solve(rgb: [f64; 3], start: [f64; 3]) -> Solution {
+pub(super) fn solve(rgb: [f64; 3], start: [f64; 3]) -> Solution {
     let wanted = lab(mul(&RGB_TO_XYZ, rgb));
     let mut c = centred(start);
     let mut state = residual(c, wanted);
@@ -45,12 +46,14 @@ pub(crate) fn solve(rgb: [f64; 3], start: [f64; 3]) -> Solution {
     }
     Solution {
         coefficients: in_t(c),
+        #[cfg(test)]
         error: norm(state.lab),
     }
 }
 
 /// CIELab distance between a reflectance (coefficients of t^2, t, 1) and a colour.
-pub(crate) fn lab_error(coefficients: [f64; 3], rgb: [f64; 3]) -> f64 {
+#[cfg(test)]
+pub(super) fn lab_error(coefficients: [f64; 3], rgb: [f64; 3]) -> f64 {
     norm(residual(centred(coefficients), lab(mul(&RGB_TO_XYZ, rgb))).lab)
 }
 
@@ -221,6 +224,7 @@ fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
+#[cfg(test)]
 fn norm(a: [f64; 3]) -> f64 {
     dot(a, a).sqrt()
 }

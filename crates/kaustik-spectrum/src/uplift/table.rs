@@ -75,17 +75,16 @@ impl Table {
         }
         let (high, low) = bytes.split_at(CELLS * 3);
         let mut cells = vec![[0.0; 4]; CELLS];
-        for row in 0..CELLS / NZ {
-            for channel in 0..3 {
-                let (mut code, mut slope) = (0u16, 0u16);
-                for k in 0..NZ {
-                    let at = (row * 3 + channel) * NZ + k;
-                    let folded = u16::from_be_bytes([high[at], low[at]]);
-                    let bend = (folded >> 1) ^ (folded & 1).wrapping_neg();
-                    slope = slope.wrapping_add(bend);
-                    code = code.wrapping_add(slope);
-                    cells[row * NZ + k][channel] = ratio(code, k);
-                }
+        let lines = high.chunks_exact(NZ).zip(low.chunks_exact(NZ));
+        for (line, (high, low)) in lines.enumerate() {
+            let (row, channel) = (line / 3 * NZ, line % 3);
+            let (mut code, mut slope) = (0u16, 0u16);
+            for (k, (&high, &low)) in high.iter().zip(low).enumerate() {
+                let folded = u16::from_be_bytes([high, low]);
+                let bend = (folded >> 1) ^ (folded & 1).wrapping_neg();
+                slope = slope.wrapping_add(bend);
+                code = code.wrapping_add(slope);
+                cells[row + k][channel] = ratio(code, k);
             }
         }
         Self(cells)

@@ -90,7 +90,7 @@ fn random_colours_come_back() {
     );
     for [mean, p95, most] in [linear, display, pale, dark] {
         assert!(
-            mean < 0.04 && p95 < 0.15 && most < 1.0,
+            mean < 0.04 && p95 < 0.15 && most < 2.5,
             "{mean} {p95} {most}"
         );
     }
@@ -106,7 +106,10 @@ fn near_white_8_bit_colours_come_back() {
         .collect();
     let [mean, p95, most] = statistics(&colours);
     println!("near white, 8 bits: mean {mean:.4}, p95 {p95:.4}, max {most:.4}");
-    assert!(mean < 0.04 && p95 < 0.15 && most < 1.0, "{mean} {p95} {most}");
+    assert!(
+        mean < 0.04 && p95 < 0.15 && most < 1.0,
+        "{mean} {p95} {most}"
+    );
 }
 
 #[test]

@@ -6,11 +6,13 @@
 
 use crate::cmf::KNOTS;
 use crate::data::cie_1931::CIE_1931;
+use crate::rgb::XYZ_TO_RGB;
 
 /// How a path's wavelengths are drawn.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum WavelengthSampling {
-    /// Four wavelengths over 360-830 nm, density proportional to xbar + ybar + zbar and a small floor.
+    /// Four wavelengths over 360-830 nm, density proportional to |rbar| + |gbar| + |bbar| and a
+    /// small floor.
     #[default]
     Hero,
     /// One wavelength in all lanes, uniform over 400-700 nm (RELT 5.1.1).
@@ -63,8 +65,8 @@ struct Cell {
     next_cdf: f64,
 }
 
-/// Smallest density, relative to xbar + ybar + zbar (whose maximum is 2.1): where
-/// the eye sees next to nothing, 1.5 samples in 1000 go all the same.
+/// Smallest density, relative to |rbar| + |gbar| + |bbar| (whose maximum is 3.5): where the eye sees next
+/// to nothing, one sample in 1000 goes all the same.
 const FLOOR: f64 = 0.001;
 const GUIDES: usize = 1024;
 
@@ -94,7 +96,14 @@ fn inverse(u: f64) -> (f32, f32) {
 
 const fn unnormalised(i: usize) -> f64 {
     let [x, y, z] = CIE_1931[i];
-    x + y + z + FLOOR
+    let mut sum = FLOOR;
+    let mut c = 0;
+    while c < 3 {
+        let [by_x, by_y, by_z] = XYZ_TO_RGB[c];
+        sum += (by_x * x + by_y * y + by_z * z).abs();
+        c += 1;
+    }
+    sum
 }
 
 const fn cells() -> [Cell; KNOTS - 1] {
