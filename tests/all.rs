@@ -9,9 +9,9 @@ mod arrows;
 mod decision;
 /// Every link in the documents leads somewhere.
 mod links;
-/// Settings and methods: the documents against the program.
-mod settings;
 /// Reading the tree: files, and Rust without its comments, strings and tests.
 mod source;
 /// Manifests, lengths, leftovers, paths of somebody's machine.
 mod tidy;
+/// Methods, settings, extensions, scenes: the words of the documents and of the program.
+mod vocabulary;

@@ -67,7 +67,7 @@ const TABLE: &[(u8, &str, &str, &str, &str)] = &[
         7,
         "kaustik-cli",
         "kaustik",
-        "clap indicatif serde_json signal-hook",
+        "clap glam indicatif serde_json signal-hook",
         "",
     ),
 ];

@@ -1,5 +1,8 @@
-//! What the documents say of methods and settings is what the program knows.
+//! The words that the documents list are those that the program knows.
 
+use std::collections::BTreeSet;
+
+use kaustik::scene::{builtin, gltf};
 use kaustik::{KEYS, Key, Method};
 
 use crate::source::read;
@@ -39,6 +42,32 @@ fn differences(keys: &[Key], document: &str) -> Vec<String> {
         .collect()
 }
 
+/// Words in backticks in the first column of the tables below a heading.
+fn first_column(document: &str, heading: &str) -> BTreeSet<String> {
+    let below = document.lines().skip_while(|line| *line != heading).skip(1);
+    let section = below.take_while(|line| !line.starts_with("## "));
+    let cells = section.filter_map(|line| line.strip_prefix("| ")?.split(" | ").next());
+    cells
+        .flat_map(|cell| cell.split('`').skip(1).step_by(2))
+        .map(str::to_owned)
+        .collect()
+}
+
+#[test]
+fn the_scene_page_lists_what_is_read() {
+    let page = read("docs/scene-files.md");
+    let set = |words: Vec<&str>| {
+        words
+            .into_iter()
+            .map(str::to_owned)
+            .collect::<BTreeSet<_>>()
+    };
+    let extensions = set(gltf::EXTENSIONS.to_vec());
+    assert_eq!(first_column(&page, "## What is read"), extensions);
+    let scenes = set(builtin::list().iter().map(|scene| scene.name).collect());
+    assert_eq!(first_column(&page, "## Built-in scenes"), scenes);
+}
+
 #[test]
 fn the_settings_page_lists_every_key() {
     let faults = differences(KEYS, &read("docs/settings.md"));
@@ -63,4 +92,9 @@ fn a_planted_difference_is_found() {
     let mut keys = KEYS.to_vec();
     keys[0].default = "another";
     assert_eq!(differences(&keys, &page).len(), 2);
+    let table = "## A\n| `x`, `y` | `no` |\n| `z` | |\n## B\n| `no` | |\n";
+    assert_eq!(
+        first_column(table, "## A").into_iter().collect::<Vec<_>>(),
+        ["x", "y", "z"]
+    );
 }
