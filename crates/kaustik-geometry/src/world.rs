@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::{Vec2, Vec3};
 
 use crate::assembly::Assembly;
-use crate::bvh::{Any, Bvh, Closest, Exact, Goal, InstructionSet, Level, Place, Prepared, build};
+use crate::bvh::{Any, Bvh, Closest, Goal, InstructionSet, Level, Place, build};
 use crate::surface::Corners;
 use crate::{Aabb, Hit, Instance, Mesh, Ray, Surface, WorldError};
 
@@ -212,19 +212,12 @@ impl World {
     }
 
     fn walk<G: Goal>(&self, ray: &Ray, goal: &mut G) -> bool {
-        let Some(prepared) = Prepared::new(ray) else {
-            return false;
-        };
         let level = Level {
             bvh: &self.tree,
-            ray: prepared,
-            exact: Exact {
-                origin: ray.origin.as_dvec3(),
-                direction: ray.direction.as_dvec3(),
-                to_world: None,
-            },
-            instance: None,
-            places: Some((ray, &self.places, &self.trees)),
+            ray,
+            place: None,
+            places: &self.places,
+            trees: &self.trees,
         };
         self.instruction_set.walk(&level, goal)
     }

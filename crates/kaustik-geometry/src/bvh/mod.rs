@@ -11,12 +11,13 @@ mod lanes;
 mod node;
 mod precise;
 mod prepared;
+mod slabs;
 mod stack;
+mod triangles;
 mod walk;
 
 pub(crate) use build::{Leaf, build};
 pub(crate) use goal::{Any, Closest, Goal};
 pub(crate) use lanes::InstructionSet;
 pub(crate) use node::{Bvh, Kind, LIMIT};
-pub(crate) use prepared::{Exact, Prepared};
 pub(crate) use walk::{Level, Place};

@@ -16,11 +16,11 @@ pub(crate) struct Bvh {
     pub(crate) root: Option<Child>,
 }
 
-/// Boxes of up to eight children: least x, y, z, then greatest x, y, z. Unused ones are inside out.
+/// Boxes of up to eight children: for each axis the least and the greatest. Unused ones are inside out.
 #[repr(C, align(32))]
 #[derive(Clone)]
 pub(crate) struct Node {
-    pub(crate) planes: [[f32; WIDTH]; 6],
+    pub(crate) planes: [[[f32; WIDTH]; 2]; 3],
     pub(crate) children: [Child; WIDTH],
 }
 
@@ -98,21 +98,14 @@ impl Child {
 
 impl Node {
     pub(crate) const EMPTY: Node = Node {
-        planes: [
-            [f32::INFINITY; WIDTH],
-            [f32::INFINITY; WIDTH],
-            [f32::INFINITY; WIDTH],
-            [f32::NEG_INFINITY; WIDTH],
-            [f32::NEG_INFINITY; WIDTH],
-            [f32::NEG_INFINITY; WIDTH],
-        ],
+        planes: [[[f32::INFINITY; WIDTH], [f32::NEG_INFINITY; WIDTH]]; 3],
         children: [Child(0); WIDTH],
     };
 
     pub(crate) fn set(&mut self, slot: usize, bounds: &Aabb, child: Child) {
         for axis in 0..3 {
-            self.planes[axis][slot] = bounds.min[axis];
-            self.planes[axis + 3][slot] = bounds.max[axis];
+            self.planes[axis][0][slot] = bounds.min[axis];
+            self.planes[axis][1][slot] = bounds.max[axis];
         }
         self.children[slot] = child;
     }
@@ -121,8 +114,8 @@ impl Node {
     pub(crate) fn boxes(&self) -> impl Iterator<Item = Aabb> {
         (0..WIDTH)
             .map(|slot| Aabb {
-                min: glam::Vec3::from_array(std::array::from_fn(|a| self.planes[a][slot])),
-                max: glam::Vec3::from_array(std::array::from_fn(|a| self.planes[a + 3][slot])),
+                min: glam::Vec3::from_array(std::array::from_fn(|a| self.planes[a][0][slot])),
+                max: glam::Vec3::from_array(std::array::from_fn(|a| self.planes[a][1][slot])),
             })
             .filter(|b| !b.is_empty())
     }
@@ -134,6 +127,17 @@ impl Block {
         instances: [0; BLOCK],
         primitives: [0; BLOCK],
     };
+
+    /// The triangle in a lane.
+    #[inline(always)]
+    pub(crate) fn corners(&self, lane: usize) -> [glam::Vec3; 3] {
+        let [a, b, c] = &self.corners;
+        [
+            glam::Vec3::new(a[0][lane], a[1][lane], a[2][lane]),
+            glam::Vec3::new(b[0][lane], b[1][lane], b[2][lane]),
+            glam::Vec3::new(c[0][lane], c[1][lane], c[2][lane]),
+        ]
+    }
 
     pub(crate) fn set(
         &mut self,

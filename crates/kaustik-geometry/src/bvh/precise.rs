@@ -10,30 +10,23 @@
 use glam::{DVec3, Vec3};
 
 use super::node::Block;
-use super::prepared::{Exact, Prepared};
+use super::prepared::Prepared;
+use super::walk::Place;
+use crate::Ray;
 
-/// `t` and the weights of the second and third corner.
+/// The weights of the second and third corner, if the ray passes through the triangle.
 #[cold]
 #[inline(never)]
-pub(crate) fn meet(
-    block: &Block,
-    lane: usize,
-    ray: &Prepared,
-    exact: &Exact,
-) -> Option<(f64, f64, f64)> {
-    let corners: [Vec3; 3] = std::array::from_fn(|c| {
-        Vec3::from_array(std::array::from_fn(|axis| block.corners[c][axis][lane]))
-    });
-    let [a, b, c] = corners.map(|p| sheared(p, ray));
+pub(crate) fn weights(block: &Block, lane: usize, ray: &Prepared) -> Option<(f64, f64)> {
+    let [a, b, c] = block.corners(lane).map(|p| sheared(p, ray));
     let edge = |p: (f64, f64), q: (f64, f64)| p.0 * q.1 - p.1 * q.0;
     let (u, v, w) = (edge(c, b), edge(a, c), edge(b, a));
     if (u < 0.0 || v < 0.0 || w < 0.0) && (u > 0.0 || v > 0.0 || w > 0.0) {
         return None;
     }
     let det = u + v + w;
-    let t = plane(corners, exact);
     // Not so where a number is undefined, too.
-    (det != 0.0 && t.is_finite()).then(|| (t, v / det, w / det))
+    (det.abs() > 0.0).then(|| (v / det, w / det))
 }
 
 /// Exactly as the block test computes it.
@@ -45,13 +38,28 @@ fn sheared(p: Vec3, ray: &Prepared) -> (f64, f64) {
     )
 }
 
-/// Where the ray crosses the plane of the triangle; not finite if it does not.
-fn plane(corners: [Vec3; 3], exact: &Exact) -> f64 {
-    let place = |p: Vec3| match &exact.to_world {
-        Some(to_world) => to_world.transform_point3(p.as_dvec3()),
-        None => p.as_dvec3(),
+/// Where the ray crosses the plane of the triangle, if that is within the ray.
+#[inline(always)]
+pub(crate) fn plane(block: &Block, lane: usize, ray: &Ray, place: Option<&Place>) -> Option<f64> {
+    let [a, b, c] = block.corners(lane);
+    let [a, b, c] = match place {
+        Some(place) => placed([a, b, c], place),
+        None => [a.as_dvec3(), b.as_dvec3(), c.as_dvec3()],
     };
-    let [a, b, c] = corners.map(place);
     let normal: DVec3 = (b - a).cross(c - a);
-    normal.dot(a - exact.origin) / normal.dot(exact.direction)
+    let height = normal.dot(a - ray.origin.as_dvec3());
+    let slope = normal.dot(ray.direction.as_dvec3());
+    // Before the division: most that ask have just left this very plane.
+    if ray.t_min >= 0.0 && height * slope < 0.0 {
+        return None;
+    }
+    let t = height / slope;
+    (f64::from(ray.t_min) < t && t <= f64::from(ray.t_max) && t < f64::INFINITY).then_some(t)
+}
+
+#[cold]
+#[inline(never)]
+fn placed(corners: [Vec3; 3], place: &Place) -> [DVec3; 3] {
+    let to_world = place.to_world.as_daffine3();
+    corners.map(|p| to_world.transform_point3(p.as_dvec3()))
 }

@@ -1,6 +1,6 @@
 //! What a walk precomputes of a ray.
 
-use glam::{Affine3A, DAffine3, DVec3, Vec3};
+use glam::{Affine3A, Vec3};
 
 use crate::Ray;
 
@@ -15,17 +15,14 @@ pub(crate) struct Prepared {
     pub(crate) inverse: Vec3,
     /// The same, [`WIDEN`]ed.
     pub(crate) inverse_far: Vec3,
-    /// For each axis the row of [`super::node::Node::planes`] that the ray meets first.
-    pub(crate) near_row: [usize; 3],
-    /// And the one that it meets last.
-    pub(crate) far_row: [usize; 3],
+    /// For each axis 1 if the direction is negative there: the plane that the ray meets first.
+    pub(crate) negative: [usize; 3],
     /// The axes, that of the largest direction component last, keeping the winding.
     pub(crate) axes: [usize; 3],
+    /// `origin` in the order of `axes`.
+    pub(crate) turned_origin: [f32; 3],
     /// Shear that makes the direction the last axis (Woop, Benthin, Wald), and the factor from that axis to `t`.
     pub(crate) shear: Vec3,
-    /// The ray's own limits.
-    pub(crate) t_min: f32,
-    pub(crate) t_max: f32,
     /// Size of the numbers that `origin` is the rounded sum of; zero in world space.
     pub(crate) blur: f32,
     /// What `blur` means in `t`.
@@ -38,54 +35,55 @@ impl Prepared {
     pub(crate) fn new(ray: &Ray) -> Option<Prepared> {
         let d = ray.direction;
         let size = d.abs();
-        // In the manner of Woop et al. the winding is kept, here by cyclic order and the sign of the shear.
-        let last = if size.x > size.y {
-            if size.x > size.z { 0 } else { 2 }
-        } else if size.y > size.z {
-            1
-        } else {
-            2
-        };
-        let largest = size[last];
+        let largest = size.x.max(size.y).max(size.z);
         // Every component takes part, so that one that is not a number is seen.
-        let usable =
-            largest >= f32::MIN_POSITIVE * 4.0 && (size.x + size.y + size.z) < f32::INFINITY;
+        let usable = largest >= LEAST && (size.x + size.y + size.z) < f32::INFINITY;
         if !(usable && ray.origin.is_finite() && ray.t_min <= ray.t_max) {
             return None;
         }
-        let floor = (largest * FLOOR).max(f32::MIN_POSITIVE);
-        let away = |x: f32| {
-            if x.abs() < floor {
-                floor.copysign(x)
-            } else {
-                x
-            }
+        let floor = (largest * FLOOR).max(LEAST);
+        let inverse = Vec3::new(
+            1.0 / away(d.x, floor),
+            1.0 / away(d.y, floor),
+            1.0 / away(d.z, floor),
+        );
+        // The winding is kept: cyclic order, and the sign of the last axis goes into the shear.
+        let o = ray.origin;
+        let (axes, turned_origin, shear) = if size.x >= largest {
+            (
+                [1, 2, 0],
+                [o.y, o.z, o.x],
+                Vec3::new(d.y, d.z, 1.0) * inverse.x,
+            )
+        } else if size.y >= largest {
+            (
+                [2, 0, 1],
+                [o.z, o.x, o.y],
+                Vec3::new(d.z, d.x, 1.0) * inverse.y,
+            )
+        } else {
+            (
+                [0, 1, 2],
+                [o.x, o.y, o.z],
+                Vec3::new(d.x, d.y, 1.0) * inverse.z,
+            )
         };
-        let inverse = Vec3::new(1.0 / away(d.x), 1.0 / away(d.y), 1.0 / away(d.z));
-        let axes = AXES[last];
         let negative = d.to_array().map(|x| usize::from(x.is_sign_negative()));
-        let scale = inverse[last];
         Some(Prepared {
             origin: ray.origin,
             inverse,
             inverse_far: inverse * WIDEN,
-            near_row: [negative[0] * 3, 1 + negative[1] * 3, 2 + negative[2] * 3],
-            far_row: [
-                3 - negative[0] * 3,
-                4 - negative[1] * 3,
-                5 - negative[2] * 3,
-            ],
+            negative,
             axes,
-            shear: Vec3::new(d[axes[0]] * scale, d[axes[1]] * scale, scale),
-            t_min: ray.t_min,
-            t_max: ray.t_max,
+            turned_origin,
+            shear,
             blur: 0.0,
             slack: 0.0,
         })
     }
 
     /// The same ray in the space of an instance, `t` unchanged.
-    pub(crate) fn into_instance(ray: &Ray, to_object: &Affine3A) -> Option<Prepared> {
+    pub(crate) fn in_instance(ray: &Ray, to_object: &Affine3A) -> Option<Prepared> {
         let direction = to_object.transform_vector3(ray.direction);
         let object = Ray {
             origin: to_object.transform_point3(ray.origin),
@@ -104,16 +102,18 @@ impl Prepared {
     }
 }
 
+/// The smallest usable size of a direction.
+const LEAST: f32 = f32::MIN_POSITIVE * 4.0;
+
+/// `x`, or its sign with the size `floor`.
+#[inline(always)]
+fn away(x: f32, floor: f32) -> f32 {
+    if x.abs() < floor {
+        floor.copysign(x)
+    } else {
+        x
+    }
+}
+
 /// Direction components below this fraction of the largest count as that much: 2^-60.
 const FLOOR: f32 = 1.0 / (1u64 << 60) as f32;
-
-const AXES: [[usize; 3]; 3] = [[1, 2, 0], [2, 0, 1], [0, 1, 2]];
-
-/// The ray in double precision, and how a tree's corners become points of its space.
-#[derive(Clone, Copy)]
-pub(crate) struct Exact {
-    pub(crate) origin: DVec3,
-    pub(crate) direction: DVec3,
-    /// None in world space.
-    pub(crate) to_world: Option<DAffine3>,
-}

@@ -1,24 +1,31 @@
 //! The walk through a wide tree: nearest child first, pruned by the best hit so far.
+//!
+//! What is called in here is `inline(always)` and takes no closures that do vector arithmetic: only then is all of it
+//! compiled for the vector instructions of the one function that it ends up in. A closure is not, and its operations
+//! become calls.
 
 use glam::Affine3A;
 
 use super::Goal;
 use super::lanes::{Kernel, Lanes};
-use super::node::{BLOCK, Block, Bvh, Child, Kind, Node, WIDTH};
-use super::precise;
-use super::prepared::{Exact, Prepared, WIDEN};
+use super::node::{Bvh, Child, Kind, Node};
+use super::prepared::{Prepared, WIDEN};
+use super::slabs::test_node;
 use super::stack::{Entry, Stack};
-use crate::{Hit, Ray};
+use super::triangles::meet_block;
+use crate::Ray;
 
-/// A tree, a ray in its space, and what else a walk through it needs.
+/// A tree, and the ray that goes through it.
+#[derive(Clone, Copy)]
 pub(crate) struct Level<'a> {
     pub(crate) bvh: &'a Bvh,
-    pub(crate) ray: Prepared,
-    pub(crate) exact: Exact,
-    /// Which instance's tree this is; None of the world's, whose blocks know.
-    pub(crate) instance: Option<u32>,
-    /// The world, where the tree may lead to instances.
-    pub(crate) places: Option<(&'a Ray, &'a [Place], &'a [Bvh])>,
+    /// In world space.
+    pub(crate) ray: &'a Ray,
+    /// Whose tree this is; None of the world's.
+    pub(crate) place: Option<&'a Place>,
+    /// What the world's tree leads to.
+    pub(crate) places: &'a [Place],
+    pub(crate) trees: &'a [Bvh],
 }
 
 /// An instance with a tree of its own.
@@ -30,45 +37,49 @@ pub(crate) struct Place {
     pub(crate) to_world: Affine3A,
 }
 
-/// Walks with `K`; whether the goal asked to stop. Inlined into a function compiled for what `K` needs.
+/// Walks with `K`; whether the goal asked to stop.
 #[inline(always)]
 pub(crate) fn walk_with<K: Kernel, G: Goal>(level: &Level<'_>, goal: &mut G) -> bool {
     let Some(root) = level.bvh.root else {
         return false;
     };
+    let prepared = match level.place {
+        Some(place) => Prepared::in_instance(level.ray, &place.to_object),
+        None => Prepared::new(level.ray),
+    };
+    let Some(ray) = prepared else { return false };
+    let low = goal.low() - ray.slack;
+    let mut limit = widened(goal.high(), &ray);
     let mut stack = Stack::new();
     let mut current = root;
     loop {
         let next = match current.kind() {
             Kind::Node { index } => {
-                visit_node::<K, G>(&level.bvh.nodes[index], &level.ray, goal, &mut stack)
+                let node = &level.bvh.nodes[index];
+                visit_node::<K, G>(node, &ray, low, limit, &mut stack)
             }
             Kind::Block { index, count } => {
-                if meet_block::<K, G>(&level.bvh.blocks[index], count, level, goal) {
+                let block = &level.bvh.blocks[index];
+                if meet_block::<K::Block, G>(block, count, level, &ray, goal) {
                     return true;
                 }
+                limit = widened(goal.high(), &ray);
                 None
             }
             Kind::Instance { index } => {
                 if enter::<K, G>(level, index, goal) {
                     return true;
                 }
+                limit = widened(goal.high(), &ray);
                 None
             }
         };
         current = match next {
             Some(child) => child,
-            None => {
-                let limit = widened(goal.high(), &level.ray);
-                loop {
-                    let Some(entry) = stack.pop() else {
-                        return false;
-                    };
-                    if entry.near() <= limit {
-                        break entry.child();
-                    }
-                }
-            }
+            None => match pop(&mut stack, limit) {
+                Some(child) => child,
+                None => return false,
+            },
         };
     }
 }
@@ -79,16 +90,27 @@ fn widened(high: f32, ray: &Prepared) -> f32 {
     high * WIDEN + ray.slack
 }
 
-/// The nearest child; the others go on the stack, nearest on top.
+/// The next child that does not begin beyond `limit`.
+#[inline(always)]
+fn pop(stack: &mut Stack, limit: f32) -> Option<Child> {
+    loop {
+        let entry = stack.pop()?;
+        if entry.near() <= limit {
+            return Some(entry.child());
+        }
+    }
+}
+
+/// The child to go on with; the others that the ray enters go on the stack, the nearest on top.
 #[inline(always)]
 fn visit_node<K: Kernel, G: Goal>(
     node: &Node,
     ray: &Prepared,
-    goal: &G,
+    low: f32,
+    high: f32,
     stack: &mut Stack,
 ) -> Option<Child> {
-    let (mut mask, near) =
-        test_node::<K::Node>(node, ray, goal.low() - ray.slack, widened(goal.high(), ray));
+    let (mut mask, near) = test_node::<K::Node>(node, ray, low, high);
     if mask == 0 {
         return None;
     }
@@ -98,32 +120,23 @@ fn visit_node<K: Kernel, G: Goal>(
         return Some(node.children[first]);
     }
     let near = near.store();
-    let entry = |slot: usize| Entry::new(near[slot], node.children[slot]);
-    if !G::ORDERED {
-        while mask != 0 {
-            stack.push(entry(mask.trailing_zeros() as usize));
-            mask &= mask - 1;
-        }
-        return Some(node.children[first]);
-    }
-    let (a, b) = (entry(first), entry(mask.trailing_zeros() as usize));
-    let (mut best, far) = if b < a { (b, a) } else { (a, b) };
-    stack.push(far);
-    mask &= mask - 1;
-    if mask == 0 {
-        return Some(best.child());
-    }
-    let mut count = 1;
+    let mut best = Entry::new(near[first], node.children[first]);
+    let mut count = 0;
     while mask != 0 {
-        let mut other = entry(mask.trailing_zeros() as usize);
+        let slot = mask.trailing_zeros() as usize;
         mask &= mask - 1;
-        if other < best {
-            std::mem::swap(&mut other, &mut best);
+        let other = Entry::new(near[slot], node.children[slot]);
+        if G::ORDERED {
+            stack.push(best.max(other));
+            best = best.min(other);
+            count += 1;
+        } else {
+            stack.push(other);
         }
-        stack.push(other);
-        count += 1;
     }
-    sort_descending(stack.top(count));
+    if count > 1 {
+        sort_descending(stack.top(count));
+    }
     Some(best.child())
 }
 
@@ -141,177 +154,15 @@ fn sort_descending(entries: &mut [Entry]) {
     }
 }
 
-/// Which children the ray enters between `low` and `high`, and where.
-#[inline(always)]
-fn test_node<L: Lanes<WIDTH>>(node: &Node, ray: &Prepared, low: f32, high: f32) -> (u32, L) {
-    let enter = near::<L>(node, ray, 0)
-        .max(near(node, ray, 1))
-        .max(near::<L>(node, ray, 2).max(L::splat(low)));
-    let leave = far::<L>(node, ray, 0)
-        .min(far(node, ray, 1))
-        .min(far::<L>(node, ray, 2).min(L::splat(high)));
-    (enter.le(leave), enter)
-}
-
-/// Where the ray enters the slab of an axis. (No closures here and below: one is compiled without the vector
-/// instructions and its operations become calls.)
-#[inline(always)]
-fn near<L: Lanes<WIDTH>>(node: &Node, ray: &Prepared, axis: usize) -> L {
-    L::load(&node.planes[ray.near_row[axis]])
-        .sub(L::splat(ray.origin[axis]))
-        .mul(L::splat(ray.inverse[axis]))
-}
-
-/// Where it leaves.
-#[inline(always)]
-fn far<L: Lanes<WIDTH>>(node: &Node, ray: &Prepared, axis: usize) -> L {
-    L::load(&node.planes[ray.far_row[axis]])
-        .sub(L::splat(ray.origin[axis]))
-        .mul(L::splat(ray.inverse_far[axis]))
-}
-
-/// Twice the rounding of the volume that decides on which side of a triangle a point lies, as a multiple of the sizes
-/// involved: about 60 roundings of 2^-24 each, rounded up.
-const DOUBT: f32 = 1.0 / 131_072.0;
-
-/// Offers the hits in a block; whether the goal asked to stop.
-#[inline(always)]
-fn meet_block<K: Kernel, G: Goal>(
-    block: &Block,
-    count: u32,
-    level: &Level<'_>,
-    goal: &mut G,
-) -> bool {
-    let ray = &level.ray;
-    let a = sheared::<K::Block>(block, ray, 0);
-    let b = sheared::<K::Block>(block, ray, 1);
-    let c = sheared::<K::Block>(block, ray, 2);
-    let u = c[0].mul(b[1]).sub(c[1].mul(b[0]));
-    let v = a[0].mul(c[1]).sub(a[1].mul(c[0]));
-    let w = b[0].mul(a[1]).sub(b[1].mul(a[0]));
-    let zero = K::Block::splat(0.0);
-    let (least, most) = (u.min(v).min(w), u.max(v).max(w));
-    let inside = !(least.lt(zero) & zero.lt(most)) & ((1 << count) - 1);
-    if inside == 0 {
-        return false;
-    }
-    let det = u.add(v).add(w);
-    let height = u
-        .mul(a[2])
-        .add(v.mul(b[2]))
-        .add(w.mul(c[2]))
-        .mul(K::Block::splat(ray.shear.z));
-    let t = height.div(det);
-    let doubtful = inside
-        & !(strictly_inside::<K>(least, most) & clear_of_ends::<K>(ray, [a, b, c], height, det));
-    let range = K::Block::splat(goal.low()).le(t) & t.le(K::Block::splat(goal.high()));
-    let mut mask = (inside & range) | doubtful;
-    if mask == 0 {
-        return false;
-    }
-    let (t, v, w, det) = (t.store(), v.store(), w.store(), det.store());
-    while mask != 0 {
-        let lane = mask.trailing_zeros() as usize;
-        mask &= mask - 1;
-        let (t, u, v) = if doubtful >> lane & 1 == 0 {
-            (t[lane], v[lane] / det[lane], w[lane] / det[lane])
-        } else {
-            match precise_hit(block, lane, level) {
-                Some(found) => found,
-                None => continue,
-            }
-        };
-        let instance = level.instance.unwrap_or(block.instances[lane]);
-        let hit = Hit {
-            t,
-            u,
-            v,
-            instance,
-            primitive: block.primitives[lane],
-        };
-        if goal.low() <= t && t <= goal.high() && goal.offer(hit) {
-            return true;
-        }
-    }
-    false
-}
-
-/// A corner of each triangle seen from the ray's origin, sheared so that the ray is the last axis.
-#[inline(always)]
-fn sheared<L: Lanes<BLOCK>>(block: &Block, ray: &Prepared, corner: usize) -> [L; 3] {
-    let z = shifted::<L>(block, ray, corner, 2);
-    let x = shifted::<L>(block, ray, corner, 0).sub(L::splat(ray.shear.x).mul(z));
-    let y = shifted::<L>(block, ray, corner, 1).sub(L::splat(ray.shear.y).mul(z));
-    [x, y, z]
-}
-
-#[inline(always)]
-fn shifted<L: Lanes<BLOCK>>(block: &Block, ray: &Prepared, corner: usize, axis: usize) -> L {
-    let axis = ray.axes[axis];
-    L::load(&block.corners[corner][axis]).sub(L::splat(ray.origin[axis]))
-}
-
-/// Lanes whose three edge functions have one sign and none of them is zero or undefined.
-#[inline(always)]
-fn strictly_inside<K: Kernel>(least: K::Block, most: K::Block) -> u32 {
-    let zero = K::Block::splat(0.0);
-    zero.lt(least) | most.lt(zero)
-}
-
-/// Lanes whose triangle is certainly on the side of the ray's two ends where `t` in single precision puts it.
-#[inline(always)]
-fn clear_of_ends<K: Kernel>(
-    ray: &Prepared,
-    corners: [[K::Block; 3]; 3],
-    height: K::Block,
-    det: K::Block,
-) -> u32 {
-    let [a, b, c] = corners;
-    let x = a[0].abs().max(b[0].abs()).max(c[0].abs());
-    let y = a[1].abs().max(b[1].abs()).max(c[1].abs());
-    let along = a[2].abs().max(b[2].abs()).max(c[2].abs());
-    let across = x.max(y);
-    let reach = across.add(along);
-    let bound = across
-        .mul(reach)
-        .mul(reach.add(K::Block::splat(ray.blur)))
-        .mul(K::Block::splat(ray.shear.z.abs() * DOUBT));
-    let below = height.sub(det.mul(K::Block::splat(ray.t_min))).abs();
-    let clear = bound.lt(below);
-    if ray.t_max < f32::INFINITY {
-        clear & bound.lt(height.sub(det.mul(K::Block::splat(ray.t_max))).abs())
-    } else {
-        clear
-    }
-}
-
-/// A hit decided in double precision, if it lies strictly within the ray.
-#[inline(always)]
-fn precise_hit(block: &Block, lane: usize, level: &Level<'_>) -> Option<(f32, f32, f32)> {
-    let (t, u, v) = precise::meet(block, lane, &level.ray, &level.exact)?;
-    let within = f64::from(level.ray.t_min) < t && t <= f64::from(level.ray.t_max);
-    within.then_some((t as f32, u as f32, v as f32))
-}
-
 /// Walks through an instance's own tree.
 #[inline(always)]
 fn enter<K: Kernel, G: Goal>(level: &Level<'_>, index: u32, goal: &mut G) -> bool {
-    let Some((ray, places, trees)) = level.places else {
-        return false;
-    };
-    let place = &places[index as usize];
-    let Some(prepared) = Prepared::into_instance(ray, &place.to_object) else {
-        return false;
-    };
+    let place = &level.places[index as usize];
+    let bvh = &level.trees[place.tree as usize];
     let inner = Level {
-        bvh: &trees[place.tree as usize],
-        ray: prepared,
-        exact: Exact {
-            to_world: Some(place.to_world.as_daffine3()),
-            ..level.exact
-        },
-        instance: Some(place.instance),
-        places: None,
+        bvh,
+        place: Some(place),
+        ..*level
     };
     K::walk(&inner, goal)
 }
