@@ -1,6 +1,7 @@
 //! The words that the documents list are those that the program knows.
 
 use std::collections::BTreeSet;
+use std::process::Command;
 
 use kaustik::scene::{builtin, gltf};
 use kaustik::{KEYS, Key, Method};
@@ -66,6 +67,30 @@ fn the_scene_page_lists_what_is_read() {
     assert_eq!(first_column(&page, "## What is read"), extensions);
     let scenes = set(builtin::list().iter().map(|scene| scene.name).collect());
     assert_eq!(first_column(&page, "## Built-in scenes"), scenes);
+}
+
+/// Words that begin with two dashes.
+fn long_options(text: &str) -> BTreeSet<String> {
+    let of_word = |c: char| c.is_ascii_lowercase() || c == '-';
+    let words = text.split(|c| !of_word(c));
+    words
+        .filter(|w| w.starts_with("--") && w.len() > 2)
+        .map(str::to_owned)
+        .collect()
+}
+
+#[test]
+fn the_command_page_lists_every_option() {
+    let help = Command::new(env!("CARGO_BIN_EXE_kaustik"))
+        .args(["render", "--help"])
+        .output()
+        .expect("the command runs");
+    let mut known = long_options(&String::from_utf8_lossy(&help.stdout));
+    known.remove("--help");
+    let page = read("docs/command-line.md");
+    let cells = first_column(&page, "## `kaustik render`");
+    let listed = long_options(&cells.into_iter().collect::<Vec<_>>().join(" "));
+    assert_eq!(listed, known);
 }
 
 #[test]
