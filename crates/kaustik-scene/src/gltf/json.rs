@@ -240,7 +240,7 @@ impl<'a> Cursor<'a> {
     pub(super) fn usize(&self) -> Result<usize> {
         let whole = self.value.as_u64().or_else(|| {
             let f = self.value.as_f64()?;
-            (f >= 0.0 && f <= 9e15 && f.fract() == 0.0).then_some(f as u64)
+            ((0.0..=9e15).contains(&f) && f.fract() == 0.0).then_some(f as u64)
         });
         let whole = whole.and_then(|n| usize::try_from(n).ok());
         whole.ok_or_else(|| self.mismatch("a non-negative integer"))

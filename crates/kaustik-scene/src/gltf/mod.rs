@@ -24,6 +24,7 @@ mod camera;
 mod container;
 mod environment;
 mod error;
+mod export;
 mod extension;
 mod extras;
 mod folder;
@@ -45,6 +46,7 @@ mod vertices;
 mod warning;
 
 pub use error::{ErrorKind, LoadError};
+pub use export::{ExportError, export, export_bytes};
 pub use extension::EXTENSIONS;
 pub use load::{Loaded, load, load_bytes};
 pub use options::LoadOptions;

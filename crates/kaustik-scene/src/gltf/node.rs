@@ -41,7 +41,7 @@ fn check_depth(nodes: &[Cursor<'_>], parents: &[Option<usize>], most: usize) -> 
     const WALKED: usize = usize::MAX;
     let mut depths = vec![UNKNOWN; nodes.len()];
     let mut walk = Vec::new();
-    for start in 0..nodes.len() {
+    for (start, place) in nodes.iter().enumerate() {
         let mut at = Some(start);
         while let Some(node) = at.filter(|&n| depths[n] == UNKNOWN) {
             depths[node] = WALKED;
@@ -51,7 +51,7 @@ fn check_depth(nodes: &[Cursor<'_>], parents: &[Option<usize>], most: usize) -> 
         let mut depth = at.map_or(0, |node| depths[node]);
         if depth == WALKED {
             let found = "a node that is its own ancestor";
-            return Err(nodes[start].error(ErrorKind::Hierarchy, found, "a tree of nodes"));
+            return Err(place.error(ErrorKind::Hierarchy, found, "a tree of nodes"));
         }
         while let Some(node) = walk.pop() {
             depth += 1;
@@ -60,7 +60,7 @@ fn check_depth(nodes: &[Cursor<'_>], parents: &[Option<usize>], most: usize) -> 
         if depth > most {
             let found = format!("a node {depth} levels deep");
             let expected = format!("at most {most} levels");
-            return Err(nodes[start].error(ErrorKind::Hierarchy, found, expected));
+            return Err(place.error(ErrorKind::Hierarchy, found, expected));
         }
     }
     Ok(())

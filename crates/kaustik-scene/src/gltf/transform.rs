@@ -40,7 +40,8 @@ pub(super) fn rotation(xyzw: [f32; 4]) -> Option<DQuat> {
 fn matrix(reader: &mut Reader<'_>, place: &Cursor<'_>) -> Result<DAffine3, LoadError> {
     let m = place.floats::<16>()?;
     let last = [m[3], m[7], m[11], m[15]];
-    if last != [0.0, 0.0, 0.0, 1.0] {
+    let affine = [0.0, 0.0, 0.0, 1.0_f32];
+    if last.iter().zip(affine).any(|(&a, b)| (a - b).abs() > 1e-6) {
         reader.warn(place, "its last row is not (0, 0, 0, 1) and is ignored");
     }
     let column = |i: usize| DVec3::new(m[4 * i].into(), m[4 * i + 1].into(), m[4 * i + 2].into());
