@@ -1,3 +1,37 @@
 //! The `kaustik` command.
 
-fn main() {}
+mod arguments;
+mod compare;
+mod failure;
+mod info;
+mod input;
+mod lists;
+mod output;
+mod progress;
+mod render;
+mod signals;
+
+use std::process::ExitCode;
+
+use clap::Parser;
+
+use arguments::{Arguments, Command};
+use failure::Failure;
+
+fn main() -> ExitCode {
+    let arguments = Arguments::parse();
+    let done = match &arguments.command {
+        Command::Render(words) => render::run(words),
+        Command::Scenes(words) => lists::scenes(words),
+        Command::Methods(words) => lists::methods(words),
+        Command::Info(words) => info::run(words),
+        Command::Compare(words) => compare::run(words),
+    };
+    match done {
+        Ok(code) => code,
+        Err(failure) => {
+            output::note(&format!("error: {failure}"));
+            ExitCode::from(failure.status())
+        }
+    }
+}

@@ -1,0 +1,244 @@
+//! The words of the command line.
+
+use std::ops::Range;
+use std::path::PathBuf;
+use std::time::Duration;
+
+use clap::{Args, Parser, Subcommand};
+use kaustik::film::{Filter, Tone, ToneCurve, Window};
+use kaustik::Method;
+
+/// Light transport with Markov chains.
+#[derive(Debug, Parser)]
+#[command(name = "kaustik", version, about, max_term_width = 100)]
+pub(crate) struct Arguments {
+    #[command(subcommand)]
+    pub(crate) command: Command,
+}
+
+/// What to do.
+#[derive(Debug, Subcommand)]
+pub(crate) enum Command {
+    /// Render a scene to an EXR and a PNG file
+    Render(RenderWords),
+    /// List the built-in scenes, or export one as glTF
+    Scenes(SceneWords),
+    /// List the methods, or the settings of one
+    Methods(MethodWords),
+    /// Say what a scene file holds and what of it is ignored
+    Info(InfoWords),
+    /// Compare pictures with a reference
+    Compare(CompareWords),
+}
+
+/// Words of `render`.
+#[derive(Args, Debug)]
+pub(crate) struct RenderWords {
+    /// A .gltf or .glb file, or builtin:NAME (see `kaustik scenes`)
+    pub(crate) scene: String,
+    /// Linear EXR file with layers and metadata
+    #[arg(short, long, value_name = "OUT.exr")]
+    pub(crate) output: Option<PathBuf>,
+    /// PNG file for looking at
+    #[arg(long, value_name = "OUT.png")]
+    pub(crate) png: Option<PathBuf>,
+    /// How to compute the picture (see `kaustik methods`)
+    #[arg(long, value_name = "NAME", default_value_t = Method::default())]
+    pub(crate) method: Method,
+    /// Columns; 1024, or what the camera's aspect ratio makes of the height
+    #[arg(long, value_name = "W", value_parser = clap::value_parser!(u32).range(1..=65536))]
+    pub(crate) width: Option<u32>,
+    /// Rows; what the camera's aspect ratio makes of the width
+    #[arg(long, value_name = "H", value_parser = clap::value_parser!(u32).range(1..=65536))]
+    pub(crate) height: Option<u32>,
+    /// Samples (or mutations) a pixel
+    #[arg(long, value_name = "N", group = "budget", value_parser = clap::value_parser!(u64).range(1..))]
+    pub(crate) spp: Option<u64>,
+    /// Samples or mutations in all
+    #[arg(long, value_name = "N", group = "budget", value_parser = clap::value_parser!(u64).range(1..))]
+    pub(crate) mutations: Option<u64>,
+    /// Time, for instance 500ms, 30s, 5m, 1h [default: 60s]
+    #[arg(long, value_name = "TIME", group = "budget", value_parser = duration)]
+    pub(crate) time: Option<Duration>,
+    /// Every random number follows from it
+    #[arg(long, value_name = "S", default_value_t = 0)]
+    pub(crate) seed: u64,
+    /// Worker threads; changes nothing in the picture [default: one a processor]
+    #[arg(long, value_name = "T", value_parser = clap::value_parser!(u32).range(1..=4096))]
+    pub(crate) threads: Option<u32>,
+    /// Longest path in edges
+    #[arg(long, value_name = "D", default_value_t = 64, value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    pub(crate) max_depth: u32,
+    /// Wavelengths a path: 4 importance-sampled, or 1 uniform over 400-700 nm
+    #[arg(long, value_name = "N", value_parser = ["1", "4"])]
+    pub(crate) wavelengths: Option<String>,
+    /// Pixel filter: box, tent, gaussian or mitchell
+    #[arg(long, value_name = "NAME", default_value = "box", value_parser = |name: &str| Filter::new(name, None))]
+    pub(crate) filter: Filter,
+    /// Pixels to render: X0,Y0,X1,Y1, the last two excluded
+    #[arg(long, value_name = "X0,Y0,X1,Y1", value_parser = window)]
+    pub(crate) crop: Option<Window>,
+    /// Camera by name [default: the first]
+    #[arg(long, value_name = "NAME")]
+    pub(crate) camera: Option<String>,
+    /// Light from all around: a .hdr or .exr file, one number, or R,G,B
+    #[arg(long, value_name = "FILE|COLOUR")]
+    pub(crate) environment: Option<String>,
+    /// The ladders that this process runs, half-open
+    #[arg(long, value_name = "I..J", value_parser = ladders)]
+    pub(crate) ladders: Option<Range<u32>>,
+    /// Most memory that loading the scene may take, for instance 500M or 4G
+    #[arg(long, value_name = "SIZE", value_parser = size)]
+    pub(crate) max_memory: Option<u64>,
+    /// A setting of the method (see `kaustik methods NAME`); may be repeated
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    pub(crate) settings: Vec<String>,
+    /// Statistics as JSON
+    #[arg(long, value_name = "OUT.json")]
+    pub(crate) stats: Option<PathBuf>,
+    /// Stops by which the PNG is brightened
+    #[arg(long, value_name = "STOPS", default_value_t = 0.0, allow_negative_numbers = true, value_parser = finite)]
+    pub(crate) exposure: f64,
+    /// Tone curve of the PNG: srgb or filmic
+    #[arg(long, value_name = "CURVE", default_value_t = ToneCurve::Srgb)]
+    pub(crate) tone: ToneCurve,
+    /// Leave out the layers albedo, normal and depth
+    #[arg(long)]
+    pub(crate) no_features: bool,
+    /// No progress, no remarks; errors only
+    #[arg(short, long)]
+    pub(crate) quiet: bool,
+}
+
+impl RenderWords {
+    /// How the PNG is shown.
+    pub(crate) fn display(&self) -> Tone {
+        Tone { exposure: self.exposure, curve: self.tone }
+    }
+}
+
+/// Words of `scenes`.
+#[derive(Args, Debug)]
+pub(crate) struct SceneWords {
+    /// Name of a built-in scene, with parameters as in glass-cube?light=0.8
+    #[arg(requires = "export")]
+    pub(crate) name: Option<String>,
+    /// Write it as glTF
+    #[arg(long, value_name = "OUT.glb", requires = "name")]
+    pub(crate) export: Option<PathBuf>,
+}
+
+/// Words of `methods`.
+#[derive(Args, Debug)]
+pub(crate) struct MethodWords {
+    /// A method's name
+    pub(crate) name: Option<Method>,
+}
+
+/// Words of `info`.
+#[derive(Args, Debug)]
+pub(crate) struct InfoWords {
+    /// A .gltf or .glb file, or builtin:NAME
+    pub(crate) scene: String,
+}
+
+/// Words of `compare`.
+#[derive(Args, Debug)]
+pub(crate) struct CompareWords {
+    /// Pictures, the reference last
+    #[arg(value_name = "IMAGE... REFERENCE", num_args = 2.., required = true)]
+    pub(crate) images: Vec<PathBuf>,
+    /// The other half of the reference: its noise then cancels
+    #[arg(long, value_name = "REFERENCE2")]
+    pub(crate) half: Option<PathBuf>,
+    /// Print JSON
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+/// `500ms`, `30s`, `5m`, `1h`.
+fn duration(text: &str) -> Result<Duration, String> {
+    let digits = text.len() - text.trim_start_matches(|c: char| c.is_ascii_digit() || c == '.').len();
+    let (number, unit) = text.split_at(digits);
+    let scale = match unit {
+        "ms" => 1e-3,
+        "s" => 1.0,
+        "m" => 60.0,
+        "h" => 3600.0,
+        _ => return Err("expected a number with ms, s, m or h, for instance 30s".to_owned()),
+    };
+    number
+        .parse::<f64>()
+        .ok()
+        .and_then(|number| Duration::try_from_secs_f64(number * scale).ok())
+        .filter(|duration| !duration.is_zero())
+        .ok_or_else(|| "expected a time above 0, for instance 30s".to_owned())
+}
+
+/// `X0,Y0,X1,Y1`.
+fn window(text: &str) -> Result<Window, String> {
+    let numbers: Option<Vec<u32>> = text.split(',').map(|part| part.trim().parse().ok()).collect();
+    match numbers.as_deref() {
+        Some(&[x0, y0, x1, y1]) if x0 < x1 && y0 < y1 => Ok(Window { x0, y0, x1, y1 }),
+        _ => Err("expected X0,Y0,X1,Y1 with X0 < X1 and Y0 < Y1".to_owned()),
+    }
+}
+
+/// `I..J`.
+fn ladders(text: &str) -> Result<Range<u32>, String> {
+    text.split_once("..")
+        .and_then(|(from, to)| Some(from.parse().ok()?..to.parse().ok()?))
+        .filter(|range: &Range<u32>| !range.is_empty())
+        .ok_or_else(|| "expected I..J with I < J".to_owned())
+}
+
+/// `500M`, `4G`, a number of bytes.
+fn size(text: &str) -> Result<u64, String> {
+    let (number, scale) = match text.as_bytes().last() {
+        Some(b'k' | b'K') => (&text[..text.len() - 1], 1u64 << 10),
+        Some(b'M') => (&text[..text.len() - 1], 1 << 20),
+        Some(b'G') => (&text[..text.len() - 1], 1 << 30),
+        _ => (text, 1),
+    };
+    number
+        .parse::<u64>()
+        .ok()
+        .and_then(|number| number.checked_mul(scale))
+        .ok_or_else(|| "expected bytes, or a number with K, M or G".to_owned())
+}
+
+/// A number that is one.
+fn finite(text: &str) -> Result<f64, String> {
+    text.parse().ok().filter(|x: &f64| x.is_finite()).ok_or_else(|| "expected a number".to_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_words_are_consistent() {
+        Arguments::command().debug_assert();
+    }
+
+    #[test]
+    fn durations() {
+        assert_eq!(duration("500ms"), Ok(Duration::from_millis(500)));
+        assert_eq!(duration("1.5m"), Ok(Duration::from_secs(90)));
+        assert_eq!(duration("1h"), Ok(Duration::from_secs(3600)));
+        for wrong in ["", "5", "s", "-1s", "1d", "0s", "1e9h", "..s", "99999999999999999999h"] {
+            assert!(duration(wrong).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn windows_ladders_sizes() {
+        assert!(window("0,0,4,5").is_ok());
+        assert!(window("4,0,4,5").is_err() && window("1,2,3").is_err() && window("").is_err());
+        assert_eq!(ladders("2..5"), Ok(2..5));
+        assert!(ladders("5..5").is_err() && ladders("5").is_err());
+        assert_eq!(size("2G"), Ok(2 << 30));
+        assert!(size("99999999999999999G").is_err() && size("G").is_err() && size("é").is_err());
+    }
+}

@@ -1,0 +1,37 @@
+use std::fmt;
+
+/// Why the command cannot do what was asked.
+#[derive(Debug)]
+pub(crate) enum Failure {
+    /// The input or the words are wrong: status 2.
+    Input(String),
+    /// Anything else: status 1.
+    Other(String),
+}
+
+impl Failure {
+    /// Wrong input or words.
+    pub(crate) fn input(error: impl fmt::Display) -> Self {
+        Self::Input(error.to_string())
+    }
+
+    /// Anything else.
+    pub(crate) fn other(error: impl fmt::Display) -> Self {
+        Self::Other(error.to_string())
+    }
+
+    pub(crate) fn status(&self) -> u8 {
+        match self {
+            Self::Input(_) => 2,
+            Self::Other(_) => 1,
+        }
+    }
+}
+
+impl fmt::Display for Failure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Input(message) | Self::Other(message) => f.write_str(message),
+        }
+    }
+}

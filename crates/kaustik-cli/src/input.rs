@@ -1,0 +1,111 @@
+//! From the word SCENE to a description.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use kaustik::film::{self, Keep, Limits};
+use kaustik::scene::description::{
+    EnvironmentDescription, ImageData, Pixels, Projection,
+};
+use kaustik::scene::environment::load_hdr;
+use kaustik::scene::{Description, builtin, gltf};
+
+use crate::Failure;
+
+/// A scene as the user named it.
+pub(crate) struct Input {
+    pub(crate) description: Description,
+    /// What could not be taken as it stands.
+    pub(crate) warnings: Vec<String>,
+    /// Bytes that loading took; 0 for a built-in.
+    pub(crate) memory: u64,
+}
+
+/// Loads `builtin:NAME` or a glTF file.
+pub(crate) fn load(scene: &str, max_memory: Option<u64>) -> Result<Input, Failure> {
+    if let Some(name) = scene.strip_prefix("builtin:") {
+        let description = builtin::load(name).map_err(Failure::input)?;
+        return Ok(Input { description, warnings: Vec::new(), memory: 0 });
+    }
+    let mut options = gltf::LoadOptions::default();
+    if let Some(bytes) = max_memory {
+        options = options.with_max_memory(bytes);
+    }
+    let loaded = gltf::load(Path::new(scene), &options).map_err(Failure::input)?;
+    Ok(Input {
+        description: loaded.description,
+        warnings: loaded.warnings.iter().map(|warning| format!("{scene}: {warning}")).collect(),
+        memory: loaded.memory,
+    })
+}
+
+/// `--environment`: one number, `R,G,B`, or a file.
+pub(crate) fn environment(text: &str) -> Result<EnvironmentDescription, Failure> {
+    let numbers: Option<Vec<f32>> = text.split(',').map(|part| part.trim().parse().ok()).collect();
+    let sound = |c: &[f32]| c.iter().all(|c| c.is_finite() && *c >= 0.0);
+    match numbers.as_deref() {
+        Some(&[grey]) if sound(&[grey]) => Ok(EnvironmentDescription::Constant([grey; 3])),
+        Some(&[r, g, b]) if sound(&[r, g, b]) => Ok(EnvironmentDescription::Constant([r, g, b])),
+        Some(_) => Err(Failure::Input(format!(
+            "--environment {text}: expected one number, R,G,B (each >= 0), or a .hdr or .exr file"
+        ))),
+        None => Ok(EnvironmentDescription::Image {
+            image: Arc::new(environment_image(Path::new(text))?),
+            strength: 1.0,
+            rotation: glam::Quat::IDENTITY,
+        }),
+    }
+}
+
+fn environment_image(path: &Path) -> Result<ImageData, Failure> {
+    let is_exr = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("exr"));
+    if !is_exr {
+        return load_hdr(path).map(|decoded| decoded.image).map_err(Failure::input);
+    }
+    let image = film::read(path, &Limits::default(), Keep::Main).map_err(Failure::input)?;
+    let [r, g, b] = image.rgb();
+    let clean = |v: f32| if v.is_finite() { v.max(0.0) } else { 0.0 };
+    let pixels = r.iter().zip(g).zip(b).flat_map(|((r, g), b)| [*r, *g, *b].map(clean)).collect();
+    Ok(ImageData {
+        name: path.display().to_string(),
+        width: image.width(),
+        height: image.height(),
+        pixels: Pixels::RgbF32(pixels),
+        encoded: Vec::new(),
+    })
+}
+
+/// Width over height of the camera that will be used, if the file says.
+fn aspect(description: &Description, camera: Option<&str>) -> Option<f64> {
+    let mut cameras = description.cameras.iter();
+    let camera = match camera {
+        Some(name) => cameras.find(|camera| camera.name == name)?,
+        None => cameras.next()?,
+    };
+    let aspect = match camera.projection {
+        Projection::Perspective { aspect_ratio, .. } => f64::from(aspect_ratio?),
+        Projection::Orthographic { xmag, ymag } => f64::from(xmag) / f64::from(ymag),
+    };
+    (aspect.is_finite() && aspect > 0.0).then_some(aspect)
+}
+
+/// Size of the image: what is not given follows from the camera's aspect ratio (4:3 if the file
+/// says nothing).
+pub(crate) fn image_size(
+    description: &Description,
+    camera: Option<&str>,
+    size: (Option<u32>, Option<u32>),
+) -> (u32, u32) {
+    const WIDTH: u32 = 1024;
+    const LARGEST: f64 = 65_536.0;
+    let aspect = aspect(description, camera).unwrap_or(4.0 / 3.0);
+    let side = |length: f64| length.round().clamp(1.0, LARGEST) as u32;
+    match size {
+        (Some(width), Some(height)) => (width, height),
+        (None, Some(height)) => (side(f64::from(height) * aspect), height),
+        (width, None) => {
+            let width = width.unwrap_or(WIDTH);
+            (width, side(f64::from(width) / aspect))
+        }
+    }
+}
