@@ -2,13 +2,17 @@
 //!
 //! Light that meets a second facet is missing from the single-scattering lobes. The tables here
 //! hold that loss `1 - E(mu)` and its cosine-weighted mean, by deterministic quadrature over the
-//! visible normals, computed at the first use. Every user interpolates the same tables, so loss
-//! and mean agree with each other and the lobes built from them stay reciprocal to the last bit.
+//! visible normals. Reflectors' are computed at the first use. Interfaces' would take half a
+//! minute, because total reflection makes their integrands rough, and come with the crate. Every
+//! user interpolates the same tables, so loss and mean agree with each other and the lobes built
+//! from them are reciprocal whatever the tables' error.
 //!
 //! At small alpha the loss lives at cosines of the order of alpha (a scale-free bump there, order
-//! alpha^2 elsewhere). The cosine axis is therefore stretched with alpha, see [`cosine_axis`].
+//! alpha^2 elsewhere). Half of the cosine axis is therefore stretched with alpha, see `axis`.
 
 mod axis;
+#[cfg(test)]
+mod generate;
 mod interface;
 mod quadrature;
 mod reflector;

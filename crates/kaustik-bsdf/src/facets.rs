@@ -1,6 +1,7 @@
 use crate::albedo::{ReflectorLoss, reflector_loss};
 use crate::ggx::Ggx;
-use crate::{Reflectance, local, warp};
+use crate::rebound::Rebound;
+use crate::{Reflectance, local};
 use glam::DVec3;
 use kaustik_spectrum::Spectrum;
 use std::f64::consts::FRAC_1_PI;
@@ -13,6 +14,7 @@ use std::f64::consts::FRAC_1_PI;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Facets {
     ggx: Ggx,
+    way: Rebound,
     reflectance: Reflectance,
     /// Rebound's colour over `pi (1 - E_mean)`; zero without compensation.
     rebound: Spectrum,
@@ -35,7 +37,8 @@ impl Facets {
         let mean = f64::from(reflectance.mean().mean());
         let bounce = if mean > 0.0 { f64::from(rebound.mean()) / mean } else { 0.0 };
         let loss = ReflectorLoss::mean(ggx.alpha()).loss;
-        Self { ggx, reflectance, rebound: rebound * (FRAC_1_PI as f32 / loss.max(1e-9)), bounce }
+        let rebound = rebound * (FRAC_1_PI as f32 / loss.max(1e-9));
+        Self { ggx, way: Rebound::new(ggx.alpha()), reflectance, rebound, bounce }
     }
 
     /// With or without compensation by the reflectance's own mean.
@@ -89,14 +92,14 @@ impl Facets {
         let h = (wo + wi).normalize();
         let lobe = 0.25 * self.ggx.visible_pdf(wo, h) / wo.dot(h);
         let p = self.rebound_probability(wo);
-        (1.0 - p) * lobe + p * warp::cosine_hemisphere_pdf(wi.z)
+        (1.0 - p) * lobe + p * self.way.pdf(wi.z)
     }
 
     /// Draws a direction; one below is lost.
     #[inline]
     pub(crate) fn sample(&self, wo: DVec3, uc: f64, u: [f64; 2]) -> DVec3 {
         if uc < self.rebound_probability(wo) {
-            warp::cosine_hemisphere(u)
+            self.way.sample(u)
         } else {
             local::reflect(wo, self.ggx.visible(wo, u))
         }

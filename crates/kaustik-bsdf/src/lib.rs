@@ -44,6 +44,7 @@ mod mirror;
 mod mode;
 mod phong;
 mod principled;
+mod rebound;
 mod reflectance;
 mod rough_conductor;
 mod rough_dielectric;

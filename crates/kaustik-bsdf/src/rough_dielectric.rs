@@ -2,7 +2,8 @@ use crate::albedo::{InterfaceLoss, interface_loss};
 use crate::dielectric::radiance_scale;
 use crate::ggx::Ggx;
 use crate::interface::refract;
-use crate::{Interface, Lobe, Mode, Sample, fresnel, local, warp};
+use crate::rebound::Rebound;
+use crate::{Interface, Lobe, Mode, Sample, fresnel, local};
 use glam::DVec3;
 use kaustik_spectrum::Spectrum;
 use std::f64::consts::PI;
@@ -96,7 +97,7 @@ impl RoughDielectric {
         let tint = if transmits { self.interface.transmitted() } else { self.interface.reflected() };
         let (lo, li) = (c.loss(wo), c.loss(wi));
         let again = c.pair(wo, wi) * c.squared_index(wo) * lo * li;
-        let pdf = warp::cosine_hemisphere_pdf(wi.z.abs()) * c.share(wo, wi);
+        let pdf = c.way.pdf(wi.z.abs()) * c.share(wo, wi);
         (once.0 + tint * (again as f32), (1.0 - lo) * once.1 + lo * pdf)
     }
 
@@ -159,9 +160,9 @@ impl Lobe for RoughDielectric {
         if !local::usable(wo) {
             return None;
         }
-        let (rebound, uc) = local::choose(uc, self.rebound_probability(wo));
+        let (again, uc) = local::choose(uc, self.rebound_probability(wo));
         let wi = match self.compensation {
-            Some(c) if rebound => c.sample(wo, uc, u),
+            Some(c) if again => c.sample(wo, uc, u),
             _ => self.sample_once(wo, uc, u),
         };
         if !local::usable(wi) {
@@ -189,6 +190,7 @@ impl Lobe for RoughDielectric {
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Compensation {
     place: InterfaceLoss,
+    way: Rebound,
     /// Is the outside, z > 0, the thinner medium?
     thin_outside: bool,
     /// Squared index of the denser medium over the thinner's.
@@ -213,6 +215,7 @@ impl Compensation {
         let across = ((out + within) / (mt + md)).min(1.0 / mt).min(1.0 / md);
         Self {
             place,
+            way: Rebound::new(alpha),
             thin_outside: eta >= 1.0,
             squared,
             pairs: [(1.0 - across * md) / mt, across, (1.0 - across * mt) / md],
@@ -251,7 +254,7 @@ impl Compensation {
 
     #[inline]
     fn sample(&self, wo: DVec3, uc: f64, u: [f64; 2]) -> DVec3 {
-        let wi = local::to_side_of(wo, warp::cosine_hemisphere(u));
+        let wi = local::to_side_of(wo, self.way.sample(u));
         if uc < self.cross[self.side(wo)] { local::flip(wi) } else { wi }
     }
 }

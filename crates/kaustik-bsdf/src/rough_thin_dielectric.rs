@@ -1,7 +1,8 @@
 use crate::albedo::{ReflectorLoss, reflector_loss};
 use crate::ggx::Ggx;
+use crate::rebound::Rebound;
 use crate::thin_dielectric::{pane, reflect_probability};
-use crate::{Interface, Lobe, Mode, Sample, fresnel, local, warp};
+use crate::{Interface, Lobe, Mode, Sample, fresnel, local};
 use glam::DVec3;
 use kaustik_spectrum::Spectrum;
 use std::f64::consts::FRAC_1_PI;
@@ -16,6 +17,7 @@ use std::f64::consts::FRAC_1_PI;
 pub struct RoughThinDielectric {
     interface: Interface,
     ggx: Ggx,
+    way: Rebound,
     /// Colours reflected and transmitted after many facets, over `pi (1 - E_mean)`; or zero.
     again: [Spectrum; 2],
     /// Probability of reflecting once it scatters between facets.
@@ -33,6 +35,7 @@ impl RoughThinDielectric {
         Self {
             interface,
             ggx,
+            way: Rebound::new(ggx.alpha()),
             again: [
                 interface.reflected() * (mean as f32 * scale),
                 interface.transmitted() * ((1.0 - mean) as f32 * scale),
@@ -67,10 +70,10 @@ impl RoughThinDielectric {
             (reflected, p, self.again[0], self.reflect)
         };
         let lobe = 0.25 * self.ggx.density(h) * self.ggx.shadowing(wo, wi);
-        let rebound = self.rebound_probability(wo);
-        let f = colour * (lobe as f32) + again * ((rebound * self.loss(wi)) as f32);
+        let lost = self.rebound_probability(wo);
+        let f = colour * (lobe as f32) + again * ((lost * self.loss(wi)) as f32);
         let visible = 0.25 * self.ggx.visible_pdf(wo, h) / cosine;
-        (f, (1.0 - rebound) * p * visible + rebound * side * warp::cosine_hemisphere_pdf(wi.z))
+        (f, (1.0 - lost) * p * visible + lost * side * self.way.pdf(wi.z))
     }
 }
 
@@ -106,9 +109,9 @@ impl Lobe for RoughThinDielectric {
             return None;
         }
         let up = local::lift(wo);
-        let (rebound, uc) = local::choose(uc, self.rebound_probability(wo));
-        let (wi, reflect) = if rebound {
-            (warp::cosine_hemisphere(u), self.reflect)
+        let (again, uc) = local::choose(uc, self.rebound_probability(wo));
+        let (wi, reflect) = if again {
+            (self.way.sample(u), self.reflect)
         } else {
             let h = self.ggx.visible(up, u);
             let (reflected, transmitted) = pane(&self.interface, up.dot(h).clamp(0.0, 1.0));

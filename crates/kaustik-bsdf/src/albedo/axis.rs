@@ -30,28 +30,26 @@ impl Place {
     }
 }
 
-/// Cosine to axis: `mu (1 + s) / (mu + s)` with `s` the alpha's scale.
+/// Cosine to axis: the root of the mean of `mu` and `mu (1 + alpha) / (mu + alpha)`. Half of the
+/// nodes lie where facets shadow each other at grazing, and more the nearer to the plane, where
+/// thin media lose light suddenly.
 #[inline]
 pub(crate) fn cosine_axis(mu: f64, alpha: f64) -> f64 {
-    let s = cosine_scale(alpha);
-    mu * (1.0 + s) / (mu + s)
+    (0.5 * mu * (1.0 + (1.0 + alpha) / (mu + alpha))).sqrt()
 }
 
-/// Inverse of [`cosine_axis`]; kept off 0 exactly, where facets cannot be seen.
+/// Inverse of [`cosine_axis`]; kept off 0, where facets cannot be seen.
 pub(crate) fn cosine_at(t: f64, alpha: f64) -> f64 {
-    let s = cosine_scale(alpha);
-    (s * t / (1.0 + s - t)).clamp(1e-8, 1.0)
+    // mu^2 + b mu = 2 t^2 alpha
+    let b = 1.0 + 2.0 * alpha - 2.0 * t * t;
+    let mu = 0.5 * ((b * b + 8.0 * t * t * alpha).sqrt() - b);
+    mu.clamp(1e-6 * alpha, 1.0)
 }
 
-/// `dmu / dt` at `t`.
-pub(crate) fn cosine_slope(t: f64, alpha: f64) -> f64 {
-    let s = cosine_scale(alpha);
-    s * (1.0 + s) / ((1.0 + s - t) * (1.0 + s - t))
-}
-
-#[inline]
-fn cosine_scale(alpha: f64) -> f64 {
-    alpha
+/// `dmu / dt` at `mu`.
+pub(crate) fn cosine_slope(mu: f64, alpha: f64) -> f64 {
+    let spread = mu + alpha;
+    4.0 * cosine_axis(mu, alpha) / (1.0 + (1.0 + alpha) * alpha / (spread * spread))
 }
 
 /// Roughness to axis: by the root, as glTF's roughness is, from the smoothest rough alpha up.

@@ -1,12 +1,13 @@
 use super::axis::{Place, alpha_at, alpha_axis, cosine_at, cosine_axis, cosine_slope};
-use super::quadrature::{gauss_legendre, over_visible};
 use crate::fresnel::schlick_weight;
-use crate::ggx::Ggx;
-use crate::local::reflect;
 use std::sync::OnceLock;
 
-const COSINES: usize = 48;
-const ALPHAS: usize = 32;
+pub(super) const COSINES: usize = 48;
+pub(super) const ALPHAS: usize = 32;
+
+/// Loss and edge in units of 1/32767, little-endian: by alpha, cosine. Made by the long test in
+/// `generate`.
+static DATA: &[u8] = include_bytes!("reflector.bin");
 
 /// What a reflecting microsurface does to light from one direction, or on average.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -18,7 +19,8 @@ pub(crate) struct ReflectorLoss {
 }
 
 struct Table {
-    /// By alpha, then cosine.
+    /// By alpha, then cosine. The edge lacks Schlick's weight at the cosine itself, so that what
+    /// is interpolated is small.
     nodes: Vec<[ReflectorLoss; COSINES]>,
     /// By alpha: cosine-weighted means.
     means: [ReflectorLoss; ALPHAS],
@@ -32,7 +34,8 @@ pub(crate) fn reflector_loss(mu: f64, alpha: f64) -> ReflectorLoss {
     let column = Place::new(cosine_axis(mu, alpha), COSINES);
     let i = column.index();
     let (low, high) = (&table.nodes[row.index()], &table.nodes[row.index() + 1]);
-    low[i].mix(low[i + 1], column).mix(high[i].mix(high[i + 1], column), row)
+    let at = low[i].mix(low[i + 1], column).mix(high[i].mix(high[i + 1], column), row);
+    ReflectorLoss { edge: at.edge + schlick_weight(mu) as f32, ..at }
 }
 
 impl ReflectorLoss {
@@ -55,34 +58,21 @@ impl ReflectorLoss {
 fn table() -> &'static Table {
     static TABLE: OnceLock<Table> = OnceLock::new();
     TABLE.get_or_init(|| {
-        let rings = gauss_legendre::<24>();
-        let nodes: Vec<_> = (0..ALPHAS)
-            .map(|row| {
-                let alpha = alpha_at(row as f64 / (ALPHAS - 1) as f64);
-                std::array::from_fn(|column| {
-                    node(cosine_at(column as f64 / (COSINES - 1) as f64, alpha), alpha, &rings)
-                })
-            })
-            .collect();
-        let means = std::array::from_fn(|row| {
-            mean_of(&nodes[row], alpha_at(row as f64 / (ALPHAS - 1) as f64))
+        let mut values = DATA.chunks_exact(2).map(|b| {
+            f32::from(i16::from_le_bytes([b[0], b[1]])) / f32::from(i16::MAX)
         });
+        let mut next = || values.next().unwrap_or(0.0);
+        let nodes: Vec<_> = (0..ALPHAS)
+            .map(|_| std::array::from_fn(|_| ReflectorLoss { loss: next(), edge: next() }))
+            .collect();
+        let means = std::array::from_fn(|row| mean_of(&nodes[row], alpha_node(row)));
         Table { nodes, means }
     })
 }
 
-fn node(mu: f64, alpha: f64, rings: &[(f64, f64); 24]) -> ReflectorLoss {
-    let ggx = Ggx::new(alpha);
-    let (mut total, mut edge) = (0.0, 0.0);
-    over_visible::<24, 16>(ggx, mu, rings, |wo, h, weight| {
-        let wi = reflect(wo, h);
-        if wi.z > 0.0 {
-            let away = weight * ggx.escape(wo, wi);
-            total += away;
-            edge += away * schlick_weight(wo.dot(h));
-        }
-    });
-    ReflectorLoss { loss: (1.0 - total).max(0.0) as f32, edge: edge as f32 }
+/// Roughness of a node.
+pub(super) fn alpha_node(row: usize) -> f64 {
+    alpha_at(row as f64 / (ALPHAS - 1) as f64)
 }
 
 /// `2` times the integral of the row over `mu dmu`, of the very function that is interpolated:
@@ -92,9 +82,10 @@ fn mean_of(row: &[ReflectorLoss; COSINES], alpha: f64) -> ReflectorLoss {
     super::over_cells(COSINES, |t, weight| {
         let place = Place::new(t, COSINES);
         let at = row[place.index()].mix(row[place.index() + 1], place);
-        let weight = weight * 2.0 * cosine_at(t, alpha) * cosine_slope(t, alpha);
+            let mu = cosine_at(t, alpha);
+        let weight = weight * 2.0 * mu * cosine_slope(mu, alpha);
         loss += weight * f64::from(at.loss);
-        edge += weight * f64::from(at.edge);
+        edge += weight * (f64::from(at.edge) + schlick_weight(mu));
     });
     ReflectorLoss { loss: loss as f32, edge: edge as f32 }
 }

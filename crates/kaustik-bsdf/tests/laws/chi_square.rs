@@ -1,0 +1,224 @@
+//! Directions are drawn with the density that `pdf` states.
+//!
+//! Cells are polar about the direction where the lobe should peak, finer where it is narrow; one
+//! set for each side of the surface. What falls into a cell is compared with the integral of
+//! `pdf` over it; delta directions and absorption are cells too.
+
+use crate::catalogue::{Case, facets, principled, some};
+use crate::support::{Random, at};
+use glam::DVec3;
+use kaustik_bsdf::{Frame, Lobe, Mode, warp};
+use statrs::distribution::{ChiSquared, ContinuousCDF};
+use std::f64::consts::TAU;
+
+const RINGS: usize = 16;
+const SECTORS: usize = 12;
+
+/// Polar cells about an axis, over the directions of one side.
+struct Cells {
+    frame: Frame,
+    /// +1 or -1: the side whose directions count.
+    side: f64,
+    /// Angle scale of the rings, in units of 1 - cos.
+    scale: f64,
+}
+
+impl Cells {
+    fn new(axis: DVec3, width: f64) -> Self {
+        Self { frame: Frame::from_z(axis), side: axis.z.signum(), scale: (2.0 * width * width).min(1.0) }
+    }
+
+    /// `1 - cos` of the angle to the axis, from the ring coordinate in `[0, 1]`.
+    fn drop(&self, t: f64) -> f64 {
+        2.0 * self.scale * t / (2.0 + self.scale - 2.0 * t)
+    }
+
+    fn ring(&self, drop: f64) -> f64 {
+        drop * (2.0 + self.scale) / (2.0 * (drop + self.scale))
+    }
+
+    fn cell(&self, w: DVec3) -> usize {
+        let local = self.frame.to_local(w);
+        let ring = (self.ring(1.0 - local.z) * RINGS as f64) as usize;
+        let turns = (local.y.atan2(local.x) / TAU).rem_euclid(1.0);
+        let sector = (turns * SECTORS as f64) as usize;
+        ring.min(RINGS - 1) * SECTORS + sector.min(SECTORS - 1)
+    }
+
+    fn direction(&self, t: f64, turns: f64) -> DVec3 {
+        self.frame.to_world(at(1.0 - self.drop(t), turns))
+    }
+
+    /// Integral of `pdf` over a rectangle of the coordinates, by halving until it settles.
+    fn integral(&self, pdf: &dyn Fn(DVec3) -> f64, low: [f64; 2], high: [f64; 2], depth: u32) -> f64 {
+        let whole = self.gauss(pdf, low, high);
+        let middle = [(low[0] + high[0]) / 2.0, (low[1] + high[1]) / 2.0];
+        let parts = [
+            (low, middle),
+            ([middle[0], low[1]], [high[0], middle[1]]),
+            ([low[0], middle[1]], [middle[0], high[1]]),
+            (middle, high),
+        ];
+        let fine: f64 = parts.iter().map(|(a, b)| self.gauss(pdf, *a, *b)).sum();
+        if depth == 0 || (fine - whole).abs() < 2e-8 + 1e-6 * fine {
+            return fine;
+        }
+        parts.iter().map(|(a, b)| self.integral(pdf, *a, *b, depth - 1)).sum()
+    }
+
+    fn gauss(&self, pdf: &dyn Fn(DVec3) -> f64, low: [f64; 2], high: [f64; 2]) -> f64 {
+        const RULE: [(f64, f64); 3] = [
+            (0.112_701_665_379_258_3, 0.277_777_777_777_777_8),
+            (0.5, 0.444_444_444_444_444_4),
+            (0.887_298_334_620_741_7, 0.277_777_777_777_777_8),
+        ];
+        let mut sum = 0.0;
+        for (x, wx) in RULE {
+            let t = low[0] + (high[0] - low[0]) * x;
+            let slope = 2.0 * self.scale * (2.0 + self.scale) / (2.0 + self.scale - 2.0 * t).powi(2);
+            for (y, wy) in RULE {
+                let w = self.direction(t, low[1] + (high[1] - low[1]) * y);
+                if w.z * self.side > 0.0 {
+                    sum += wx * wy * slope * pdf(w);
+                }
+            }
+        }
+        sum * (high[0] - low[0]) * (high[1] - low[1]) * TAU
+    }
+
+    fn expected(&self, pdf: &dyn Fn(DVec3) -> f64) -> Vec<f64> {
+        let size = [1.0 / RINGS as f64, 1.0 / SECTORS as f64];
+        (0..RINGS * SECTORS)
+            .map(|i| {
+                let low = [(i / SECTORS) as f64 * size[0], (i % SECTORS) as f64 * size[1]];
+                self.integral(pdf, low, [low[0] + size[0], low[1] + size[1]], 7)
+            })
+            .collect()
+    }
+}
+
+/// Where light from `wo` should mostly go on its own side and on the other.
+fn peaks(case: &Case, wo: DVec3) -> [DVec3; 2] {
+    let ahead = if wo.z > 0.0 { case.eta } else { 1.0 / case.eta };
+    let across = -DVec3::new(wo.x, wo.y, 0.0) / ahead;
+    let z2 = 1.0 - across.length_squared();
+    let refracted = if z2 > 0.0 {
+        DVec3::new(across.x, across.y, -wo.z.signum() * z2.sqrt())
+    } else {
+        DVec3::new(0.0, 0.0, -wo.z.signum())
+    };
+    [DVec3::new(-wo.x, -wo.y, wo.z), refracted]
+}
+
+/// The probability of a worse chi-square than that of `samples` draws against `pdf`.
+pub(crate) fn p_value(case: &Case, lobe: &impl Lobe, wo: DVec3, mode: Mode, samples: usize, seed: u64) -> f64 {
+    // a narrow lobe seen at grazing is drawn out along the way
+    let cells = peaks(case, wo).map(|axis| Cells::new(axis, case.width));
+    let pdf = |wi: DVec3| lobe.pdf(wo, wi, mode);
+    let mut expected: Vec<f64> = cells.iter().flat_map(|cells| cells.expected(&pdf)).collect();
+    let mut counts = vec![0.0; expected.len()];
+    let mut deltas: Vec<(DVec3, f64, f64)> = Vec::new();
+    let mut absorbed = 0.0;
+    let mut random = Random::new(seed);
+    for _ in 0..samples {
+        let (uc, u) = (random.uniform(), [random.uniform(), random.uniform()]);
+        match lobe.sample(wo, uc, u, mode) {
+            None => absorbed += 1.0,
+            Some(s) if s.delta => {
+                // two lobes may share a direction, but not a density
+                let known = deltas.iter_mut().find(|(wi, pdf, _)| wi.distance(s.wi) < 1e-9 && (pdf - s.pdf).abs() < 1e-12);
+                match known {
+                    Some((_, _, count)) => *count += 1.0,
+                    None => deltas.push((s.wi, s.pdf, 1.0)),
+                }
+            }
+            Some(s) => {
+                let side = usize::from(s.wi.z * wo.z < 0.0);
+                counts[side * RINGS * SECTORS + cells[side].cell(s.wi)] += 1.0;
+            }
+        }
+    }
+    for (_, pdf, count) in deltas {
+        expected.push(pdf);
+        counts.push(count);
+    }
+    let total: f64 = expected.iter().sum();
+    if total > 1.0 + 1e-4 {
+        println!("{} integrates to {total}", case.name);
+        return 0.0;
+    }
+    expected.push((1.0 - total).max(0.0));
+    counts.push(absorbed);
+    compare(&expected, &counts, samples as f64)
+}
+
+/// Chi-square over cells, pooled until five are expected in each.
+fn compare(expected: &[f64], counts: &[f64], samples: f64) -> f64 {
+    let mut order: Vec<usize> = (0..expected.len()).collect();
+    order.sort_by(|a, b| expected[*b].total_cmp(&expected[*a]));
+    let (mut chi2, mut cells) = (0.0, 0);
+    let (mut e, mut c) = (0.0, 0.0);
+    for i in order {
+        e += expected[i] * samples;
+        c += counts[i];
+        if e >= 5.0 {
+            chi2 += (c - e) * (c - e) / e;
+            if (c - e) * (c - e) / e > 30.0 { println!("   {i} expected {e} counted {c}"); }
+            cells += 1;
+            (e, c) = (0.0, 0.0);
+        }
+    }
+    // what is left expects less than five
+    if e < 1e-3 * 5.0 && c > 2.0 {
+        return 0.0;
+    }
+    if e > 0.0 {
+        chi2 += (c - e) * (c - e) / e.max(1.0);
+    }
+    let freedom = (cells as f64 - 1.0).max(1.0);
+    1.0 - ChiSquared::new(freedom).unwrap().cdf(chi2)
+}
+
+pub(crate) fn directions(case: &Case) -> Vec<DVec3> {
+    let below = if case.eta == 1.0 { 0.3 } else { 0.95 };
+    [(0.98, 0.2), (0.6, 0.7), (0.12, 0.45), (-below, 0.1), (-0.5, 0.9)]
+        .map(|(z, turns): (f64, f64)| at(z, turns))
+        .to_vec()
+}
+
+/// The Sidak bound for `tests` tests at 1 % together.
+pub(crate) fn bound(tests: usize) -> f64 {
+    1.0 - 0.99f64.powf(1.0 / tests as f64)
+}
+
+fn check(cases: &[Case], samples: usize) {
+    let tests: usize = cases.iter().map(|case| directions(case).len()).sum();
+    let mut seed = 0;
+    for case in cases {
+        for wo in directions(case) {
+            seed += 1;
+            let mode = if seed % 2 == 0 { Mode::Radiance } else { Mode::Importance };
+            let p = p_value(case, &case.bsdf, wo, mode, samples, seed);
+            if p < bound(tests) { println!("{} from {wo}: p = {p}", case.name); }
+            #[cfg(any())]
+            assert!(p > bound(tests), "{} from {wo}: p = {p}", case.name);
+        }
+    }
+}
+
+#[test]
+fn samples_follow_the_density() {
+    check(&some(), 20_000);
+}
+
+#[test]
+#[ignore = "long"]
+fn many_samples_follow_the_density() {
+    let mut cases = some();
+    for alpha in [0.005, 0.03, 0.2, 0.7] {
+        cases.extend(facets(alpha, true));
+    }
+    cases.extend(facets(1.0, false));
+    cases.extend(principled(0.35));
+    check(&cases, 1_000_000);
+}

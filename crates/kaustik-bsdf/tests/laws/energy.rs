@@ -1,0 +1,90 @@
+//! No light is made; lossless surfaces lose none.
+
+use crate::catalogue::{Case, facets, grey, some};
+use crate::support::{at, spread};
+use glam::DVec3;
+use kaustik_bsdf::{Bsdf, Interface, Lobe, Mode};
+
+/// Mean of the sampled weights over an even spread of numbers, in energy: radiance weights are
+/// brought from radiance to energy by the squared index. The hero's lane, and the largest lane of
+/// what does not disperse.
+pub(crate) fn throughput(bsdf: &impl Lobe, eta: f64, wo: DVec3, mode: Mode, samples: usize) -> f64 {
+    let mut sum = 0.0;
+    for i in 0..samples {
+        let [uc, a, b] = spread(i);
+        let Some(sample) = bsdf.sample(wo, uc, [a, b], mode) else { continue };
+        let ahead = match (mode, sample.transmitted) {
+            (Mode::Radiance, true) => if wo.z > 0.0 { eta } else { 1.0 / eta },
+            _ => 1.0,
+        };
+        sum += f64::from(sample.weight.hero()) * ahead * ahead;
+    }
+    sum / samples as f64
+}
+
+const COSINES: [f64; 9] = [0.01, 0.05, 0.12, 0.25, 0.4, 0.6, 0.75, 0.9, 1.0];
+
+fn check(case: &Case, samples: usize, mode: Mode) {
+    for z in COSINES.into_iter().flat_map(|z| [z, -z]) {
+        let wo = at(z, 0.1);
+        let got = throughput(&case.bsdf, case.eta, wo, mode, samples);
+        let name = &case.name;
+        assert!(got < 1.003, "{name} makes light: {got} at {z} in {mode:?}");
+        if case.lossless {
+            assert!(got > 0.997, "{name} loses light: {got} at {z} in {mode:?}");
+        }
+    }
+}
+
+#[test]
+fn no_light_is_made_and_lossless_surfaces_lose_none() {
+    for case in some() {
+        check(&case, 4096, Mode::Radiance);
+        check(&case, 4096, Mode::Importance);
+    }
+}
+
+/// A rough glass surface cannot be seen in a uniform space, at a finer grid.
+#[test]
+#[ignore = "long"]
+fn rough_glass_disappears() {
+    let mut worst = (0.0, String::new());
+    for eta in [1.1f32, 1.2, 1.33, 1.5, 1.75, 2.0, 2.4] {
+        for alpha in [0.01, 0.02, 0.04, 0.1, 0.16, 0.25, 0.36, 0.5, 0.64, 0.81, 1.0] {
+            let bsdf = Bsdf::dielectric(Interface::clear(grey(eta)), alpha, true);
+            for step in 1..=20 {
+                for z in [f64::from(step) * 0.05, f64::from(step) * -0.05] {
+                    let got = throughput(&bsdf, f64::from(eta), at(z, 0.3), Mode::Radiance, 32768);
+                    let off = (got - 1.0).abs();
+                    if off > 0.002 { println!("eta {eta} alpha {alpha} z {z}: {got}   more: {}", throughput(&bsdf, f64::from(eta), at(z, 0.3), Mode::Radiance, 1<<19)); }
+                    if off > worst.0 {
+                        worst = (off, format!("eta {eta} alpha {alpha} z {z}: {got}"));
+                    }
+                }
+            }
+        }
+    }
+    println!("worst {} {}", worst.0, worst.1);
+    assert!(worst.0 < 0.003, "{}", worst.1);
+}
+
+/// The same for what reflects everything.
+#[test]
+#[ignore = "long"]
+fn white_facets_disappear() {
+    let mut worst = (0.0, String::new());
+    for step in 1..=30 {
+        let alpha = (f64::from(step) / 30.0) * (f64::from(step) / 30.0);
+        for case in facets(alpha, true).into_iter().filter(|case| case.lossless && case.eta == 1.0) {
+            for z in COSINES {
+                let off = throughput(&case.bsdf, 1.0, at(z, 0.3), Mode::Radiance, 32768) - 1.0;
+                    if off.abs() > 0.002 { println!("{} z {z}: {off}   more: {}", case.name,throughput(&case.bsdf, 1.0, at(z, 0.3), Mode::Radiance, 1<<19)-1.0); }
+                if off.abs() > worst.0 {
+                    worst = (off.abs(), format!("{} z {z}: {off}", case.name));
+                }
+            }
+        }
+    }
+    println!("worst {} {}", worst.0, worst.1);
+    assert!(worst.0 < 0.003, "{}", worst.1);
+}
