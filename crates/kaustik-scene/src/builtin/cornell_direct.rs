@@ -16,7 +16,7 @@ fn build(_: &Query<'_>) -> Result<Description, BuiltinError> {
     let mut stage = Stage::new();
     let paints = room::walls(&mut stage, 0.0);
     blocks(&mut stage, paints.white);
-    room::lamp(&mut stage, 1.6, 36.0);
+    room::lamp(&mut stage, 1.6, room::STRENGTH);
     room::camera(&mut stage);
     Ok(stage.finish())
 }

@@ -64,6 +64,6 @@ fn tray(stage: &mut Stage, paint: usize) {
         ));
     }
     stage.place("tray", paint, shapes::join(parts));
-    let lamp = stage.material(materials::lamp(240.0));
+    let lamp = stage.material(materials::lamp(320.0));
     stage.place("lamp", lamp, shapes::quad(at(LAMP, LAMP_HALF), centre(RIM)));
 }

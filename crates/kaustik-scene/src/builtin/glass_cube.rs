@@ -34,7 +34,7 @@ fn build(query: &Query<'_>) -> Result<Description, BuiltinError> {
     );
     let block = shapes::cuboid(Vec3::new(4.1, 1.7, 4.1), Vec3::new(0.7, 1.69, 0.7), -0.4);
     stage.place("mirror block", mirror, block);
-    room::lamp(&mut stage, edge, 36.0);
+    room::lamp(&mut stage, edge, room::STRENGTH);
     room::camera(&mut stage);
     Ok(stage.finish())
 }

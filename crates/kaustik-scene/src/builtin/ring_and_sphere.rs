@@ -29,7 +29,7 @@ fn build(query: &Query<'_>) -> Result<Description, BuiltinError> {
     );
     let ball = spheres::sphere(Vec3::new(1.55, 1.01, 1.7), 1.0, 64);
     stage.place("sphere", glass, ball);
-    room::lamp(&mut stage, edge, 36.0);
+    room::lamp(&mut stage, edge, room::STRENGTH);
     room::camera(&mut stage);
     Ok(stage.finish())
 }

@@ -15,6 +15,10 @@ pub(super) const LAMP_CENTRE: Vec2 = Vec2::new(2.764, 2.796);
 /// Half the Cornell camera's film over its focal length: 2 atan(12.5 / 35).
 pub(super) const YFOV: f32 = 0.686_048_8;
 
+/// Radiance times area of a lamp that lights the room well: the mean radiance of a picture is
+/// about 0.4.
+pub(super) const STRENGTH: f32 = 56.0;
+
 /// How far lamps hang below the ceiling.
 const GAP: f32 = 0.01;
 

@@ -53,7 +53,7 @@ fn volume(mesh: &Mesh) -> f32 {
 fn every_scene_is_tested() {
     for scene in list() {
         let tested = |words: &&str| words.split('?').next() == Some(scene.name);
-        assert!(ALL.iter().any(|words| tested(words)), "{}", scene.name);
+        assert!(ALL.iter().any(tested), "{}", scene.name);
         assert!(!scene.summary.is_empty() && scene.summary.len() < 150);
     }
 }

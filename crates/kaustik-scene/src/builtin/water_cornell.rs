@@ -43,7 +43,7 @@ fn build(query: &Query<'_>) -> Result<Description, BuiltinError> {
         water,
         shapes::pool(min, max, -OVERLAP, 48, surface),
     );
-    room::lamp(&mut stage, edge, 36.0);
+    room::lamp(&mut stage, edge, room::STRENGTH);
     // a little higher than usual, so that more of the surface shows
     let eye = DVec3::new(2.764, 4.2, -7.6);
     stage.camera(eye, DVec3::new(2.764, 2.35, 2.8), 0.7);
