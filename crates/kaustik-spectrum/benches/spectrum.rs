@@ -40,25 +40,16 @@ fn bench(c: &mut Criterion) {
         i = (i + 1) % 4096;
         i
     };
-    c.bench_function("sample hero", |b| {
-        b.iter(|| Wavelengths::sample(black_box(u[next()]), WavelengthSampling::Hero))
-    });
-    c.bench_function("sample single", |b| {
-        b.iter(|| Wavelengths::sample(black_box(u[next()]), WavelengthSampling::Single))
-    });
-    c.bench_function("to_xyz", |b| {
-        b.iter(|| {
-            let w = &w[next()];
-            w.to_xyz(black_box(w.t()))
-        })
-    });
+    let hero = |u| Wavelengths::sample(u, WavelengthSampling::Hero);
+    let single = |u| Wavelengths::sample(u, WavelengthSampling::Single);
+    let (look_up, solve) = (uplift_reflectance, solve_reflectance);
+    let to_xyz = |w: &Wavelengths| w.to_xyz(black_box(w.t()));
+    c.bench_function("sample hero", |b| b.iter(|| hero(black_box(u[next()]))));
+    c.bench_function("sample single", |b| b.iter(|| single(black_box(u[next()]))));
+    c.bench_function("to_xyz", |b| b.iter(|| to_xyz(&w[next()])));
     c.bench_function("sigmoid eval", |b| b.iter(|| sigmoids[next()].eval(&w[7])));
-    c.bench_function("uplift look-up", |b| {
-        b.iter(|| uplift_reflectance(black_box(rgb[next()])))
-    });
-    c.bench_function("uplift solve", |b| {
-        b.iter(|| solve_reflectance(black_box(rgb[next()])))
-    });
+    c.bench_function("uplift look-up", |b| b.iter(|| look_up(rgb[next()])));
+    c.bench_function("uplift solve", |b| b.iter(|| solve(rgb[next()])));
     c.bench_function("tabulated eval", |b| b.iter(|| table.eval(&w[next()])));
     c.bench_function("d65 eval", |b| b.iter(|| Illuminant::D65.eval(&w[next()])));
     c.bench_function("metal eta_k", |b| b.iter(|| Metal::Au.eta_k(&w[next()])));

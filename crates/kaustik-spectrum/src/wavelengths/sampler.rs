@@ -26,7 +26,7 @@ impl WavelengthSampling {
             Self::Hero if (360.0..=830.0).contains(&nm) => {
                 let x = nm - 360.0;
                 let i = (x as usize).min(KNOTS - 2);
-                CELLS[i].pdf + (x - i as f64) * CELLS[i].rise
+                f64::from(CELLS[i].pdf) + (x - i as f64) * f64::from(CELLS[i].rise)
             }
             Self::Single if (400.0..=700.0).contains(&nm) => 1.0 / 300.0,
             _ => 0.0,
@@ -40,7 +40,7 @@ impl WavelengthSampling {
                 let x = (nm - 360.0).clamp(0.0, 470.0);
                 let i = (x as usize).min(KNOTS - 2);
                 let (cell, s) = (&CELLS[i], x - i as f64);
-                cell.cdf + s * (cell.pdf + 0.5 * s * cell.rise)
+                cell.cdf + s * (f64::from(cell.pdf) + 0.5 * s * f64::from(cell.rise))
             }
             Self::Single => ((nm - 400.0) / 300.0).clamp(0.0, 1.0),
         }
@@ -60,9 +60,9 @@ impl WavelengthSampling {
 #[derive(Clone, Copy)]
 struct Cell {
     cdf: f64,
-    pdf: f64,
-    rise: f64,
     next_cdf: f64,
+    pdf: f32,
+    rise: f32,
 }
 
 /// Smallest density, relative to |rbar| + |gbar| + |bbar| (whose maximum is 3.5): where the eye sees next
@@ -80,18 +80,14 @@ fn inverse(u: f64) -> (f32, f32) {
         i += 1;
     }
     let cell = &CELLS[i];
-    let rest = u - cell.cdf;
-    // s pdf + s^2 rise / 2 = rest, in the form that does not cancel
-    let s = 2.0 * rest
-        / (cell.pdf
-            + (cell.pdf * cell.pdf + 2.0 * cell.rise * rest)
-                .max(0.0)
-                .sqrt());
-    let s = s.clamp(0.0, 1.0);
-    (
-        (360.0 + (i as f64 + s)) as f32,
-        (cell.pdf + s * cell.rise) as f32,
-    )
+    // s pdf + s^2 rise / 2 = rest, in the form that does not cancel; single precision resolves a
+    // nanometre far below what nm itself does
+    let rest = (u - cell.cdf) as f32;
+    let root = (cell.pdf * cell.pdf + 2.0 * cell.rise * rest)
+        .max(0.0)
+        .sqrt();
+    let s = (2.0 * rest / (cell.pdf + root)).clamp(0.0, 1.0);
+    (360.0 + (i as f32 + s), cell.pdf + s * cell.rise)
 }
 
 const fn unnormalised(i: usize) -> f64 {
@@ -115,9 +111,9 @@ const fn cells() -> [Cell; KNOTS - 1] {
     }
     let mut out = [Cell {
         cdf: 0.0,
+        next_cdf: 0.0,
         pdf: 0.0,
         rise: 0.0,
-        next_cdf: 0.0,
     }; KNOTS - 1];
     let mut cdf = 0.0;
     let mut i = 0;
@@ -126,9 +122,9 @@ const fn cells() -> [Cell; KNOTS - 1] {
         let next_cdf = cdf + 0.5 * (a + b);
         out[i] = Cell {
             cdf,
-            pdf: a,
-            rise: b - a,
             next_cdf,
+            pdf: a as f32,
+            rise: (b - a) as f32,
         };
         cdf = next_cdf;
         i += 1;
