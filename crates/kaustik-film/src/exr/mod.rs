@@ -10,6 +10,7 @@
 //! to the `exr` crate. That crate's own reader lets a hostile file abort the process with an allocation
 //! that cannot be caught.
 
+mod attributes;
 mod blocks;
 mod bytes;
 mod header;

@@ -1,7 +1,13 @@
 //! Tests of the film and of files and metrics through the public interface.
 
+#![allow(
+    clippy::unwrap_used,
+    reason = "a test's helper may unwrap as the test may"
+)]
+
 mod files;
 mod film;
+mod filter;
 mod hostile;
 mod metrics;
 mod random;
