@@ -11,6 +11,7 @@ use obvhs::bvh2::Bvh2;
 
 use super::build::Leaf;
 use super::node::{BLOCK, Block, Bvh, Child, Kind, Node, WIDTH};
+use super::pages::settled;
 use super::stack::DEPTH;
 use crate::Aabb;
 
@@ -37,8 +38,9 @@ pub(crate) fn collapse(tree: &Bvh2, leaves: &[Leaf], boxes: &[Aabb]) -> Bvh {
     let root = emit.reserve(&Part::Tree(0));
     emit.fill(Part::Tree(0), root, 0);
     wide.root = Some(root);
-    wide.nodes.shrink_to_fit();
-    wide.blocks.shrink_to_fit();
+    drop(plan);
+    wide.nodes = settled(&wide.nodes);
+    wide.blocks = settled(&wide.blocks);
     wide
 }
 

@@ -9,6 +9,7 @@ mod collapse;
 mod goal;
 mod lanes;
 mod node;
+mod pages;
 mod precise;
 mod prepared;
 mod slabs;
