@@ -56,7 +56,7 @@ fn sorted(image: &Image) -> Vec<(String, String, Vec<u32>)> {
 fn exr_keeps_every_bit() {
     for (width, height) in [(1, 1), (5, 3), (33, 47)] {
         let mut image = layered(width, height).placed([11, 7], [100, 90]);
-        let odd = vec![f32::NAN, f32::INFINITY, -0.0, f32::MIN_POSITIVE, 1e-42];
+        let odd = [f32::NAN, f32::INFINITY, -0.0, f32::MIN_POSITIVE, 1e-42];
         let samples = odd
             .iter()
             .copied()

@@ -295,3 +295,31 @@ fn messages_say_what_and_where() {
     );
     assert!(decode(b"", &LIMITS, Keep::All).is_err());
 }
+
+#[test]
+fn counters_that_a_decompressor_would_allocate_by_are_checked() {
+    let blocks = Blocks::ScanLines;
+    let (compression, line_order) = (Compression::DWAA(None), LineOrder::Increasing);
+    let sound = foreign(
+        Encoding {
+            compression,
+            blocks,
+            line_order,
+        },
+        1,
+    );
+    // The one block of 21 lines ends the file: its row, its length, then eleven counters.
+    let start = (8..sound.len() - 8).rev().find(|&at| {
+        let length =
+            i32::from_le_bytes([sound[at - 4], sound[at - 3], sound[at - 2], sound[at - 1]]);
+        usize::try_from(length) == Ok(sound.len() - at) && sound[at - 8..at - 4] == [0; 4]
+    });
+    let start = start.unwrap();
+    for counter in 1..10 {
+        let mut bytes = sound.clone();
+        bytes[start + 8 * counter..start + 8 * counter + 8]
+            .copy_from_slice(&(1u64 << 40).to_le_bytes());
+        let error = decode(&bytes, &LIMITS, Keep::All).unwrap_err().to_string();
+        assert!(error.contains("DWA counter"), "{counter}: {error}");
+    }
+}

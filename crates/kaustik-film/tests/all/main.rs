@@ -2,7 +2,8 @@
 
 #![allow(
     clippy::unwrap_used,
-    reason = "a test's helper may unwrap as the test may"
+    clippy::print_stdout,
+    reason = "a test's helper may do what the test may"
 )]
 
 mod files;
