@@ -1,4 +1,127 @@
 //! Markov chains for expensive, vector-valued targets on the unit cube and on any state.
+//!
+//! Some integrals are dear: each evaluation takes microseconds or more, yields not a number
+//! but a bundle of contributions (which pixels, which colours), and reads as many random
+//! numbers as it happens to need. Where such an integrand is concentrated in small places,
+//! independent samples waste nearly all evaluations. A Metropolis chain walks on the
+//! *random numbers themselves*, the primary samples (Kelemen, Szirmay-Kalos, Antal and
+//! Csonka, "A simple and robust mutation strategy for the Metropolis light transport
+//! algorithm", 2002), and stays where the integrand is large. This crate is that method,
+//! made for rendering but ignorant of light: it knows no vector, no image and no thread.
+//!
+//! ```
+//! use kaustik_mcmc::{
+//!     Exponential, Metropolis, PointKernel, Pool, Visit, generator, sample, sample_generator,
+//!     target,
+//! };
+//! use kaustik_pss::{Coordinates, Stream};
+//!
+//! // Where does a particle end that decays with chance 2% at each of its random steps?
+//! // We want the far tail: how much of (end - 3)^+ is there? Evaluation is the dear part,
+//! // its dimension is random.
+//! let walk = target(|u: &mut dyn Coordinates| -> f64 {
+//!     let (mut end, mut i) = (0.0, 0);
+//!     while i < 200 && u.get(Stream::Camera, 2 * i) > 0.02 {
+//!         end += 0.5 * (u.get(Stream::Camera, 2 * i + 1) - 0.5);
+//!         i += 1;
+//!     }
+//!     end
+//! });
+//! // The density that guides the chain: positive wherever the integrand is.
+//! let tail = |end: &f64| [(end - 3.0f64).max(0.0)];
+//!
+//! // A pool of independent samples gives the normaliser and the start of the chain.
+//! let (seed, ladder) = (7, 0);
+//! let mut end = 0.0;
+//! let pool = Pool::new((0..50_000).map(|step| {
+//!     sample(&walk, &tail, sample_generator(seed, ladder, step), &mut end).map_or(0.0, |d| d[0])
+//! }));
+//! let mut rng = generator(seed, ladder);
+//! let start = pool.choose(&mut rng).expect("some walk gets beyond 3");
+//! let mut again = sample_generator(seed, ladder, start.index);
+//! let mut chain =
+//!     Metropolis::rebuild(&walk, &tail, 0, Exponential::default(), &start, &mut again)?;
+//!
+//! // The chain: large steps with probability 0.3. Every visit comes with its weight.
+//! let kernel = PointKernel::new(&walk, 0.3);
+//! let (steps, mut beyond_four) = (20_000, 0.0);
+//! let mut record = |visit: Visit<'_, f64, 1>| {
+//!     if *visit.value > 4.0 {
+//!         beyond_four += visit.weight; // the share of the tail that lies beyond 4
+//!     }
+//! };
+//! for _ in 0..steps {
+//!     chain.step(&kernel, &tail, &mut rng, &mut record);
+//! }
+//! chain.flush(&mut record);
+//!
+//! let b = pool.normaliser(); // the integral of the tail, with its standard error
+//! println!("{:.5} +- {:.5}, {:.3} of it beyond 4", b.mean(), b.standard_error(),
+//!     beyond_four / steps as f64);
+//! let statistics = chain.statistics(); // small steps are accepted a hundred times as often
+//! assert!(statistics.small().rate() > 20.0 * statistics.large().rate());
+//! # assert!(b.mean() > 5.0 * b.standard_error());
+//! # Ok::<(), kaustik_mcmc::StartError>(())
+//! ```
+//!
+//! # The nouns
+//!
+//! | noun | is |
+//! |---|---|
+//! | [`Target`] | dear: evaluates a point into a value |
+//! | [`Family`] | cheap: reads K densities off a value, one a level |
+//! | [`Point`] | lazily made coordinates with their clock (Kelemen sec. 4 and 6) |
+//! | [`Mutation`] | how one coordinate takes a small step: [`Exponential`], [`Uniform`] |
+//! | [`Proposal`] | a guard: a point one step on, until decided; dropped, it never was |
+//! | [`Kernel`] | how a chain proposes, for any state: [`PointKernel`] for points |
+//! | [`Metropolis`] | a chain: current value, the decision, what is yet to be reported |
+//! | [`Visit`], [`Recorder`] | what a chain tells, and who listens |
+//! | [`Pool`], [`Start`] | independent samples, and the one a chain begins at |
+//! | [`Draws`] | every decision: a generator, or the [enumerator](testing::Enumerator) |
+//!
+//! Dear and cheap are apart so that a value that was paid for can be judged under any
+//! number of densities: exchange between replicas, multiple importance sampling and
+//! annealing cost no evaluation.
+//!
+//! # Two ways in
+//!
+//! *The chain pulls*: implement [`Target`] (or use [`target`]) and call
+//! [`Metropolis::step`]. This is the way above.
+//!
+//! *You ask and tell*: keep your own loop, take a [`Proposal`] from a [`Point`], read
+//! coordinates from it, decide. No trait to implement; [`Proposal`] shows it whole.
+//!
+//! Path mutations and other states that are no points implement [`Kernel`] and use the
+//! same chain. There is one accept/reject decision, [`decide`](fn@decide), with one acceptance
+//! probability, [`acceptance`], in all of this.
+//!
+//! # Estimating
+//!
+//! With b the integral of the density I at the chain's level, M steps and F what is wanted:
+//!
+//! | estimator | each visit adds | scale |
+//! |---|---|---|
+//! | expected values, spec (4.1) | weight * F / I | b / M |
+//! | Kelemen's combination, split (4.4), film M | weight * F / (I/b0 + p) | (b / b0) / M |
+//! | the same, film L | independent * F / (I/b0 + p) | 1 / M |
+//!
+//! where p is the probability of large steps and b0 any positive constant, a guess of b. The
+//! combination is films M + L. Both are unbiased after any number of steps, if b is the
+//! [normaliser](Pool::normaliser) of the very pool that the chain's start was chosen from.
+//! Kelemen's printed form, with an estimate of b inside the weights, is not.
+//!
+//! # Determinism and replay
+//!
+//! Nothing here reads a clock or a global generator. [`generator`] belongs to a ladder (a
+//! chain or a set of chains that exchange), [`sample_generator`] to a single sample, which
+//! is made again from (seed, ladder, step) alone. Values are pinned by tests; exp and ln
+//! come from `libm`, so that they are the same on every machine.
+//!
+//! # Errors
+//!
+//! Chains cannot fail. A density that is NaN, infinite or negative is counted
+//! ([`Statistics::defects`]), treated as zero, and neither enters a state nor reaches a
+//! recorder. Only a start can fail: [`StartError`].
 
 mod decide;
 mod draws;
