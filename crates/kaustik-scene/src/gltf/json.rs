@@ -23,7 +23,8 @@ pub(super) fn parse(text: &[u8], budget: &mut Budget) -> Result<Value> {
         let message = e.to_string();
         let found = message.split(" at line ").next().unwrap_or(&message);
         let place = format!("line {}, column {}", e.line(), e.column());
-        LoadError::new(ErrorKind::Syntax, place, shorten(found), "valid JSON")
+        let found = format!("broken JSON ({})", shorten(found));
+        LoadError::new(ErrorKind::Syntax, place, found, "well-formed JSON")
     })
 }
 

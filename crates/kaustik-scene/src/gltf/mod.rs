@@ -38,6 +38,8 @@ mod node;
 mod options;
 mod placement;
 mod reader;
+#[cfg(test)]
+mod tests;
 mod texture;
 mod transform;
 mod triangles;

@@ -1,0 +1,13 @@
+#![expect(
+    clippy::float_cmp,
+    clippy::needless_pass_by_value,
+    reason = "what is read must be the very numbers that were written; json! borrows its parts"
+)]
+
+mod file;
+mod geometry;
+mod hierarchy;
+mod hostile;
+mod mutate;
+mod surface;
+mod trip;

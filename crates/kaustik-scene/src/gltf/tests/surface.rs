@@ -1,0 +1,445 @@
+//! Materials, textures, images, extensions, environments.
+
+use base64::Engine as _;
+use base64::engine::general_purpose::STANDARD;
+use kaustik_spectrum::{Glass, Metal};
+use serde_json::{Value, json};
+
+use super::file::{File, jpeg, png};
+use crate::description::{
+    AlphaMode, EnvironmentDescription, Filtering, MaterialDescription, Model, Pixels,
+    SpectralInput, Specular, TextureSlot, Transmission, UvTransform, Volume, Wrap,
+};
+use crate::gltf::ErrorKind;
+
+fn with_material(material: Value) -> File {
+    let mut file = File::empty();
+    file.json["materials"] = json!([material]);
+    file
+}
+
+fn material(value: Value) -> MaterialDescription {
+    with_material(value).clean().materials[0].clone()
+}
+
+fn slot(texture: usize) -> TextureSlot {
+    TextureSlot {
+        texture,
+        uv_set: 0,
+        transform: UvTransform::IDENTITY,
+    }
+}
+
+#[test]
+fn defaults_are_gltfs() {
+    assert_eq!(material(json!({})), MaterialDescription::default());
+    let empty = json!({ "pbrMetallicRoughness": {}, "extensions": {
+        "KHR_materials_ior": {}, "KHR_materials_specular": {}, "KHR_materials_dispersion": {},
+        "KHR_materials_emissive_strength": {},
+    }});
+    assert_eq!(material(empty), MaterialDescription::default());
+}
+
+#[test]
+fn everything_at_once() {
+    let mut file = with_material(json!({
+        "name": "all",
+        "pbrMetallicRoughness": {
+            "baseColorFactor": [0.1, 0.2, 0.3, 0.4],
+            "baseColorTexture": { "index": 0, "texCoord": 1 },
+            "metallicFactor": 0.5, "roughnessFactor": 0.25,
+            "metallicRoughnessTexture": { "index": 1, "extensions": { "KHR_texture_transform": {
+                "offset": [1, 2], "rotation": 3, "scale": [4, 5], "texCoord": 1 } } },
+        },
+        "normalTexture": { "index": 0, "scale": 0.5 },
+        "emissiveFactor": [0.5, 1, 0], "emissiveTexture": { "index": 0 },
+        "alphaMode": "MASK", "alphaCutoff": 0.75, "doubleSided": true,
+        "extensions": {
+            "KHR_materials_emissive_strength": { "emissiveStrength": 30 },
+            "KHR_materials_transmission": { "transmissionFactor": 0.75, "transmissionTexture": { "index": 1 } },
+            "KHR_materials_ior": { "ior": 1.25 },
+            "KHR_materials_volume": { "thicknessFactor": 2, "attenuationDistance": 3, "attenuationColor": [0.5, 0.25, 1] },
+            "KHR_materials_dispersion": { "dispersion": 0.5 },
+            "KHR_materials_specular": { "specularFactor": 0.5, "specularTexture": { "index": 1 },
+                "specularColorFactor": [2, 0.5, 0], "specularColorTexture": { "index": 0 } },
+            "KHR_materials_unlit": {},
+        },
+    }));
+    let view = file.view(&png(2, 3));
+    file.json["images"] = json!([{ "bufferView": view, "mimeType": "image/png" }]);
+    file.json["samplers"] = json!([{ "magFilter": 9728, "wrapS": 33071, "wrapT": 33648 }]);
+    file.json["textures"] = json!([{ "source": 0 }, { "source": 0, "sampler": 0 }]);
+    let d = file.clean();
+    let m = &d.materials[0];
+    assert_eq!(m.base_color, [0.1, 0.2, 0.3, 0.4]);
+    assert_eq!(
+        m.base_color_texture,
+        Some(TextureSlot {
+            uv_set: 1,
+            ..slot(0)
+        })
+    );
+    let transform = UvTransform {
+        offset: [1.0, 2.0],
+        rotation: 3.0,
+        scale: [4.0, 5.0],
+    };
+    let moved = TextureSlot {
+        texture: 1,
+        uv_set: 1,
+        transform,
+    };
+    assert_eq!(m.metallic_roughness_texture, Some(moved));
+    assert_eq!((m.metallic, m.roughness, m.normal_scale), (0.5, 0.25, 0.5));
+    assert_eq!(m.emissive, [15.0, 30.0, 0.0]);
+    assert_eq!(m.alpha_mode, AlphaMode::Mask(0.75));
+    assert!(m.double_sided && m.unlit);
+    assert_eq!((m.ior, m.dispersion), (1.25, 0.5));
+    let specular = Specular {
+        factor: 0.5,
+        texture: Some(slot(1)),
+        color: [2.0, 0.5, 0.0],
+        color_texture: Some(slot(0)),
+    };
+    assert_eq!(m.specular, specular);
+    let transmission = Transmission {
+        factor: 0.75,
+        texture: Some(slot(1)),
+    };
+    assert_eq!(m.transmission, Some(transmission));
+    let volume = Volume {
+        thickness: 2.0,
+        attenuation_distance: 3.0,
+        attenuation_color: [0.5, 0.25, 1.0],
+    };
+    assert_eq!(m.volume, Some(volume));
+    assert_eq!((d.textures.len(), d.images.len()), (2, 1));
+    assert_eq!(d.textures[0].filtering, Filtering::Linear);
+    assert_eq!(
+        (d.textures[1].wrap_s, d.textures[1].wrap_t),
+        (Wrap::Clamp, Wrap::Mirror)
+    );
+    assert_eq!(d.textures[1].filtering, Filtering::Nearest);
+}
+
+#[test]
+fn odd_numbers_are_brought_into_range() {
+    for (value, pointer) in [
+        (
+            json!({ "pbrMetallicRoughness": { "roughnessFactor": 2 } }),
+            "/materials/0/pbrMetallicRoughness/roughnessFactor",
+        ),
+        (
+            json!({ "extensions": { "KHR_materials_ior": { "ior": 0.5 } } }),
+            "/materials/0/extensions/KHR_materials_ior/ior",
+        ),
+        (
+            json!({ "extensions": { "KHR_materials_volume": { "attenuationDistance": 0 } } }),
+            "/materials/0/extensions/KHR_materials_volume/attenuationDistance",
+        ),
+        (
+            json!({ "emissiveFactor": [20, 0, 0] }),
+            "/materials/0/emissiveFactor",
+        ),
+    ] {
+        let warning = with_material(value).warned().1;
+        assert!(warning.starts_with(pointer), "{warning}");
+    }
+    let radiance = with_material(json!({ "emissiveFactor": [20, 0, 0] }))
+        .warned()
+        .0;
+    assert_eq!(radiance.materials[0].emissive, [20.0, 0.0, 0.0]);
+    let mirror = material(json!({ "extensions": { "KHR_materials_ior": { "ior": 0 } } }));
+    assert_eq!(mirror.ior, 0.0);
+}
+
+#[test]
+fn wrong_types_are_refused_with_their_place() {
+    for (value, words) in [
+        (json!([]), ["/materials/0:", "an empty array", "an object"]),
+        (
+            json!({ "name": 3 }),
+            ["/materials/0/name", "found 3", "a string"],
+        ),
+        (
+            json!({ "doubleSided": 1 }),
+            ["/materials/0/doubleSided", "found 1", "true or false"],
+        ),
+        (
+            json!({ "alphaMode": "GLASS" }),
+            [
+                "/materials/0/alphaMode",
+                "\"GLASS\"",
+                "OPAQUE, MASK or BLEND",
+            ],
+        ),
+        (
+            json!({ "emissiveFactor": [1, 1] }),
+            ["/materials/0/emissiveFactor", "2 values", "3 numbers"],
+        ),
+        (
+            json!({ "emissiveFactor": [1, 1, null] }),
+            ["/materials/0/emissiveFactor/2", "null", "a number"],
+        ),
+        (
+            json!({ "emissiveTexture": {} }),
+            [
+                "/materials/0/emissiveTexture",
+                "no \"index\"",
+                "a member \"index\"",
+            ],
+        ),
+        (
+            json!({ "emissiveTexture": { "index": 0 } }),
+            [
+                "/materials/0/emissiveTexture/index",
+                "found 0",
+                "no /textures",
+            ],
+        ),
+        (
+            json!({ "extensions": 1 }),
+            ["/materials/0/extensions", "found 1", "an object"],
+        ),
+    ] {
+        with_material(value).refused(&words);
+    }
+}
+
+#[test]
+fn our_own_keys() {
+    let ours = |value: Value| with_material(json!({ "extras": { "kaustik": value } }));
+    let m = |value: Value| ours(value).clean().materials[0].clone();
+    let named = |name: &str| Some(SpectralInput::Named(name.into()));
+    assert_eq!(
+        m(json!({ "reflectance": "cornell-red" })).reflectance,
+        named("cornell-red")
+    );
+    assert_eq!(m(json!({ "emission": "D65" })).emission, named("D65"));
+    let knots = SpectralInput::Knots(vec![(400.0, 0.5), (700.0, 3.0)]);
+    assert_eq!(
+        m(json!({ "emission": [[400, 0.5], [700, 3]] })).emission,
+        Some(knots)
+    );
+    assert_eq!(m(json!({ "metal": "au" })).metal, Some(Metal::Au));
+    assert_eq!(m(json!({ "glass": "sf11" })).glass, Glass::named("sf11"));
+    let sellmeier = json!({ "glass": { "B": [1.0, 0.25], "C": [0.01, 0.02] } });
+    assert_eq!(
+        m(sellmeier).glass,
+        Glass::sellmeier(&[1.0, 0.25], &[0.01, 0.02]).ok()
+    );
+    let abbe = json!({ "glass": { "nd": 1.5, "abbe": 40 } });
+    assert_eq!(m(abbe).glass, Glass::abbe(1.5, 40.0).ok());
+    assert_eq!(m(json!({ "model": "coated" })).model, Some(Model::Coated));
+    let phong = m(json!({ "model": "phong", "exponent": 20, "priority": -3 }));
+    assert_eq!(phong.model, Some(Model::Phong { exponent: 20.0 }));
+    assert_eq!(phong.priority, -3);
+    for (value, key, words) in [
+        (
+            json!({ "reflectance": "cornell-blue" }),
+            "reflectance",
+            "cornell-white",
+        ),
+        (
+            json!({ "reflectance": [[400, 2]] }),
+            "reflectance",
+            "0 to 1",
+        ),
+        (
+            json!({ "reflectance": [[400, 1], [300, 1]] }),
+            "reflectance",
+            "ascending",
+        ),
+        (json!({ "emission": 1 }), "emission", "[[nm, value], ...]"),
+        (json!({ "emission": [] }), "emission", "ascending"),
+        (json!({ "metal": "Fe" }), "metal", "ag, au, cu, al"),
+        (json!({ "glass": "window" }), "glass", "n-bk7"),
+        (
+            json!({ "glass": { "B": [1], "C": [0.2] } }),
+            "glass",
+            "found",
+        ),
+        (
+            json!({ "glass": { "cauchy": [-1, 0] } }),
+            "glass",
+            "index of refraction",
+        ),
+        (json!({ "model": "toon" }), "model", "coated or phong"),
+        (json!({ "model": "phong" }), "", "\"exponent\""),
+        (
+            json!({ "model": "phong", "exponent": -1 }),
+            "exponent",
+            "0 or more",
+        ),
+        (json!({ "priority": 0.5 }), "priority", "an integer"),
+    ] {
+        ours(value).refused(&["/materials/0/extras/kaustik", key, words]);
+    }
+    for value in [
+        json!({ "colour": 1 }),
+        json!({ "sigma": 1 }),
+        json!({ "exponent": 1 }),
+    ] {
+        assert!(ours(value).warned().1.contains("ignored"));
+    }
+    let d = with_material(json!({ "extras": "free text" })).clean();
+    assert_eq!(d.materials[0], MaterialDescription::default());
+}
+
+#[test]
+fn specular_glossiness_in_terms_of_the_newer_model() {
+    let m = material(
+        json!({ "extensions": { "KHR_materials_pbrSpecularGlossiness": {
+            "diffuseFactor": [0.5, 0.25, 0.125, 1], "specularFactor": [0.04, 0.08, 0], "glossinessFactor": 0.75,
+        }}}),
+    );
+    assert_eq!(m.base_color, [0.5, 0.25, 0.125, 1.0]);
+    assert_eq!((m.metallic, m.roughness), (0.0, 0.25));
+    assert_eq!(m.specular.color, [1.0, 2.0, 0.0]);
+}
+
+#[test]
+fn images_from_views_and_data_uris() {
+    let mut file = File::empty();
+    let view = file.view(&jpeg(8, 4));
+    let data = format!("data:image/png;base64,{}", STANDARD.encode(png(3, 2)));
+    file.json["images"] = json!([
+        { "bufferView": view, "mimeType": "image/jpeg", "name": "photo" },
+        { "uri": data },
+    ]);
+    let d = file.clean();
+    assert_eq!((d.images[0].width, d.images[0].height), (8, 4));
+    assert_eq!(d.images[0].name, "photo");
+    assert_eq!(d.images[0].encoded, jpeg(8, 4));
+    let Pixels::Rgba8(pixels) = &d.images[1].pixels else {
+        panic!("bytes expected");
+    };
+    assert_eq!(pixels.len(), 24);
+    assert_eq!(pixels[20..], [2, 1, 7, 200]);
+    assert_eq!(d.images[1].name, "");
+}
+
+#[test]
+fn broken_images_are_refused() {
+    let with = |bytes: &[u8]| {
+        let mut file = File::empty();
+        let view = file.view(bytes);
+        file.json["images"] = json!([{ "bufferView": view }]);
+        file.json["textures"] = json!([{ "source": 0 }]);
+        file
+    };
+    let whole = png(64, 64);
+    let error = with(&whole[..whole.len() / 2]).error();
+    assert_eq!(
+        (error.kind(), error.place()),
+        (ErrorKind::Image, "/images/0")
+    );
+    let whole = jpeg(64, 64);
+    assert_eq!(with(&whole[..30]).error().kind(), ErrorKind::Image);
+    // a header that promises 30,000 x 30,000 pixels
+    let mut lie = png(4, 4);
+    lie[16..20].copy_from_slice(&30_000_u32.to_be_bytes());
+    lie[20..24].copy_from_slice(&30_000_u32.to_be_bytes());
+    let length = lie.len();
+    let crc = crc32(&lie[12..29]);
+    lie[29..33].copy_from_slice(&crc.to_be_bytes());
+    let message = with(&lie).error().to_string();
+    assert!(
+        message.contains(&format!("30000 x 30000 in {length} bytes")),
+        "{message}"
+    );
+    // not read at all
+    with(b"RIFF....WEBPVP8 ").refused(&["/textures/0/source", "PNG or JPEG"]);
+}
+
+fn crc32(bytes: &[u8]) -> u32 {
+    let mut crc = !0_u32;
+    for &byte in bytes {
+        crc ^= u32::from(byte);
+        for _ in 0..8 {
+            crc = (crc >> 1) ^ (0xedb8_8320 & 0_u32.wrapping_sub(crc & 1));
+        }
+    }
+    !crc
+}
+
+#[test]
+fn textures_of_optional_formats_are_left_out() {
+    let mut file = with_material(json!({ "emissiveTexture": { "index": 0 } }));
+    let view = file.view(b"RIFF....WEBPVP8 ");
+    file.json["images"] = json!([{ "bufferView": view, "mimeType": "image/webp" }]);
+    file.json["textures"] = json!([{ "extensions": { "EXT_texture_webp": { "source": 0 } } }]);
+    file.json["extensionsUsed"] = json!(["EXT_texture_webp"]);
+    let loaded = file.load();
+    assert_eq!(loaded.description.materials[0].emissive_texture, None);
+    assert!(loaded.description.textures.is_empty() && loaded.description.images.is_empty());
+    assert_eq!(loaded.warnings.len(), 4, "{:?}", loaded.warnings);
+}
+
+#[test]
+fn uv_sets_past_the_second_are_left_out() {
+    let mut file = with_material(json!({ "emissiveTexture": { "index": 0, "texCoord": 2 } }));
+    let view = file.view(&png(1, 1));
+    file.json["images"] = json!([{ "bufferView": view }]);
+    file.json["textures"] = json!([{ "source": 0 }]);
+    assert!(file.warned().1.contains("TEXCOORD_2"));
+}
+
+#[test]
+fn extensions_required_and_used() {
+    let mut file = File::triangle();
+    file.json["extensionsUsed"] =
+        json!(["KHR_materials_clearcoat", "ACME_soap", "KHR_materials_ior"]);
+    let warnings = file.load().warnings;
+    assert!(
+        warnings[0]
+            .message
+            .contains("KHR_materials_clearcoat is not read yet")
+    );
+    assert!(warnings[1].message.contains("ACME_soap is unknown"));
+    assert_eq!(warnings.len(), 2);
+    for name in ["ACME_soap", "KHR_materials_clearcoat"] {
+        file.json["extensionsRequired"] = json!(["KHR_texture_transform", name]);
+        file.refused(&[
+            "/extensionsRequired/1",
+            name,
+            "KHR_materials_volume",
+            "EXT_mesh_gpu_instancing",
+        ]);
+    }
+}
+
+#[test]
+fn environments() {
+    let scene = |value: Value| {
+        let mut file = File::triangle();
+        file.json["scenes"][0]["extras"] = json!({ "kaustik": { "environment": value } });
+        file
+    };
+    let constant = EnvironmentDescription::Constant([1.0, 2.0, 0.5]);
+    assert_eq!(
+        scene(json!([1, 2, 0.5])).clean().environment,
+        Some(constant)
+    );
+    scene(json!([1, -2, 0.5])).refused(&["/scenes/0/extras/kaustik/environment", "0 or more"]);
+    scene(json!("sky")).refused(&["environment", "\"sky\"", "[r, g, b]"]);
+    let mut file = scene(json!({ "strength": 2, "rotation": [0, 1, 0, 0], "name": "sky" }));
+    let view = file.view(&super::trip::small_hdr());
+    file.json["scenes"][0]["extras"]["kaustik"]["environment"]["bufferView"] = json!(view);
+    let Some(EnvironmentDescription::Image {
+        image,
+        strength,
+        rotation,
+    }) = file.clean().environment
+    else {
+        panic!("a picture expected");
+    };
+    assert_eq!(
+        (image.width, image.height, image.name.as_str()),
+        (3, 2, "sky")
+    );
+    assert_eq!((strength, rotation.y), (2.0, 1.0));
+    let environment = &mut file.json["scenes"][0]["extras"]["kaustik"]["environment"];
+    environment["rotation"] = json!([0, 0, 0, 2]);
+    file.refused(&["environment/rotation", "length 1"]);
+}
