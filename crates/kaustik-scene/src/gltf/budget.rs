@@ -13,6 +13,7 @@ pub(super) struct Budget {
     limit: u64,
     used: u64,
     grows: bool,
+    max_file: u64,
 }
 
 impl Budget {
@@ -21,16 +22,23 @@ impl Budget {
             limit: options.max_memory.unwrap_or(BASE),
             used: 0,
             grows: options.max_memory.is_none(),
+            max_file: options.max_file,
         }
     }
 
-    /// Raises the default limit for bytes that really lie on the disk.
-    pub(super) fn credit(&mut self, bytes_on_disk: u64) {
-        if self.grows {
-            self.limit = self
-                .limit
-                .saturating_add(bytes_on_disk.saturating_mul(PER_BYTE));
+    /// Takes the bytes of a file that is about to be read, and raises the default limit by
+    /// what they may grow to. A file has a limit of its own: a sparse one takes no disk.
+    pub(super) fn file(&mut self, place: &str, bytes: u64) -> Result<(), LoadError> {
+        if bytes > self.max_file {
+            let found = format!("a file of {}", size(bytes));
+            let expected = format!("at most {}", size(self.max_file));
+            return Err(LoadError::new(ErrorKind::Budget, place, found, expected));
         }
+        if self.grows {
+            let more = bytes.saturating_mul(PER_BYTE);
+            self.limit = self.limit.saturating_add(more);
+        }
+        self.take(place, bytes)
     }
 
     /// Takes `bytes` for what stands at `place`, or refuses.

@@ -12,7 +12,7 @@ enum Data<'a> {
     /// The binary chunk of the GLB.
     Chunk(&'a [u8]),
     /// A file or a data uri.
-    Fetched(Arc<[u8]>),
+    Fetched(Arc<Vec<u8>>),
     /// A buffer without data, as some extensions have; an error once it is used.
     Absent,
 }

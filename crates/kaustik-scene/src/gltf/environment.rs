@@ -47,8 +47,12 @@ pub(super) fn load<'a>(
         return Err(place.mismatch("[r, g, b], or an object with \"uri\""));
     }
     extras::warn_of_unknown(reader, &place, &IMAGE, &[])?;
+    let mut image = picture(reader, &place)?;
+    if place.flag("generated")? {
+        image.encoded = Vec::new();
+    }
     Ok(Some(EnvironmentDescription::Image {
-        image: Arc::new(picture(reader, &place)?),
+        image: Arc::new(image),
         strength: reader.number(&place, "strength", 1.0, (0.0, f32::INFINITY))?,
         rotation: rotation(&place)?,
     }))
@@ -71,7 +75,7 @@ fn picture<'a>(reader: &mut Reader<'a>, place: &Cursor<'a>) -> Result<ImageData>
         name => name,
     };
     if let Some(format) = image::format_of(&bytes) {
-        return image::decode(reader, place, name, &bytes, format);
+        return image::decode(reader, place, name, bytes, format);
     }
     // RGBE spends at least a byte on some 32 pixels; a pixel takes 12, and 12 while decoding
     let most = (bytes.len() as u64).saturating_mul(32 * 24);
@@ -94,9 +98,7 @@ fn picture<'a>(reader: &mut Reader<'a>, place: &Cursor<'a>) -> Result<ImageData>
     let mut picture = decoded.image;
     let kept = 12 * u64::from(picture.width) * u64::from(picture.height);
     reader.budget.give(most.saturating_sub(kept));
-    if !image::is_generated(place)? {
-        reader.budget.take(&place.pointer(), bytes.len() as u64)?;
-        picture.encoded = bytes.to_vec();
-    }
+    reader.budget.take(&place.pointer(), bytes.len() as u64)?;
+    picture.encoded = Arc::unwrap_or_clone(bytes);
     Ok(picture)
 }

@@ -15,7 +15,7 @@ pub(super) struct Folder {
     /// Without symbolic links; `None` for a scene that came from memory.
     root: Option<PathBuf>,
     /// Each file is read once, however often it is named.
-    read: HashMap<PathBuf, Arc<[u8]>>,
+    read: HashMap<PathBuf, Arc<Vec<u8>>>,
 }
 
 impl Folder {
@@ -46,10 +46,10 @@ impl Folder {
         &mut self,
         place: &Cursor<'_>,
         budget: &mut Budget,
-    ) -> Result<Arc<[u8]>, LoadError> {
+    ) -> Result<Arc<Vec<u8>>, LoadError> {
         budget.take(&place.pointer(), place.string()?.len() as u64)?;
         match Uri::read(place)? {
-            Uri::Data(bytes) => Ok(bytes.into()),
+            Uri::Data(bytes) => Ok(Arc::new(bytes)),
             Uri::Relative(path) => self.open(place, &path, budget),
         }
     }
@@ -59,7 +59,7 @@ impl Folder {
         place: &Cursor<'_>,
         relative: &str,
         budget: &mut Budget,
-    ) -> Result<Arc<[u8]>, LoadError> {
+    ) -> Result<Arc<Vec<u8>>, LoadError> {
         let Some(root) = &self.root else {
             return Err(place
                 .mismatch("a data uri or a buffer view")
@@ -79,7 +79,7 @@ impl Folder {
         if let Some(bytes) = self.read.get(&path) {
             return Ok(Arc::clone(bytes));
         }
-        let bytes: Arc<[u8]> = read_file(&path, &place.pointer(), budget, failed)?.into();
+        let bytes = Arc::new(read_file(&path, &place.pointer(), budget, failed)?);
         self.read.insert(path, Arc::clone(&bytes));
         Ok(bytes)
     }
@@ -108,9 +108,8 @@ pub(super) fn read_file(
         ));
     }
     let length = metadata.len();
-    budget.credit(length);
-    budget.take(place, length)?;
-    let mut bytes = Vec::new();
+    budget.file(place, length)?;
+    let mut bytes = Vec::with_capacity(length as usize);
     let file = File::open(path).map_err(&failed)?;
     // a file that grows while it is read must not outgrow the budget
     let got = file.take(length).read_to_end(&mut bytes).map_err(&failed)?;

@@ -7,7 +7,7 @@ use image::{DynamicImage, ImageDecoder as _, ImageFormat, ImageReader, Limits};
 
 use super::json::{Cursor, shorten};
 use super::reader::Reader;
-use super::{ErrorKind, LoadError};
+use super::{ErrorKind, LoadError, extras};
 use crate::description::{ImageData, Pixels};
 
 type Result<T> = std::result::Result<T, LoadError>;
@@ -36,7 +36,10 @@ pub(super) fn load(reader: &mut Reader<'_>) -> Result<Images> {
             "" => uri,
             name => name,
         };
-        let image = decode(reader, &place, name, &bytes, format)?;
+        let mut image = decode(reader, &place, name, bytes, format)?;
+        if is_generated(reader, &place)? {
+            image.encoded = Vec::new();
+        }
         images.index.push(Some(images.list.len()));
         images.list.push(Arc::new(image));
     }
@@ -47,7 +50,7 @@ pub(super) fn load(reader: &mut Reader<'_>) -> Result<Images> {
 pub(super) fn source<'a>(
     reader: &mut Reader<'a>,
     place: &Cursor<'a>,
-) -> Result<(Arc<[u8]>, &'a str)> {
+) -> Result<(Arc<Vec<u8>>, &'a str)> {
     if let Some(uri) = place.get("uri")? {
         let bytes = reader.folder.fetch(&uri, &mut reader.budget)?;
         let text = uri.string()?;
@@ -62,7 +65,7 @@ pub(super) fn source<'a>(
     })?;
     let bytes = reader.buffers.view(&view)?.bytes;
     reader.budget.take(&view.pointer(), bytes.len() as u64)?;
-    Ok((bytes.into(), ""))
+    Ok((Arc::new(bytes.to_vec()), ""))
 }
 
 /// By content: the type that a file claims is often wrong.
@@ -91,7 +94,7 @@ pub(super) fn decode(
     reader: &mut Reader<'_>,
     place: &Cursor<'_>,
     name: &str,
-    bytes: &[u8],
+    bytes: Arc<Vec<u8>>,
     format: ImageFormat,
 ) -> Result<ImageData> {
     let fail = |e: &dyn std::fmt::Display| {
@@ -106,7 +109,7 @@ pub(super) fn decode(
         )
     };
     let side = reader.options.max_image_side;
-    let mut input = ImageReader::with_format(io::Cursor::new(bytes), format);
+    let mut input = ImageReader::with_format(io::Cursor::new(bytes.as_slice()), format);
     input.limits(limits(side, reader.budget.left()));
     let decoder = input.into_decoder().map_err(|e| fail(&e))?;
     let (width, height) = decoder.dimensions();
@@ -129,23 +132,20 @@ pub(super) fn decode(
         width,
         height,
         pixels: Pixels::Rgba8(decoded.into_rgba8().into_raw()),
-        encoded: if is_generated(place)? {
-            Vec::new()
-        } else {
-            bytes.to_vec()
-        },
+        encoded: Arc::unwrap_or_clone(bytes),
     })
 }
 
 /// Did the exporter make the file from pixels that had none (`extras.kaustik.generated`)?
-pub(super) fn is_generated(place: &Cursor<'_>) -> Result<bool> {
-    match place.extras()? {
-        Some(ours) => ours.flag("generated"),
-        None => place.flag("generated"),
-    }
+fn is_generated(reader: &mut Reader<'_>, place: &Cursor<'_>) -> Result<bool> {
+    let Some(ours) = place.extras()? else {
+        return Ok(false);
+    };
+    extras::warn_of_unknown(reader, &ours, &["generated"], &[])?;
+    ours.flag("generated")
 }
 
-pub(super) fn limits(side: u32, memory: u64) -> Limits {
+fn limits(side: u32, memory: u64) -> Limits {
     let mut limits = Limits::default();
     limits.max_image_width = Some(side);
     limits.max_image_height = Some(side);

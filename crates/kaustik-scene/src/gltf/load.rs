@@ -48,10 +48,12 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Loaded, LoadError> {
 /// # Errors
 /// As [`load`]; any uri but a data uri is one as well.
 pub fn load_bytes(bytes: &[u8], name: &str, options: &LoadOptions) -> Result<Loaded, LoadError> {
-    let mut budget = Budget::new(options);
-    budget.credit(bytes.len() as u64);
-    let loaded = read(bytes, Folder::none(), budget, options);
-    loaded.map_err(|e| e.in_file(Path::new(name)))
+    let load = || {
+        let mut budget = Budget::new(options);
+        budget.file("", bytes.len() as u64)?;
+        read(bytes, Folder::none(), budget, options)
+    };
+    load().map_err(|e: LoadError| e.in_file(Path::new(name)))
 }
 
 fn read(

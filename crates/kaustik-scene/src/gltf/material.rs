@@ -16,7 +16,10 @@ pub(super) fn load(
     reader: &mut Reader<'_>,
     textures: &Textures,
 ) -> Result<Vec<MaterialDescription>> {
-    let mut materials = Vec::new();
+    let count = reader.root.count("materials")?;
+    let each = size_of::<MaterialDescription>();
+    reader.budget.take_many("/materials", count, each)?;
+    let mut materials = Vec::with_capacity(count);
     for place in reader.root.list("materials")? {
         let mut material = core(reader, textures, &place)?;
         if let Some(place) = place.extension("KHR_materials_pbrSpecularGlossiness")? {

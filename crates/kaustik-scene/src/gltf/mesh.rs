@@ -125,7 +125,10 @@ impl Meshes {
         let each = all.memory() / all.positions.len().max(1);
         let most = all.positions.len().min(3 * triangles.len());
         reader.budget.take_many(&primitive.pointer(), most, each)?;
+        let scratch = size_of_val(&triangles[..]) as u64;
+        reader.budget.take(&primitive.pointer(), scratch)?;
         let mesh = compact(all, triangles);
+        reader.budget.give(scratch);
         self.last = Some(last);
         Ok(mesh)
     }

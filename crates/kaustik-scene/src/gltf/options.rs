@@ -9,6 +9,8 @@ pub struct LoadOptions {
     pub max_instances: usize,
     /// Most nodes from a root to a leaf.
     pub max_depth: usize,
+    /// Most bytes of one file, the scene's own or one that it names.
+    pub max_file: u64,
     /// Most columns and most rows of an image.
     pub max_image_side: u32,
 }
@@ -19,6 +21,7 @@ impl Default for LoadOptions {
             max_memory: None,
             max_instances: 4_000_000,
             max_depth: 4096,
+            max_file: u32::MAX.into(),
             max_image_side: 32_768,
         }
     }

@@ -44,10 +44,13 @@ impl Topology {
             .map(&vertex)
         };
         let all = (0..self.count(corners)).map(triangle);
+        // what the caller has counted, and no doubling
+        let mut triangles = Vec::with_capacity(self.count(corners));
         match self {
-            Self::List => all.collect(),
-            _ => all.filter(|[a, b, c]| a != b && b != c && c != a).collect(),
+            Self::List => triangles.extend(all),
+            _ => triangles.extend(all.filter(|[a, b, c]| a != b && b != c && c != a)),
         }
+        triangles
     }
 }
 

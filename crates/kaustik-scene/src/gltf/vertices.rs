@@ -148,6 +148,10 @@ fn tangents<'a>(
         reader.warn(&attributes.need("TANGENT")?, message);
         return Ok(Vec::new());
     }
+    // aligned differently, the values are copied
+    let bytes = size_of_val(&values[..]) as u64;
+    reader.budget.take(&attributes.pointer(), bytes)?;
+    reader.budget.give(bytes);
     let signed = |[x, y, z, w]: [f32; 4]| Vec4::new(x, y, z, if w < 0.0 { -1.0 } else { 1.0 });
     Ok(values.into_iter().map(signed).collect())
 }

@@ -1,4 +1,4 @@
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 use glam::Affine3A;
 use kaustik_geometry::Mesh;
@@ -14,9 +14,10 @@ pub(super) type MeshIndex = HashMap<(usize, Option<usize>), usize>;
 /// Those share the accessors, by which they are known as one when they are read.
 pub(super) fn meshes(writer: &mut Writer, description: &Description) -> MeshIndex {
     let mut materials = vec![Vec::new(); description.meshes.len()];
+    let mut seen = HashSet::new();
     for instance in &description.instances {
         if let Some(materials) = materials.get_mut(instance.mesh)
-            && !materials.contains(&instance.material)
+            && seen.insert((instance.mesh, instance.material))
         {
             materials.push(instance.material);
         }

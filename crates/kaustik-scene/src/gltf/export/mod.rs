@@ -106,6 +106,7 @@ fn check(description: &Description, bytes: &[u8]) -> Result<(), ExportError> {
     let unfaithful = |why: String| Err(ExportError::Unfaithful(why));
     let options = LoadOptions {
         max_instances: usize::MAX,
+        max_file: u64::MAX,
         ..LoadOptions::default().with_max_memory(u64::MAX)
     };
     let loaded = match load_bytes(bytes, "the exported file", &options) {

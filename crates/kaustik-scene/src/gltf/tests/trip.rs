@@ -428,16 +428,7 @@ fn what_would_not_come_back_is_refused() {
             |d| d.materials[0].reflectance = Some(SpectralInput::Named("x".into())),
             "cornell-white",
         ),
-        (
-            |d| {
-                d.materials[0].emissive_texture = Some(TextureSlot {
-                    texture: 99,
-                    uv_set: 0,
-                    transform: UvTransform::IDENTITY,
-                })
-            },
-            "found 99",
-        ),
+        (|d| d.textures[0].image = 99, "/textures/0/source: found 99"),
         (|d| d.instances[0].mesh = 99, "instances[0]"),
         (|d| d.instances[0].material = Some(99), "found 99"),
         (|d| d.instances[0].transform = Affine3A::ZERO, "scale is 0"),
