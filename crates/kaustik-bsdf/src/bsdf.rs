@@ -1,7 +1,7 @@
 use crate::{
     Coated, Conductor, Dielectric, Interface, Lambertian, Lobe, Mirror, Mode, Phong, Principled,
-    PrincipledParameters, Reflectance, RoughConductor, RoughDielectric, RoughThinDielectric, Sample,
-    ThinDielectric,
+    PrincipledParameters, Reflectance, RoughConductor, RoughDielectric, RoughThinDielectric,
+    Sample, ThinDielectric,
 };
 use glam::DVec3;
 use kaustik_spectrum::Spectrum;

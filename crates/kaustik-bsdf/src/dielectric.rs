@@ -36,7 +36,10 @@ impl Lobe for Dielectric {
         let wi = interface::refract(wo, normal, wo.z.abs(), split.beyond, ahead);
         let share = split.transmitted * (radiance_scale(ahead, mode) as f32);
         let sample = Sample::delta(wo, wi, share, 1.0 - split.reflect)?;
-        Some(Sample { dispersive: self.interface.dispersive(), ..sample })
+        Some(Sample {
+            dispersive: self.interface.dispersive(),
+            ..sample
+        })
     }
 
     #[inline]

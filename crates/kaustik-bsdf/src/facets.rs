@@ -35,10 +35,20 @@ impl Facets {
     pub(crate) fn new(reflectance: Reflectance, alpha: f64, rebound: Spectrum) -> Self {
         let ggx = Ggx::new(alpha);
         let mean = f64::from(reflectance.mean().mean());
-        let bounce = if mean > 0.0 { f64::from(rebound.mean()) / mean } else { 0.0 };
+        let bounce = if mean > 0.0 {
+            f64::from(rebound.mean()) / mean
+        } else {
+            0.0
+        };
         let loss = ReflectorLoss::mean(ggx.alpha()).loss;
         let rebound = rebound * (FRAC_1_PI as f32 / loss.max(1e-9));
-        Self { ggx, way: Rebound::new(ggx.alpha()), reflectance, rebound, bounce }
+        Self {
+            ggx,
+            way: Rebound::new(ggx.alpha()),
+            reflectance,
+            rebound,
+            bounce,
+        }
     }
 
     /// With or without compensation by the reflectance's own mean.

@@ -38,7 +38,11 @@ impl Frame {
         let squared = across.length_squared();
         if squared > 1e-16 * x.length_squared() && squared.is_finite() {
             let x = across / squared.sqrt();
-            Self { x, y: z.cross(x), z }
+            Self {
+                x,
+                y: z.cross(x),
+                z,
+            }
         } else {
             Self::from_z(z)
         }

@@ -29,7 +29,9 @@ pub fn dielectric_lanes(cosine: f64, eta: Spectrum) -> Spectrum {
 /// `cosine` in `[0, 1]`. From |r|^2 of both polarisations written out over the reals.
 #[inline]
 pub fn conductor(cosine: f64, eta: Spectrum, k: Spectrum) -> Spectrum {
-    eta.zip(k, |eta, k| conductor_one(cosine, f64::from(eta), f64::from(k)) as f32)
+    eta.zip(k, |eta, k| {
+        conductor_one(cosine, f64::from(eta), f64::from(k)) as f32
+    })
 }
 
 #[inline]
@@ -46,7 +48,11 @@ fn conductor_one(cosine: f64, eta: f64, k: f64) -> f64 {
     let rp = rs * (rest - across * s2) / (rest + across * s2);
     let reflectance = 0.5 * (rs + rp);
     // 0/0 at grazing on an index of exactly 0
-    if reflectance.is_finite() { reflectance.clamp(0.0, 1.0) } else { 1.0 }
+    if reflectance.is_finite() {
+        reflectance.clamp(0.0, 1.0)
+    } else {
+        1.0
+    }
 }
 
 /// `(1 - cosine)^5`, Schlick's weight of F90.

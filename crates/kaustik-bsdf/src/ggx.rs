@@ -5,6 +5,7 @@
 //! written with `reach(w) = sqrt(z^2 + alpha^2 (x^2 + y^2))`, for which `1 + 2 L = reach / z`; no
 //! quotient by a cosine is left that could blow up at grazing.
 
+use crate::local::within;
 use crate::warp;
 use glam::DVec3;
 use std::f64::consts::PI;
@@ -19,7 +20,9 @@ impl Ggx {
     /// Roughness `alpha`, clamped to `[1e-4, 1]`.
     #[inline]
     pub(crate) fn new(alpha: f64) -> Self {
-        Self { alpha: alpha.max(1e-4).min(1.0) }
+        Self {
+            alpha: within(alpha, 1e-4, 1.0),
+        }
     }
 
     /// Roughness.
@@ -49,7 +52,7 @@ impl Ggx {
     }
 
     /// `G2 / G1(wo)`: of what meets a visible facet, how much gets away along `wi`.
-    #[inline]
+    #[cfg(test)]
     pub(crate) fn escape(self, wo: DVec3, wi: DVec3) -> f64 {
         let (ro, zo, zi) = (self.reach(wo), wo.z.abs(), wi.z.abs());
         zi * (ro + zo) / (ro * zi + self.reach(wi) * zo)

@@ -23,8 +23,16 @@ impl Interface {
     pub fn new(eta: Spectrum, reflected: Spectrum, transmitted: Spectrum) -> Self {
         let eta = eta.map(|n| if n > 0.0 && n.is_finite() { n } else { 1.0 });
         // lanes come from one computation at equal wavelengths, so equal means bit-equal
-        let dispersive = eta.lanes().iter().any(|n| n.to_bits() != eta.hero().to_bits());
-        Self { eta, reflected, transmitted, dispersive }
+        let dispersive = eta
+            .lanes()
+            .iter()
+            .any(|n| n.to_bits() != eta.hero().to_bits());
+        Self {
+            eta,
+            reflected,
+            transmitted,
+            dispersive,
+        }
     }
 
     /// Untinted, see [`new`](Self::new).
@@ -73,10 +81,17 @@ impl Interface {
     /// What happens at a facet met at `cosine` in `[0, 1]` from the outside or the inside.
     #[inline]
     pub(crate) fn split(&self, cosine: f64, outside: bool) -> Split {
-        let ahead = |eta: f32| if outside { f64::from(eta) } else { 1.0 / f64::from(eta) };
+        let ahead = |eta: f32| {
+            if outside {
+                f64::from(eta)
+            } else {
+                1.0 / f64::from(eta)
+            }
+        };
         let (hero, beyond) = fresnel::dielectric(cosine, ahead(self.eta.hero()));
         let lanes = if self.dispersive {
-            self.eta.map(|eta| fresnel::dielectric(cosine, ahead(eta)).0 as f32)
+            self.eta
+                .map(|eta| fresnel::dielectric(cosine, ahead(eta)).0 as f32)
         } else {
             Spectrum::splat(hero as f32)
         };
@@ -113,7 +128,12 @@ impl Split {
         } else {
             0.5
         };
-        Self { reflected, transmitted, beyond, reflect }
+        Self {
+            reflected,
+            transmitted,
+            beyond,
+            reflect,
+        }
     }
 }
 

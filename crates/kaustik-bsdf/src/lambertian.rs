@@ -13,12 +13,20 @@ pub struct Lambertian {
 impl Lobe for Lambertian {
     #[inline]
     fn eval(&self, wo: DVec3, wi: DVec3, _mode: Mode) -> Spectrum {
-        if local::same_side(wo, wi) { self.reflectance * (FRAC_1_PI as f32) } else { Spectrum::ZERO }
+        if local::same_side(wo, wi) {
+            self.reflectance * (FRAC_1_PI as f32)
+        } else {
+            Spectrum::ZERO
+        }
     }
 
     #[inline]
     fn pdf(&self, wo: DVec3, wi: DVec3, _mode: Mode) -> f64 {
-        if local::same_side(wo, wi) { wi.z.abs() * FRAC_1_PI } else { 0.0 }
+        if local::same_side(wo, wi) {
+            wi.z.abs() * FRAC_1_PI
+        } else {
+            0.0
+        }
     }
 
     #[inline]

@@ -9,8 +9,14 @@ const GRAZING: f64 = 1e-10;
 /// Is this a direction one can scatter from (finite, not in the surface's plane)?
 #[inline]
 pub(crate) fn usable(w: DVec3) -> bool {
-    // a comparison with NaN is false; the sum catches one in x or y, and infinities
-    w.z.abs() > GRAZING && (w.x * 0.0 + w.y * 0.0) == 0.0
+    // false for NaN, and for infinities too
+    w.z.abs() > GRAZING && w.length_squared() < 2.0
+}
+
+/// `x` brought into `[low, high]`; what is not a number becomes `low`, which `clamp` does not do.
+#[inline]
+pub(crate) fn within(x: f64, low: f64, high: f64) -> f64 {
+    x.max(low).min(high)
 }
 
 /// Do both lie on the same side, away from the surface's plane?

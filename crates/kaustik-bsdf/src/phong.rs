@@ -7,8 +7,8 @@ use std::f64::consts::{FRAC_1_PI, TAU};
 /// `k_d / pi + k_s (n + 2) / (2 pi) cos^n a`, with `a` the angle of `wi` to the mirrored `wo`.
 ///
 /// Symmetric in `wo` and `wi`, hence reciprocal. The lobe's albedo is `k_s` at normal incidence
-/// and falls towards grazing, because what points below the horizon is lost: a third or more of
-/// it at grazing, however high the exponent. That loss belongs to the model and is not given
+/// and falls towards grazing about like the cosine of `wo`: the lobe is not divided by a cosine,
+/// and what points below the horizon is lost. That loss belongs to the model and is not given
 /// back. Both sides alike.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Phong {
@@ -26,15 +26,26 @@ impl Phong {
         Self {
             diffuse: diffuse * scale,
             specular: specular * scale,
-            // max() of a NaN is the other
-            exponent: exponent.max(0.0).min(1e6),
+            exponent: local::within(exponent, 0.0, 1e6),
         }
+    }
+
+    /// Albedo of the lobe for `k_s` of 1: the mean of `(n + 2) / (n + 1) cos wi` over the lobe,
+    /// whose cosines spread by `sin wo / sqrt(n + 3)`, within a few per cent.
+    #[inline]
+    fn level(&self, wo: DVec3) -> f64 {
+        let n = self.exponent;
+        let sine2 = wo.x * wo.x + wo.y * wo.y;
+        // half of a normal distribution has the mean 0.4 sigma
+        let tail = 0.4 * (n + 2.0) / (n + 1.0);
+        (wo.z * wo.z + sine2 * tail * tail / (n + 3.0)).sqrt()
     }
 
     /// Probability of the specular lobe.
     #[inline]
-    fn specular_probability(&self) -> f64 {
-        let (d, s) = (f64::from(self.diffuse.mean()), f64::from(self.specular.mean()));
+    fn specular_probability(&self, wo: DVec3) -> f64 {
+        let d = f64::from(self.diffuse.mean());
+        let s = f64::from(self.specular.mean()) * self.level(wo);
         if d + s > 0.0 { s / (d + s) } else { 0.0 }
     }
 
@@ -42,7 +53,11 @@ impl Phong {
     #[inline]
     fn lobe(&self, wo: DVec3, wi: DVec3) -> f64 {
         let cosine = local::mirror(wo).dot(wi).min(1.0);
-        if cosine > 0.0 { libm::pow(cosine, self.exponent) } else { 0.0 }
+        if cosine > 0.0 {
+            libm::pow(cosine, self.exponent)
+        } else {
+            0.0
+        }
     }
 }
 
@@ -61,7 +76,7 @@ impl Lobe for Phong {
         if !local::same_side(wo, wi) {
             return 0.0;
         }
-        let p = self.specular_probability();
+        let p = self.specular_probability(wo);
         let lobe = (self.exponent + 1.0) / TAU * self.lobe(wo, wi);
         p * lobe + (1.0 - p) * wi.z.abs() * FRAC_1_PI
     }
@@ -71,7 +86,7 @@ impl Lobe for Phong {
         if !local::usable(wo) {
             return None;
         }
-        let wi = if uc < self.specular_probability() {
+        let wi = if uc < self.specular_probability(wo) {
             about_mirror(wo, self.exponent, u)
         } else {
             local::to_side_of(wo, warp::cosine_hemisphere(u))
@@ -84,9 +99,7 @@ impl Lobe for Phong {
 
     #[inline]
     fn albedo(&self, wo: DVec3) -> Spectrum {
-        // exact at normal incidence and right to a few per cent elsewhere for a sharp lobe
-        let z = wo.z.abs();
-        self.diffuse + self.specular * ((0.5 + 0.5 * (z * (2.0 - z)).max(0.0).sqrt()) as f32)
+        self.diffuse + self.specular * (self.level(wo).min(1.0) as f32)
     }
 }
 

@@ -62,7 +62,11 @@ impl Principled {
         };
         let clear = (1.0 - p.metallic) * p.transmission;
         let clear = (clear > 0.0).then(|| Clear::new(&p, clear as f32));
-        Self { glossy, body, clear }
+        Self {
+            glossy,
+            body,
+            clear,
+        }
     }
 
     /// The one simpler function that this is, if it is one: pure metal, pure glass, pure diffuse.
@@ -91,10 +95,15 @@ impl Principled {
         let albedos = [
             f64::from(self.glossy_albedo(wo).mean()),
             f64::from(self.body.albedo(wo).mean()),
-            self.clear.map_or(0.0, |clear| f64::from(clear.albedo(wo).mean())),
+            self.clear
+                .map_or(0.0, |clear| f64::from(clear.albedo(wo).mean())),
         ];
         let sum: f64 = albedos.iter().sum();
-        if sum > 0.0 { albedos.map(|a| a / sum) } else { [0.0, 1.0, 0.0] }
+        if sum > 0.0 {
+            albedos.map(|a| a / sum)
+        } else {
+            [0.0, 1.0, 0.0]
+        }
     }
 
     #[inline]
@@ -114,7 +123,10 @@ impl Principled {
         }
         let (f, pdf) = (self.eval(wo, wi, mode), self.pdf(wo, wi, mode));
         let dispersive = self.dispersive_between(wo, wi);
-        Some(Sample { dispersive, ..Sample::continuous(wo, wi, f, pdf)? })
+        Some(Sample {
+            dispersive,
+            ..Sample::continuous(wo, wi, f, pdf)?
+        })
     }
 
     #[inline]
@@ -127,7 +139,11 @@ impl Principled {
             }
             Glossy::Rough(facets) => {
                 let wi = facets.sample(local::lift(wo), uc, u);
-                if wi.z > 0.0 { self.finish(wo, local::to_side_of(wo, wi), mode) } else { None }
+                if wi.z > 0.0 {
+                    self.finish(wo, local::to_side_of(wo, wi), mode)
+                } else {
+                    None
+                }
             }
         }
     }
@@ -138,8 +154,14 @@ fn metal_rebound(p: &PrincipledParameters) -> Spectrum {
     if !p.compensation {
         return Spectrum::ZERO;
     }
-    let metal = Reflectance::Schlick { f0: p.base_color, f90: Spectrum::ONE };
-    rebound_colour(metal.mean(), crate::albedo::ReflectorLoss::mean(p.alpha()).loss)
+    let metal = Reflectance::Schlick {
+        f0: p.base_color,
+        f90: Spectrum::ONE,
+    };
+    rebound_colour(
+        metal.mean(),
+        crate::albedo::ReflectorLoss::mean(p.alpha()).loss,
+    )
 }
 
 impl Lobe for Principled {
@@ -148,7 +170,9 @@ impl Lobe for Principled {
         if !local::usable(wo) || !local::usable(wi) {
             return Spectrum::ZERO;
         }
-        let mut f = self.clear.map_or(Spectrum::ZERO, |clear| clear.eval(wo, wi, mode));
+        let mut f = self
+            .clear
+            .map_or(Spectrum::ZERO, |clear| clear.eval(wo, wi, mode));
         if wo.z * wi.z > 0.0 {
             if let Glossy::Rough(facets) = &self.glossy {
                 f += facets.eval(local::lift(wo), local::lift(wi));
@@ -164,7 +188,9 @@ impl Lobe for Principled {
             return 0.0;
         }
         let [glossy, diffuse, clear] = self.choice(wo);
-        let mut pdf = self.clear.map_or(0.0, |lobe| clear * lobe.pdf(wo, wi, mode));
+        let mut pdf = self
+            .clear
+            .map_or(0.0, |lobe| clear * lobe.pdf(wo, wi, mode));
         if wo.z * wi.z > 0.0 {
             if let Glossy::Rough(facets) = &self.glossy {
                 pdf += glossy * facets.pdf(local::lift(wo), local::lift(wi));
@@ -193,7 +219,11 @@ impl Lobe for Principled {
             return self.finish(wo, sample.wi, mode);
         }
         let weight = sample.weight / (clear as f32);
-        Some(Sample { weight, pdf: sample.pdf * clear, ..sample })
+        Some(Sample {
+            weight,
+            pdf: sample.pdf * clear,
+            ..sample
+        })
     }
 
     #[inline]
@@ -210,6 +240,7 @@ impl Lobe for Principled {
 
     #[inline]
     fn dispersive_between(&self, wo: DVec3, wi: DVec3) -> bool {
-        self.clear.is_some_and(|clear| clear.dispersive_between(wo, wi))
+        self.clear
+            .is_some_and(|clear| clear.dispersive_between(wo, wi))
     }
 }

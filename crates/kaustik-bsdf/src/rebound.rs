@@ -19,7 +19,10 @@ impl Rebound {
     #[inline]
     pub(crate) fn new(alpha: f64) -> Self {
         let a2 = alpha * alpha;
-        Self { a2, norm: libm::log1p(1.0 / a2) }
+        Self {
+            a2,
+            norm: libm::log1p(1.0 / a2),
+        }
     }
 
     /// Draws a direction above.

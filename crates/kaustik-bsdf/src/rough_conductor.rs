@@ -14,7 +14,9 @@ impl RoughConductor {
     /// From the facets' reflectance and `alpha` in `[SMOOTH_ALPHA, 1]` (clamped).
     #[inline]
     pub fn new(reflectance: Reflectance, alpha: f64, compensation: bool) -> Self {
-        Self { facets: Facets::compensated(reflectance, alpha, compensation) }
+        Self {
+            facets: Facets::compensated(reflectance, alpha, compensation),
+        }
     }
 }
 

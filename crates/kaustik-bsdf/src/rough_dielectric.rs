@@ -43,7 +43,11 @@ impl RoughDielectric {
         let ggx = Ggx::new(alpha);
         let n = f64::from(interface.eta().hero());
         let compensation = compensation.then(|| Compensation::new(n, ggx.alpha()));
-        Self { interface, ggx, compensation }
+        Self {
+            interface,
+            ggx,
+            compensation,
+        }
     }
 
     /// Probability of scattering between facets, which is the share lost by one facet.
@@ -90,15 +94,26 @@ impl RoughDielectric {
     #[inline]
     fn both(&self, wo: DVec3, wi: DVec3) -> (Spectrum, f64) {
         let transmits = wo.z * wi.z < 0.0;
-        let once = if transmits { self.refract_once(wo, wi) } else { self.reflect_once(wo, wi) };
+        let once = if transmits {
+            self.refract_once(wo, wi)
+        } else {
+            self.reflect_once(wo, wi)
+        };
         let Some(c) = self.compensation else {
             return once;
         };
-        let tint = if transmits { self.interface.transmitted() } else { self.interface.reflected() };
+        let tint = if transmits {
+            self.interface.transmitted()
+        } else {
+            self.interface.reflected()
+        };
         let (lo, li) = (c.loss(wo), c.loss(wi));
         let again = c.pair(wo, wi) * c.squared_index(wo) * lo * li;
         let pdf = c.way.pdf(wi.z.abs()) * c.share(wo, wi);
-        (once.0 + tint * (again as f32), (1.0 - lo) * once.1 + lo * pdf)
+        (
+            once.0 + tint * (again as f32),
+            (1.0 - lo) * once.1 + lo * pdf,
+        )
     }
 
     /// Draws a direction by one facet.
@@ -170,7 +185,10 @@ impl Lobe for RoughDielectric {
         }
         let dispersive = self.dispersive_between(wo, wi);
         let (f, pdf) = (self.eval(wo, wi, mode), self.pdf(wo, wi, mode));
-        Some(Sample { dispersive, ..Sample::continuous(wo, wi, f, pdf)? })
+        Some(Sample {
+            dispersive,
+            ..Sample::continuous(wo, wi, f, pdf)?
+        })
     }
 
     #[inline]
@@ -249,12 +267,20 @@ impl Compensation {
     #[inline]
     fn share(&self, wo: DVec3, wi: DVec3) -> f64 {
         let cross = self.cross[self.side(wo)];
-        if wo.z * wi.z < 0.0 { cross } else { 1.0 - cross }
+        if wo.z * wi.z < 0.0 {
+            cross
+        } else {
+            1.0 - cross
+        }
     }
 
     #[inline]
     fn sample(&self, wo: DVec3, uc: f64, u: [f64; 2]) -> DVec3 {
         let wi = local::to_side_of(wo, self.way.sample(u));
-        if uc < self.cross[self.side(wo)] { local::flip(wi) } else { wi }
+        if uc < self.cross[self.side(wo)] {
+            local::flip(wi)
+        } else {
+            wi
+        }
     }
 }

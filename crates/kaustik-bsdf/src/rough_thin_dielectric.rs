@@ -30,7 +30,11 @@ impl RoughThinDielectric {
     pub fn new(interface: Interface, alpha: f64, compensation: bool) -> Self {
         let ggx = Ggx::new(alpha);
         let loss = ReflectorLoss::mean(ggx.alpha()).loss.max(1e-9);
-        let scale = if compensation { FRAC_1_PI as f32 / loss } else { 0.0 };
+        let scale = if compensation {
+            FRAC_1_PI as f32 / loss
+        } else {
+            0.0
+        };
         let mean = mean_pane(f64::from(interface.eta().hero()));
         Self {
             interface,
@@ -52,7 +56,11 @@ impl RoughThinDielectric {
     #[inline]
     fn rebound_probability(&self, wo: DVec3) -> f64 {
         let [r, t] = self.again;
-        if r.is_zero() && t.is_zero() { 0.0 } else { self.loss(wo) }
+        if r.is_zero() && t.is_zero() {
+            0.0
+        } else {
+            self.loss(wo)
+        }
     }
 
     /// Value and density; the pane has no modes.
@@ -73,7 +81,10 @@ impl RoughThinDielectric {
         let lost = self.rebound_probability(wo);
         let f = colour * (lobe as f32) + again * ((lost * self.loss(wi)) as f32);
         let visible = 0.25 * self.ggx.visible_pdf(wo, h) / cosine;
-        (f, (1.0 - lost) * p * visible + lost * side * self.way.pdf(wi.z))
+        (
+            f,
+            (1.0 - lost) * p * visible + lost * side * self.way.pdf(wi.z),
+        )
     }
 }
 
@@ -115,7 +126,10 @@ impl Lobe for RoughThinDielectric {
         } else {
             let h = self.ggx.visible(up, u);
             let (reflected, transmitted) = pane(&self.interface, up.dot(h).clamp(0.0, 1.0));
-            (local::reflect(up, h), reflect_probability(reflected, transmitted))
+            (
+                local::reflect(up, h),
+                reflect_probability(reflected, transmitted),
+            )
         };
         let wi = local::to_side_of(wo, wi);
         if !local::same_side(wo, wi) {

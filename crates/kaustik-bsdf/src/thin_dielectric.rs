@@ -17,7 +17,10 @@ pub struct ThinDielectric {
 pub(crate) fn pane(interface: &Interface, cosine: f64) -> (Spectrum, Spectrum) {
     let one = crate::fresnel::dielectric_lanes(cosine, interface.eta());
     let both = one.map(|r| 2.0 * r / (1.0 + r));
-    (both * interface.reflected(), (1.0 - both) * interface.transmitted())
+    (
+        both * interface.reflected(),
+        (1.0 - both) * interface.transmitted(),
+    )
 }
 
 /// Probability of reflecting, by the means over lanes.

@@ -51,12 +51,20 @@ pub fn concentric_disk(u: [f64; 2]) -> [f64; 2] {
     let a = 2.0 * u[0] - 1.0;
     let b = 2.0 * u[1] - 1.0;
     // each of the four triangles of the square fills a quarter of the disk
-    let (r, slope, steep) = if a.abs() > b.abs() { (a, b / a, false) } else { (b, a / b, true) };
+    let (r, slope, steep) = if a.abs() > b.abs() {
+        (a, b / a, false)
+    } else {
+        (b, a / b, true)
+    };
     if r == 0.0 {
         return [0.0, 0.0];
     }
     let (s, c) = sin_cos_eighth(slope * FRAC_PI_4);
-    if steep { [r * s, r * c] } else { [r * c, r * s] }
+    if steep {
+        [r * s, r * c]
+    } else {
+        [r * c, r * s]
+    }
 }
 
 /// Density of [`concentric_disk`] per area.

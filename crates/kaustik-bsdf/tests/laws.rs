@@ -19,3 +19,5 @@ mod faults;
 mod maps;
 #[path = "laws/models.rs"]
 mod models;
+#[path = "laws/speed.rs"]
+mod speed;

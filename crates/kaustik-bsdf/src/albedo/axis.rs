@@ -1,4 +1,5 @@
 use crate::bsdf::SMOOTH_ALPHA;
+use crate::local::within;
 
 /// Between which nodes of an evenly spaced axis a value lies, and how far.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -12,9 +13,12 @@ impl Place {
     #[inline]
     pub(crate) fn new(t: f64, nodes: usize) -> Self {
         let last = nodes - 1;
-        let x = t.max(0.0).min(1.0) * last as f64;
+        let x = within(t, 0.0, 1.0) * last as f64;
         let index = (x as usize).min(last - 1);
-        Self { index, fraction: (x - index as f64) as f32 }
+        Self {
+            index,
+            fraction: (x - index as f64) as f32,
+        }
     }
 
     /// The lower node.
@@ -64,4 +68,19 @@ pub(crate) fn alpha_at(t: f64) -> f64 {
     let low = SMOOTH_ALPHA.sqrt();
     let root = low + t * (1.0 - low);
     root * root
+}
+
+/// How the loss falls, about: `alpha^2 / (mu^2 + alpha^2)`. Tables hold the loss over this, which
+/// is of order one everywhere and varies slowly.
+#[inline]
+pub(crate) fn bump(mu: f64, alpha: f64) -> f64 {
+    let a2 = alpha * alpha;
+    a2 / (mu * mu + a2)
+}
+
+/// Cosine-weighted mean of [`bump`] over the hemisphere.
+#[inline]
+pub(crate) fn bump_mean(alpha: f64) -> f64 {
+    let a2 = alpha * alpha;
+    a2 * libm::log1p(1.0 / a2)
 }

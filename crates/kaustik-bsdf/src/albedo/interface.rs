@@ -1,21 +1,24 @@
-use super::axis::{Place, alpha_at, alpha_axis, cosine_at, cosine_axis, cosine_slope};
+use super::axis::{
+    Place, alpha_at, alpha_axis, bump, bump_mean, cosine_at, cosine_axis, cosine_slope,
+};
 use std::sync::OnceLock;
 
 pub(super) const COSINES: usize = 48;
 pub(super) const ALPHAS: usize = 20;
 pub(super) const INDICES: usize = 28;
 
-/// Losses in units of 1/65535, little-endian: by index, alpha, cosine, side. Made by the long
-/// test in `generate`.
+/// Losses over [`bump`] in units of [`STEP`], little-endian: by index, alpha, cosine, side. Made by
+/// a long test in `generate`.
 static DATA: &[u8] = include_bytes!("interface.bin");
+pub(super) const STEP: f32 = 1.0 / 4096.0;
 
-/// A row of losses by cosine, seen from the thinner and from the denser side.
+/// A row of losses over [`bump`] by cosine, seen from the thinner and from the denser side.
 type Row = [[f32; 2]; COSINES];
 
 struct Table {
     /// By index, then alpha.
     rows: Vec<Row>,
-    /// Cosine-weighted means of the rows.
+    /// Cosine-weighted means of the losses over [`bump_mean`].
     means: Vec<[f32; 2]>,
 }
 
@@ -42,7 +45,8 @@ impl InterfaceLoss {
     #[inline]
     pub(crate) fn means(self) -> [f32; 2] {
         let means = &table().means;
-        [0, 1].map(|side| self.mix(|row| means[row][side]))
+        let scale = bump_mean(self.alpha) as f32;
+        [0, 1].map(|side| scale * self.mix(|row| means[row][side]))
     }
 
     /// Interpolates what `at` gives for a row of the table.
@@ -61,36 +65,40 @@ pub(crate) fn interface_loss(place: InterfaceLoss, mu: f64, side: usize) -> f32 
     let rows = &table().rows;
     let column = Place::new(cosine_axis(mu, place.alpha), COSINES);
     let i = column.index();
-    place.mix(|row| column.mix(rows[row][i][side], rows[row][i + 1][side]))
+    let scale = bump(mu, place.alpha) as f32;
+    scale * place.mix(|row| column.mix(rows[row][i][side], rows[row][i + 1][side]))
 }
 
-/// Index to axis: the root of the amplitude reflected at normal incidence.
+/// Index to axis: the cosine of total reflection, `sqrt(1 - 1/n^2)`, as that is where the denser
+/// side's loss turns.
 #[inline]
 fn index_axis(n: f64) -> f64 {
-    ((n - 1.0) / (n + 1.0)).sqrt() / HIGHEST
+    (1.0 - 1.0 / (n * n)).sqrt() / HIGHEST
 }
 
-/// `index_axis` of 3 before scaling, the root of a half.
-const HIGHEST: f64 = std::f64::consts::FRAC_1_SQRT_2;
+/// The cosine of total reflection at the index of 3, `sqrt(8/9)`.
+const HIGHEST: f64 = 0.942_809_041_582_063_4;
 
 /// Inverse of [`index_axis`]; an index of exactly 1 has no facets and is passed by.
 #[cfg(test)]
 pub(super) fn index_at(t: f64) -> f64 {
-    let r = t * HIGHEST * t * HIGHEST;
-    ((1.0 + r) / (1.0 - r)).max(1.0 + 1e-6)
+    let critical = t * HIGHEST;
+    (1.0 / (1.0 - critical * critical).sqrt()).max(1.0 + 1e-6)
 }
 
 fn table() -> &'static Table {
     static TABLE: OnceLock<Table> = OnceLock::new();
     TABLE.get_or_init(|| {
-        let mut losses = DATA.chunks_exact(2).map(|b| {
-            f32::from(u16::from_le_bytes([b[0], b[1]])) / f32::from(u16::MAX)
-        });
+        let mut losses = DATA
+            .chunks_exact(2)
+            .map(|b| f32::from(u16::from_le_bytes([b[0], b[1]])) * STEP);
         let mut next = || losses.next().unwrap_or(0.0);
         let rows: Vec<Row> = (0..INDICES * ALPHAS)
             .map(|_| std::array::from_fn(|_| [next(), next()]))
             .collect();
-        let means = (0..rows.len()).map(|i| mean_of(&rows[i], alpha_node(i % ALPHAS))).collect();
+        let means = (0..rows.len())
+            .map(|i| mean_of(&rows[i], alpha_node(i % ALPHAS)))
+            .collect();
         Table { rows, means }
     })
 }
@@ -100,17 +108,18 @@ pub(super) fn alpha_node(row: usize) -> f64 {
     alpha_at(row as f64 / (ALPHAS - 1) as f64)
 }
 
-/// `2` times the integral of the interpolated row over `mu dmu`, for both sides.
+/// `2` times the integral over `mu dmu` of the very function that is interpolated, for both sides,
+/// over [`bump_mean`].
 fn mean_of(row: &Row, alpha: f64) -> [f32; 2] {
     let mut mean = [0.0; 2];
     super::over_cells(COSINES, |t, weight| {
         let place = Place::new(t, COSINES);
         let i = place.index();
         let mu = cosine_at(t, alpha);
-        let weight = weight * 2.0 * mu * cosine_slope(mu, alpha);
+        let weight = weight * 2.0 * mu * cosine_slope(mu, alpha) * bump(mu, alpha);
         for (side, mean) in mean.iter_mut().enumerate() {
             *mean += weight * f64::from(place.mix(row[i][side], row[i + 1][side]));
         }
     });
-    mean.map(|mean| mean as f32)
+    mean.map(|mean| (mean / bump_mean(alpha)) as f32)
 }

@@ -1,5 +1,7 @@
+#[cfg(test)]
 use crate::ggx::Ggx;
 use crate::warp::sin_cos_turns;
+#[cfg(test)]
 use glam::DVec3;
 
 /// Points and weights of Gauss and Legendre on `[0, 1]`.
@@ -23,7 +25,10 @@ fn legendre(n: usize, x: f64) -> (f64, f64) {
     let (mut before, mut value) = (1.0, x);
     for k in 2..=n {
         let k = k as f64;
-        (before, value) = (value, ((2.0 * k - 1.0) * x * value - (k - 1.0) * before) / k);
+        (before, value) = (
+            value,
+            ((2.0 * k - 1.0) * x * value - (k - 1.0) * before) / k,
+        );
     }
     let n = n as f64;
     (value, n * (x * value - before) / (x * x - 1.0))
@@ -33,6 +38,7 @@ fn legendre(n: usize, x: f64) -> (f64, f64) {
 ///
 /// Half the azimuths stand for both, since everything isotropic is even in y. `AZIMUTHS` are evenly
 /// spaced (the integrand is periodic), `RINGS` are Gaussian.
+#[cfg(test)]
 pub(crate) fn over_visible<const RINGS: usize, const AZIMUTHS: usize>(
     ggx: Ggx,
     mu: f64,

@@ -36,7 +36,14 @@ impl Body {
             mean = f0 * (1.0 - at.loss - at.edge) + f90 * at.edge + rebound * at.loss;
         }
         let passed = mean.map(|a| (1.0 - a).max(1e-6));
-        Self { f0, f90, rebound, alpha, colour: p.base_color * share, passed }
+        Self {
+            f0,
+            f90,
+            rebound,
+            alpha,
+            colour: p.base_color * share,
+            passed,
+        }
     }
 
     /// Colour of light rebounding between the cover's facets.
@@ -76,6 +83,10 @@ impl Body {
     /// Directional albedo.
     #[inline]
     pub(super) fn albedo(&self, wo: DVec3) -> Spectrum {
-        if self.is_black() { Spectrum::ZERO } else { self.colour * self.admitted(wo) }
+        if self.is_black() {
+            Spectrum::ZERO
+        } else {
+            self.colour * self.admitted(wo)
+        }
     }
 }

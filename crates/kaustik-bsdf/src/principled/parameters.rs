@@ -1,3 +1,4 @@
+use crate::local::within;
 use kaustik_spectrum::Spectrum;
 
 /// What stands behind a transmitting glTF surface.
@@ -57,15 +58,18 @@ impl PrincipledParameters {
     /// end, an index that is not positive and finite becomes 1.
     #[inline]
     pub(super) fn in_range(&self) -> Self {
-        let unit = |x: f64| x.max(0.0).min(1.0);
-        let share = |s: Spectrum| s.map(|x| x.max(0.0).min(1.0));
+        let unit = |x: f64| within(x, 0.0, 1.0);
+        let lane = |x: f32, high: f64| within(f64::from(x), 0.0, high) as f32;
+        let share = |s: Spectrum| s.map(|x| lane(x, 1.0));
         Self {
             base_color: share(self.base_color),
             metallic: unit(self.metallic),
             roughness: unit(self.roughness),
             specular: unit(self.specular),
-            specular_color: self.specular_color.map(|x| x.max(0.0).min(1e6)),
-            ior: self.ior.map(|n| if n > 0.0 && n.is_finite() { n } else { 1.0 }),
+            specular_color: self.specular_color.map(|x| lane(x, 1e6)),
+            ior: self
+                .ior
+                .map(|n| if n > 0.0 && n.is_finite() { n } else { 1.0 }),
             transmission: unit(self.transmission),
             wall: self.wall,
             compensation: self.compensation,
@@ -76,7 +80,11 @@ impl PrincipledParameters {
     #[inline]
     pub(super) fn alpha(&self) -> f64 {
         let alpha = self.roughness * self.roughness;
-        if alpha < crate::SMOOTH_ALPHA { 0.0 } else { alpha }
+        if alpha < crate::SMOOTH_ALPHA {
+            0.0
+        } else {
+            alpha
+        }
     }
 
     /// Reflectance of the dielectric at normal incidence and at grazing (`KHR_materials_specular`).

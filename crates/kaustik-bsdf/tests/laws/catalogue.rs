@@ -16,8 +16,21 @@ pub(crate) struct Case {
     pub(crate) width: f64,
 }
 
+impl Case {
+    /// Does light change its medium here?
+    pub(crate) fn refracts(&self) -> bool {
+        (self.eta - 1.0).abs() > 1e-9
+    }
+}
+
 fn case(name: impl Into<String>, bsdf: Bsdf, lossless: bool, eta: f64, width: f64) -> Case {
-    Case { name: name.into(), bsdf, lossless, eta, width }
+    Case {
+        name: name.into(),
+        bsdf,
+        lossless,
+        eta,
+        width,
+    }
 }
 
 pub(crate) fn grey(x: f32) -> Spectrum {
@@ -32,17 +45,59 @@ const FLINT: Spectrum = Spectrum::new([1.62, 1.60, 1.65, 1.68]);
 /// All but the microfacet grids.
 fn plain() -> Vec<Case> {
     vec![
-        case("lambertian white", Bsdf::lambertian(Spectrum::ONE), true, 1.0, 1.0),
+        case(
+            "lambertian white",
+            Bsdf::lambertian(Spectrum::ONE),
+            true,
+            1.0,
+            1.0,
+        ),
         case("lambertian red", Bsdf::lambertian(RED), false, 1.0, 1.0),
         case("mirror", Bsdf::mirror(Spectrum::ONE), true, 1.0, 1.0),
         case("mirror red", Bsdf::mirror(RED), false, 1.0, 1.0),
-        case("conductor", Bsdf::conductor(GOLD_ETA, GOLD_K, 0.0, true), false, 1.0, 1.0),
-        case("metal", Bsdf::metal(RED, Spectrum::ONE, 0.0, true), false, 1.0, 1.0),
-        case("coated white", Bsdf::coated(Spectrum::ONE, 1.5), true, 1.0, 1.0),
+        case(
+            "conductor",
+            Bsdf::conductor(GOLD_ETA, GOLD_K, 0.0, true),
+            false,
+            1.0,
+            1.0,
+        ),
+        case(
+            "metal",
+            Bsdf::metal(RED, Spectrum::ONE, 0.0, true),
+            false,
+            1.0,
+            1.0,
+        ),
+        case(
+            "coated white",
+            Bsdf::coated(Spectrum::ONE, 1.5),
+            true,
+            1.0,
+            1.0,
+        ),
         case("coated red", Bsdf::coated(RED, 1.8), false, 1.0, 1.0),
-        case("coated thinly", Bsdf::coated(Spectrum::ONE, 1.01), true, 1.0, 1.0),
-        case("phong 20", Bsdf::phong(grey(0.4), grey(0.5), 20.0), false, 1.0, 0.2),
-        case("phong 1000", Bsdf::phong(grey(0.0), RED, 1000.0), false, 1.0, 0.03),
+        case(
+            "coated thinly",
+            Bsdf::coated(Spectrum::ONE, 1.01),
+            true,
+            1.0,
+            1.0,
+        ),
+        case(
+            "phong 20",
+            Bsdf::phong(grey(0.4), grey(0.5), 20.0),
+            false,
+            1.0,
+            0.2,
+        ),
+        case(
+            "phong 1000",
+            Bsdf::phong(grey(0.0), RED, 1000.0),
+            false,
+            1.0,
+            0.03,
+        ),
         case("phong 0", Bsdf::phong(RED, grey(0.5), 0.0), false, 1.0, 1.0),
     ]
 }
@@ -54,6 +109,7 @@ fn glass(eta: f32) -> Interface {
 /// Reflectors, solids and panes of the given roughness.
 pub(crate) fn facets(alpha: f64, compensation: bool) -> Vec<Case> {
     let lossless = compensation || alpha == 0.0;
+    let width = if alpha > 0.0 { alpha } else { 1.0 };
     let tag = if compensation { "" } else { " single" };
     let mut all = vec![
         case(
@@ -61,49 +117,53 @@ pub(crate) fn facets(alpha: f64, compensation: bool) -> Vec<Case> {
             Bsdf::conductor(GOLD_ETA, GOLD_K, alpha, compensation),
             false,
             1.0,
-            alpha,
+            width,
         ),
         case(
             format!("red metal {alpha}{tag}"),
             Bsdf::metal(RED, Spectrum::ONE, alpha, compensation),
             false,
             1.0,
-            alpha,
+            width,
         ),
         case(
             format!("white metal {alpha}{tag}"),
             Bsdf::metal(Spectrum::ONE, Spectrum::ONE, alpha, compensation),
             lossless,
             1.0,
-            alpha,
+            width,
         ),
         case(
             format!("pane {alpha}{tag}"),
             Bsdf::thin_dielectric(glass(1.5), alpha, compensation),
             lossless,
             1.0,
-            alpha,
+            width,
         ),
         case(
             format!("tinted pane {alpha}{tag}"),
             Bsdf::thin_dielectric(Interface::new(FLINT, grey(0.8), RED), alpha, compensation),
             false,
             1.0,
-            alpha,
+            width,
         ),
         case(
             format!("flint {alpha}{tag}"),
             Bsdf::dielectric(Interface::clear(FLINT), alpha, compensation),
             false, // only where the lanes agree
             1.62,
-            alpha,
+            width,
         ),
         case(
             format!("red solid {alpha}{tag}"),
-            Bsdf::dielectric(Interface::new(grey(1.33), grey(0.7), RED), alpha, compensation),
+            Bsdf::dielectric(
+                Interface::new(grey(1.33), grey(0.7), RED),
+                alpha,
+                compensation,
+            ),
             false,
             f64::from(1.33f32),
-            alpha,
+            width,
         ),
     ];
     for eta in [0.75f32, 1.1, 1.5, 2.4] {
@@ -112,7 +172,7 @@ pub(crate) fn facets(alpha: f64, compensation: bool) -> Vec<Case> {
             Bsdf::dielectric(glass(eta), alpha, compensation),
             lossless,
             f64::from(eta),
-            alpha,
+            width,
         ));
     }
     all
@@ -122,21 +182,62 @@ pub(crate) fn facets(alpha: f64, compensation: bool) -> Vec<Case> {
 pub(crate) fn principled(roughness: f64) -> Vec<Case> {
     let alpha = roughness * roughness;
     let width = if alpha > 0.0 { alpha } else { 1.0 };
-    let white = PrincipledParameters { roughness, metallic: 0.0, ..Default::default() };
+    let white = PrincipledParameters {
+        roughness,
+        metallic: 0.0,
+        ..Default::default()
+    };
     let kinds = [
         ("white plastic", white, true),
-        ("red plastic", PrincipledParameters { base_color: RED, specular: 0.6, ..white }, false),
-        ("matt", PrincipledParameters { specular: 0.0, ..white }, true),
-        ("half metal", PrincipledParameters { metallic: 0.5, ..white }, false),
         (
-            "white half metal",
-            PrincipledParameters { metallic: 0.5, base_color: Spectrum::ONE, ..white },
+            "red plastic",
+            PrincipledParameters {
+                base_color: RED,
+                specular: 0.6,
+                ..white
+            },
+            false,
+        ),
+        (
+            "matt",
+            PrincipledParameters {
+                specular: 0.0,
+                ..white
+            },
             true,
         ),
-        ("half pane", PrincipledParameters { transmission: 0.5, ..white }, true),
+        (
+            "half metal",
+            PrincipledParameters {
+                metallic: 0.5,
+                ..white
+            },
+            false,
+        ),
+        (
+            "white half metal",
+            PrincipledParameters {
+                metallic: 0.5,
+                base_color: Spectrum::ONE,
+                ..white
+            },
+            true,
+        ),
+        (
+            "half pane",
+            PrincipledParameters {
+                transmission: 0.5,
+                ..white
+            },
+            true,
+        ),
         (
             "half solid",
-            PrincipledParameters { transmission: 0.6, wall: Wall::Solid, ..white },
+            PrincipledParameters {
+                transmission: 0.6,
+                wall: Wall::Solid,
+                ..white
+            },
             true,
         ),
         (
@@ -155,7 +256,12 @@ pub(crate) fn principled(roughness: f64) -> Vec<Case> {
         ),
         (
             "single",
-            PrincipledParameters { compensation: false, metallic: 0.2, transmission: 0.3, ..white },
+            PrincipledParameters {
+                compensation: false,
+                metallic: 0.2,
+                transmission: 0.3,
+                ..white
+            },
             false,
         ),
     ];
@@ -166,7 +272,14 @@ pub(crate) fn principled(roughness: f64) -> Vec<Case> {
             let solid = p.wall == Wall::Solid;
             let eta = if solid { f64::from(p.ior.hero()) } else { 1.0 };
             let bsdf = Bsdf::Principled(Principled::new(&p));
-            case(format!("principled {name} {roughness}"), bsdf, lossless, eta, width)
+            let width = if name == "matt" { 1.0 } else { width };
+            case(
+                format!("principled {name} {roughness}"),
+                bsdf,
+                lossless,
+                eta,
+                width,
+            )
         })
         .collect()
 }

@@ -1,0 +1,174 @@
+//! `eval`, `pdf` and `sample` tell the same story, in both modes and both directions.
+
+use crate::catalogue::{Case, some};
+use crate::chi_square::directions;
+use crate::support::Random;
+use glam::DVec3;
+use kaustik_bsdf::{Bsdf, Lobe, Mode, Sample};
+use kaustik_spectrum::Spectrum;
+
+const MODES: [Mode; 2] = [Mode::Radiance, Mode::Importance];
+
+fn close(a: Spectrum, b: Spectrum, relative: f32) -> bool {
+    (0..4).all(|i| (a[i] - b[i]).abs() <= relative * a[i].abs().max(b[i].abs()) + 1e-12)
+}
+
+/// Does the sample agree with `eval` and `pdf`?
+pub(crate) fn sample_agrees(lobe: &impl Lobe, wo: DVec3, s: &Sample, mode: Mode) -> bool {
+    let unit = (s.wi.length() - 1.0).abs() < 1e-9;
+    let side = s.transmitted == (s.wi.z * wo.z < 0.0);
+    let finite = s.weight.is_finite() && s.weight.min() >= 0.0 && s.pdf > 0.0;
+    if !(unit && side && finite) {
+        return false;
+    }
+    if s.delta {
+        return s.pdf <= 1.0 + 1e-12;
+    }
+    let pdf = lobe.pdf(wo, s.wi, mode);
+    let value = lobe.eval(wo, s.wi, mode) * (s.wi.z.abs() as f32);
+    let same = close(s.weight * (s.pdf as f32), value, 1e-4);
+    let dispersive = s.dispersive == lobe.dispersive_between(wo, s.wi);
+    (pdf / s.pdf - 1.0).abs() < 1e-6 && same && dispersive
+}
+
+#[test]
+fn samples_agree_with_eval_and_pdf() {
+    let mut random = Random::new(1);
+    for case in some() {
+        for wo in directions(&case) {
+            for mode in MODES {
+                for _ in 0..60 {
+                    let (uc, u) = (random.uniform(), [random.uniform(), random.uniform()]);
+                    let Some(s) = case.bsdf.sample(wo, uc, u, mode) else {
+                        continue;
+                    };
+                    assert!(
+                        sample_agrees(&case.bsdf, wo, &s, mode),
+                        "{} {wo} {s:?}",
+                        case.name
+                    );
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn delta_only_is_what_it_says() {
+    let mut random = Random::new(2);
+    for case in some() {
+        let wo = directions(&case)[1];
+        for _ in 0..60 {
+            let (uc, u) = (random.uniform(), [random.uniform(), random.uniform()]);
+            let Some(s) = case.bsdf.sample(wo, uc, u, Mode::Radiance) else {
+                continue;
+            };
+            assert!(s.delta || !case.bsdf.is_delta(), "{}", case.name);
+            let value = case.bsdf.eval(wo, s.wi, Mode::Radiance);
+            assert!(!case.bsdf.is_delta() || value.is_zero(), "{}", case.name);
+        }
+    }
+}
+
+/// Pairs of directions between which something happens, drawn by the lobe itself or evenly.
+fn pairs(case: &Case, random: &mut Random) -> Vec<(DVec3, DVec3)> {
+    let mut pairs = Vec::new();
+    for wo in directions(case) {
+        for _ in 0..40 {
+            pairs.push((wo, random.direction()));
+            let (uc, u) = (random.uniform(), [random.uniform(), random.uniform()]);
+            if let Some(s) = case.bsdf.sample(wo, uc, u, Mode::Radiance) {
+                pairs.push((wo, s.wi));
+            }
+        }
+    }
+    pairs
+}
+
+/// `eval` in one mode is `eval` in the other with the directions exchanged.
+pub(crate) fn adjoint(lobe: &impl Lobe, wo: DVec3, wi: DVec3) -> bool {
+    let there = lobe.eval(wo, wi, Mode::Importance);
+    let back = lobe.eval(wi, wo, Mode::Radiance);
+    // the facets of exchanged directions differ by rounding, which narrow lobes magnify
+    close(there, back, 1e-4)
+}
+
+/// `f(wi -> wo) / n(wo)^2` is symmetric, spec (7).
+pub(crate) fn reciprocal(lobe: &impl Lobe, eta: f64, wo: DVec3, wi: DVec3) -> bool {
+    let squared = |w: DVec3| if w.z < 0.0 { (eta * eta) as f32 } else { 1.0 };
+    let there = lobe.eval(wo, wi, Mode::Radiance) / squared(wo);
+    let back = lobe.eval(wi, wo, Mode::Radiance) / squared(wi);
+    close(there, back, 1e-4)
+}
+
+#[test]
+fn modes_are_adjoint_and_scattering_is_reciprocal() {
+    let mut random = Random::new(3);
+    for case in some() {
+        for (wo, wi) in pairs(&case, &mut random) {
+            assert!(adjoint(&case.bsdf, wo, wi), "{} {wo} {wi}", case.name);
+            assert!(
+                reciprocal(&case.bsdf, case.eta, wo, wi),
+                "{} {wo} {wi}",
+                case.name
+            );
+        }
+    }
+}
+
+#[test]
+fn densities_do_not_depend_on_the_mode() {
+    let mut random = Random::new(4);
+    for case in some() {
+        for (wo, wi) in pairs(&case, &mut random) {
+            let [a, b] = MODES.map(|mode| case.bsdf.pdf(wo, wi, mode));
+            assert_eq!(a.to_bits(), b.to_bits(), "{}", case.name);
+            // what can be evaluated can be drawn
+            let value = case.bsdf.eval(wo, wi, Mode::Radiance);
+            assert!(
+                value.is_zero() || a > 0.0,
+                "{} {wo} {wi}: {value:?}",
+                case.name
+            );
+        }
+    }
+}
+
+#[test]
+fn both_sides_of_what_is_opaque_are_alike() {
+    let mut random = Random::new(5);
+    let flip = |w: DVec3| DVec3::new(w.x, w.y, -w.z);
+    for case in some().into_iter().filter(|case| !case.refracts()) {
+        if matches!(case.bsdf, Bsdf::Principled(_)) && case.name.contains("all of it") {
+            continue;
+        }
+        for (wo, wi) in pairs(&case, &mut random) {
+            let up = case.bsdf.eval(wo, wi, Mode::Radiance);
+            let down = case.bsdf.eval(flip(wo), flip(wi), Mode::Radiance);
+            assert!(close(up, down, 1e-6), "{} {wo} {wi}", case.name);
+        }
+    }
+}
+
+#[test]
+fn refraction_of_many_wavelengths_belongs_to_the_hero() {
+    let mut random = Random::new(6);
+    let mut seen = 0;
+    for case in some()
+        .into_iter()
+        .filter(|case| case.name.starts_with("flint"))
+    {
+        for wo in directions(&case) {
+            for _ in 0..50 {
+                let (uc, u) = (random.uniform(), [random.uniform(), random.uniform()]);
+                let Some(s) = case.bsdf.sample(wo, uc, u, Mode::Radiance) else {
+                    continue;
+                };
+                assert_eq!(s.dispersive, s.transmitted, "{}", case.name);
+                assert_eq!(case.bsdf.dispersive_between(wo, s.wi), s.transmitted);
+                seen += usize::from(s.dispersive);
+            }
+        }
+    }
+    assert!(seen > 100);
+}

@@ -6,15 +6,17 @@ use glam::DVec3;
 use kaustik_bsdf::{Bsdf, Interface, Lobe, Mode};
 
 /// Mean of the sampled weights over an even spread of numbers, in energy: radiance weights are
-/// brought from radiance to energy by the squared index. The hero's lane, and the largest lane of
-/// what does not disperse.
+/// brought from radiance to energy by the squared index. The hero's lane.
 pub(crate) fn throughput(bsdf: &impl Lobe, eta: f64, wo: DVec3, mode: Mode, samples: usize) -> f64 {
     let mut sum = 0.0;
     for i in 0..samples {
         let [uc, a, b] = spread(i);
-        let Some(sample) = bsdf.sample(wo, uc, [a, b], mode) else { continue };
+        let Some(sample) = bsdf.sample(wo, uc, [a, b], mode) else {
+            continue;
+        };
         let ahead = match (mode, sample.transmitted) {
-            (Mode::Radiance, true) => if wo.z > 0.0 { eta } else { 1.0 / eta },
+            (Mode::Radiance, true) if wo.z > 0.0 => eta,
+            (Mode::Radiance, true) => 1.0 / eta,
             _ => 1.0,
         };
         sum += f64::from(sample.weight.hero()) * ahead * ahead;
@@ -24,23 +26,36 @@ pub(crate) fn throughput(bsdf: &impl Lobe, eta: f64, wo: DVec3, mode: Mode, samp
 
 const COSINES: [f64; 9] = [0.01, 0.05, 0.12, 0.25, 0.4, 0.6, 0.75, 0.9, 1.0];
 
-fn check(case: &Case, samples: usize, mode: Mode) {
+fn check(case: &Case, mode: Mode) {
     for z in COSINES.into_iter().flat_map(|z| [z, -z]) {
         let wo = at(z, 0.1);
-        let got = throughput(&case.bsdf, case.eta, wo, mode, samples);
-        let name = &case.name;
-        assert!(got < 1.003, "{name} makes light: {got} at {z} in {mode:?}");
-        if case.lossless {
-            assert!(got > 0.997, "{name} loses light: {got} at {z} in {mode:?}");
+        let mut got = throughput(&case.bsdf, case.eta, wo, mode, 2048);
+        let off = |got: f64| {
+            if case.lossless {
+                (got - 1.0).abs()
+            } else {
+                got - 1.0
+            }
+        };
+        if off(got) > 0.002 {
+            // few samples, or the surface's fault?
+            got = throughput(&case.bsdf, case.eta, wo, mode, 1 << 17);
         }
+        assert!(off(got) < 0.003, "{} at {z} in {mode:?}: {got}", case.name);
     }
 }
 
 #[test]
 fn no_light_is_made_and_lossless_surfaces_lose_none() {
-    for case in some() {
-        check(&case, 4096, Mode::Radiance);
-        check(&case, 4096, Mode::Importance);
+    for (i, case) in some().into_iter().enumerate() {
+        check(
+            &case,
+            if i % 2 == 0 {
+                Mode::Radiance
+            } else {
+                Mode::Importance
+            },
+        );
     }
 }
 
@@ -49,14 +64,14 @@ fn no_light_is_made_and_lossless_surfaces_lose_none() {
 #[ignore = "long"]
 fn rough_glass_disappears() {
     let mut worst = (0.0, String::new());
-    for eta in [1.1f32, 1.2, 1.33, 1.5, 1.75, 2.0, 2.4] {
-        for alpha in [0.01, 0.02, 0.04, 0.1, 0.16, 0.25, 0.36, 0.5, 0.64, 0.81, 1.0] {
+    for eta in [1.1f32, 1.2, 1.33, 1.5, 2.0, 2.4] {
+        for alpha in [0.01, 0.03, 0.1, 0.25, 0.5, 0.75, 1.0] {
             let bsdf = Bsdf::dielectric(Interface::clear(grey(eta)), alpha, true);
-            for step in 1..=20 {
-                for z in [f64::from(step) * 0.05, f64::from(step) * -0.05] {
-                    let got = throughput(&bsdf, f64::from(eta), at(z, 0.3), Mode::Radiance, 32768);
+            for step in 1..=10 {
+                for z in [f64::from(step) * 0.1, f64::from(step) * -0.1] {
+                    let got =
+                        throughput(&bsdf, f64::from(eta), at(z, 0.3), Mode::Radiance, 1 << 18);
                     let off = (got - 1.0).abs();
-                    if off > 0.002 { println!("eta {eta} alpha {alpha} z {z}: {got}   more: {}", throughput(&bsdf, f64::from(eta), at(z, 0.3), Mode::Radiance, 1<<19)); }
                     if off > worst.0 {
                         worst = (off, format!("eta {eta} alpha {alpha} z {z}: {got}"));
                     }
@@ -73,12 +88,14 @@ fn rough_glass_disappears() {
 #[ignore = "long"]
 fn white_facets_disappear() {
     let mut worst = (0.0, String::new());
-    for step in 1..=30 {
-        let alpha = (f64::from(step) / 30.0) * (f64::from(step) / 30.0);
-        for case in facets(alpha, true).into_iter().filter(|case| case.lossless && case.eta == 1.0) {
+    for step in 1..=12 {
+        let alpha = (f64::from(step) / 12.0) * (f64::from(step) / 12.0);
+        for case in facets(alpha, true)
+            .into_iter()
+            .filter(|case| case.lossless && !case.refracts())
+        {
             for z in COSINES {
-                let off = throughput(&case.bsdf, 1.0, at(z, 0.3), Mode::Radiance, 32768) - 1.0;
-                    if off.abs() > 0.002 { println!("{} z {z}: {off}   more: {}", case.name,throughput(&case.bsdf, 1.0, at(z, 0.3), Mode::Radiance, 1<<19)-1.0); }
+                let off = throughput(&case.bsdf, 1.0, at(z, 0.3), Mode::Radiance, 1 << 18) - 1.0;
                 if off.abs() > worst.0 {
                     worst = (off.abs(), format!("{} z {z}: {off}", case.name));
                 }

@@ -27,7 +27,11 @@ impl Random {
 
 /// The `i`th point of an evenly spread sequence in the cube (additive recurrence).
 pub(crate) fn spread(i: usize) -> [f64; 3] {
-    const STEP: [f64; 3] = [0.819_172_513_396_164_4, 0.671_043_606_703_789_2, 0.549_700_477_901_970_2];
+    const STEP: [f64; 3] = [
+        0.819_172_513_396_164_4,
+        0.671_043_606_703_789_2,
+        0.549_700_477_901_970_2,
+    ];
     STEP.map(|step| (0.5 + (i + 1) as f64 * step).fract())
 }
 
