@@ -18,6 +18,7 @@ pub struct ImageData {
     pub height: u32,
     /// Row-major from the top left.
     pub pixels: Pixels,
-    /// The undecoded file (PNG or JPEG), kept so that an export is exact; empty if there is none.
+    /// The undecoded file (PNG or JPEG; Radiance HDR for an environment), kept so that an export
+    /// is exact; empty if there is none.
     pub encoded: Vec<u8>,
 }

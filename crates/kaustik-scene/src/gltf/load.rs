@@ -6,14 +6,14 @@ use super::budget::Budget;
 use super::buffer::Buffers;
 use super::container::Container;
 use super::folder::{Folder, read_file};
-use super::json::{self, Cursor};
+use super::json::Cursor;
 use super::mesh::Meshes;
 use super::placement::{self, Parts};
 use super::reader::Reader;
 use super::texture::Textures;
 use super::warning::{Warning, Warnings};
 use super::{ErrorKind, LoadError, LoadOptions};
-use super::{camera, environment, extension, image, light, material, node};
+use super::{camera, environment, extension, image, light, material, node, syntax};
 use crate::description::Description;
 
 /// A scene file's contents, and what could not be taken from it as it stands.
@@ -64,7 +64,7 @@ fn read(
 ) -> Result<Loaded, LoadError> {
     let mut warnings = Warnings::default();
     let container = Container::split(bytes, &mut warnings)?;
-    let tree = json::parse(container.json, &mut budget)?;
+    let tree = syntax::parse(container.json, &mut budget)?;
     document(&tree, container.binary, folder, budget, warnings, options)
 }
 

@@ -38,6 +38,7 @@ mod node;
 mod options;
 mod placement;
 mod reader;
+mod syntax;
 #[cfg(test)]
 mod tests;
 mod texture;

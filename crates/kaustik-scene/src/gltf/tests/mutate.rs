@@ -5,8 +5,8 @@ use std::time::{Duration, Instant};
 
 use serde_json::{Value, json};
 
+use super::any;
 use super::file::{File, floats, glb, jpeg, shorts};
-use super::trip;
 use crate::Description;
 use crate::gltf::{LoadOptions, export_bytes, load_bytes};
 use crate::testing::Rng;
@@ -33,7 +33,7 @@ fn pick<T: Clone>(rng: &mut Rng, of: &[T]) -> T {
 /// Files that between them use all that the loader reads.
 fn models() -> Vec<Model> {
     let mut models: Vec<Model> = (0..6)
-        .filter_map(|seed| split(&export_bytes(&trip::description(seed)).ok()?))
+        .filter_map(|seed| split(&export_bytes(&any::description(seed)).ok()?))
         .collect();
     let mut odd = File::triangle();
     let indices = odd.view(&[2]);

@@ -424,7 +424,7 @@ fn environments() {
     scene(json!([1, -2, 0.5])).refused(&["/scenes/0/extras/kaustik/environment", "0 or more"]);
     scene(json!("sky")).refused(&["environment", "\"sky\"", "[r, g, b]"]);
     let mut file = scene(json!({ "strength": 2, "rotation": [0, 1, 0, 0], "name": "sky" }));
-    let view = file.view(&super::trip::small_hdr());
+    let view = file.view(&super::any::small_hdr());
     file.json["scenes"][0]["extras"]["kaustik"]["environment"]["bufferView"] = json!(view);
     let Some(EnvironmentDescription::Image {
         image,
