@@ -81,11 +81,14 @@ impl Assembly {
                 .corners(primitive)
                 .map(|p| transform.transform_point3(p));
             self.bounds = self.bounds.union(&Aabb::from_points(corners));
-            self.leaves.push(Leaf::Triangle {
+            let leaf = Leaf::Triangle {
                 corners,
                 instance,
                 primitive,
-            });
+            };
+            if !leaf.is_degenerate() {
+                self.leaves.push(leaf);
+            }
         }
         Ok(())
     }
@@ -133,7 +136,10 @@ fn own_tree(mesh: &Mesh) -> Bvh {
         instance: 0,
         primitive,
     };
-    let leaves: Vec<Leaf> = (0..mesh.triangle_count() as u32).map(leaf).collect();
+    let leaves: Vec<Leaf> = (0..mesh.triangle_count() as u32)
+        .map(leaf)
+        .filter(|leaf| !leaf.is_degenerate())
+        .collect();
     build(&leaves)
 }
 

@@ -75,10 +75,11 @@ impl Corners<'_> {
             f64::from(v),
         ];
         let [p0, p1, p2] = self.positions;
-        let position = (p0 * weights[0] + p1 * weights[1] + p2 * weights[2]).as_vec3();
         let handedness = self.linear.determinant().signum();
         let normal = (p1 - p0).cross(p2 - p0) * handedness;
         let geometric = normal.try_normalize().unwrap_or(DVec3::Z);
+        let inner = self.off_edges(weights, normal.length());
+        let position = (p0 * inner[0] + p1 * inner[1] + p2 * inner[2]).as_vec3();
         let shading = self
             .shading_normal(weights, handedness)
             .unwrap_or(geometric);
@@ -96,6 +97,26 @@ impl Corners<'_> {
             color: self.color(weights),
             front: geometric.dot(direction.as_dvec3()) <= 0.0,
         }
+    }
+
+    /// The weights, moved so that the point keeps a few ulps from each edge. Next to an edge, rounding could otherwise
+    /// put it behind the neighbouring triangle, where two walls meet, and a ray that leaves it would be outside.
+    fn off_edges(&self, weights: [f64; 3], double_area: f64) -> [f64; 3] {
+        let [a, b, c] = self.positions;
+        let reach = a.abs().max(b.abs()).max(c.abs()).max_element();
+        let edges = [
+            b.distance_squared(c),
+            c.distance_squared(a),
+            a.distance_squared(b),
+        ];
+        let longest = edges[0].max(edges[1]).max(edges[2]).sqrt();
+        // A weight is the distance from an edge in units of the height above it.
+        let least = (reach * EDGE * longest / double_area).min(1.0 / 3.0);
+        if weights.iter().all(|&w| w >= least) {
+            return weights;
+        }
+        let kept = weights.map(|w| w.max(least));
+        kept.map(|w| w / (kept[0] + kept[1] + kept[2]))
     }
 
     fn shading_normal(&self, weights: [f64; 3], handedness: f64) -> Option<DVec3> {
@@ -168,6 +189,9 @@ impl Corners<'_> {
         Some(a * weights[0] + b * weights[1] + c * weights[2])
     }
 }
+
+/// How far a point keeps from the edges of its triangle, as a fraction of its coordinates: 2^-22, four ulps.
+const EDGE: f64 = 1.0 / 4_194_304.0;
 
 /// The part of `tangent` orthogonal to `normal`, with a sign.
 fn frame_tangent(tangent: DVec3, normal: DVec3, sign: f64) -> Option<Vec4> {

@@ -1,6 +1,6 @@
 //! From triangles and placed trees to a wide tree.
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use obvhs::aabb::Aabb as Bounds;
 use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::reinsertion::ReinsertionOptimizer;
@@ -25,6 +25,15 @@ pub(crate) enum Leaf {
 }
 
 impl Leaf {
+    /// Whether no ray can meet it: a triangle without an area.
+    pub(crate) fn is_degenerate(&self) -> bool {
+        let Leaf::Triangle { corners, .. } = self else {
+            return false;
+        };
+        let [a, b, c] = corners.map(|p| p.as_dvec3());
+        (b - a).cross(c - a) == DVec3::ZERO
+    }
+
     /// A box that holds it, with room for the rounding of the distance to it: that is relative to its size, besides
     /// the distance itself, which the walk allows for.
     pub(crate) fn bounds(&self) -> Aabb {
@@ -49,12 +58,49 @@ const COMFORTABLE: f32 = (1u64 << 40) as f32;
 /// Builds the tree. The same bits for the same leaves, with any number of threads.
 pub(crate) fn build(leaves: &[Leaf]) -> Bvh {
     let boxes: Vec<Aabb> = leaves.iter().map(Leaf::bounds).collect();
+    let groups = Groups::new(&boxes);
     let scale = scale(&boxes);
-    let scaled: Vec<Bounds> = boxes
+    let scaled: Vec<Bounds> = groups
         .iter()
+        .map(|group| &boxes[group[0] as usize])
         .map(|b| Bounds::new((b.min * scale).into(), (b.max * scale).into()))
         .collect();
-    collapse(&binary(&scaled), leaves, &boxes)
+    collapse(&binary(&scaled), &groups, leaves, &boxes)
+}
+
+/// Leaves with the same box. The builder sees each box once: it takes quadratic time over equal ones.
+pub(crate) struct Groups {
+    /// Leaves, group by group.
+    members: Vec<u32>,
+    /// Where each group begins, and the end of the last.
+    starts: Vec<u32>,
+}
+
+impl Groups {
+    fn new(boxes: &[Aabb]) -> Groups {
+        let key = |&i: &u32| {
+            let b = &boxes[i as usize];
+            [b.min, b.max].map(|p| p.to_array().map(f32::to_bits))
+        };
+        let mut members: Vec<u32> = (0..boxes.len() as u32).collect();
+        members.sort_by_cached_key(key);
+        let mut starts = vec![0];
+        for i in 1..=members.len() {
+            if i == members.len() || key(&members[i]) != key(&members[i - 1]) {
+                starts.push(i as u32);
+            }
+        }
+        Groups { members, starts }
+    }
+
+    /// The leaves of a group; there is always one.
+    pub(crate) fn get(&self, group: usize) -> &[u32] {
+        &self.members[self.starts[group] as usize..self.starts[group + 1] as usize]
+    }
+
+    fn iter(&self) -> impl Iterator<Item = &[u32]> {
+        (0..self.starts.len() - 1).map(|group| self.get(group))
+    }
 }
 
 /// Locally ordered clustering, then reinsertion of the nodes that cost most.

@@ -9,7 +9,7 @@
 
 use obvhs::bvh2::Bvh2;
 
-use super::build::Leaf;
+use super::build::{Groups, Leaf};
 use super::node::{BLOCK, Block, Bvh, Child, Kind, Node, WIDTH};
 use super::pages::settled;
 use super::stack::DEPTH;
@@ -22,13 +22,13 @@ const BLOCK_COST: f32 = 1.3;
 /// further bits of count are 11 levels.
 const GREEDY_DEPTH: usize = DEPTH - 12;
 
-/// Collapses `tree`, whose primitives are `leaves` with these `boxes`.
-pub(crate) fn collapse(tree: &Bvh2, leaves: &[Leaf], boxes: &[Aabb]) -> Bvh {
+/// Collapses `tree`, whose primitives are the `groups` of `leaves` with these `boxes`.
+pub(crate) fn collapse(tree: &Bvh2, groups: &Groups, leaves: &[Leaf], boxes: &[Aabb]) -> Bvh {
     let mut wide = Bvh::default();
     if leaves.is_empty() {
         return wide;
     }
-    let plan = Plan::new(tree, leaves, boxes);
+    let plan = Plan::new(tree, groups, leaves, boxes);
     let mut emit = Emit {
         plan: &plan,
         leaves,
@@ -47,6 +47,7 @@ pub(crate) fn collapse(tree: &Bvh2, leaves: &[Leaf], boxes: &[Aabb]) -> Bvh {
 /// What the collapse knows of each binary node.
 struct Plan<'a> {
     tree: &'a Bvh2,
+    groups: &'a Groups,
     facts: Vec<Facts>,
 }
 
@@ -60,7 +61,7 @@ struct Facts {
 }
 
 impl Plan<'_> {
-    fn new<'a>(tree: &'a Bvh2, leaves: &[Leaf], boxes: &[Aabb]) -> Plan<'a> {
+    fn new<'a>(tree: &'a Bvh2, groups: &'a Groups, leaves: &[Leaf], boxes: &[Aabb]) -> Plan<'a> {
         let blank = Facts {
             bounds: Aabb::EMPTY,
             triangles: 0,
@@ -68,12 +69,13 @@ impl Plan<'_> {
         };
         let mut plan = Plan {
             tree,
+            groups,
             facts: vec![blank; tree.nodes.len()],
         };
         for node in children_first(tree) {
             plan.facts[node] = match plan.halves(node) {
                 Some((left, right)) => plan.inner(left, right),
-                None => plan.leaf(plan.primitive(node), leaves, boxes),
+                None => plan.leaf(plan.group(node), leaves, boxes),
             };
         }
         plan
@@ -85,20 +87,23 @@ impl Plan<'_> {
         (!node.is_leaf()).then_some((node.first_index as usize, node.first_index as usize + 1))
     }
 
-    /// The one primitive of a leaf.
-    fn primitive(&self, node: usize) -> usize {
-        self.tree.primitive_indices[self.tree.nodes[node].first_index as usize] as usize
+    /// The primitives of a leaf: as many as have the same box.
+    fn group(&self, node: usize) -> &[u32] {
+        let slot = self.tree.nodes[node].first_index as usize;
+        self.groups.get(self.tree.primitive_indices[slot] as usize)
     }
 
-    fn leaf(&self, primitive: usize, leaves: &[Leaf], boxes: &[Aabb]) -> Facts {
-        let bounds = boxes[primitive];
-        let triangles = match leaves[primitive] {
-            Leaf::Triangle { .. } => 1,
-            Leaf::Instance { .. } => BLOCK as u8 + 1,
+    fn leaf(&self, group: &[u32], leaves: &[Leaf], boxes: &[Aabb]) -> Facts {
+        let bounds = boxes[group[0] as usize];
+        let triangle = |&p: &u32| matches!(leaves[p as usize], Leaf::Triangle { .. });
+        let triangles = if group.iter().all(triangle) {
+            group.len().min(BLOCK + 1)
+        } else {
+            BLOCK + 1
         };
         Facts {
             bounds,
-            triangles,
+            triangles: triangles as u8,
             costs: [half_area(&bounds) * BLOCK_COST; WIDTH - 1],
         }
     }
@@ -143,6 +148,11 @@ impl Plan<'_> {
         fits && facts.costs[0] >= half_area(&facts.bounds) * BLOCK_COST
     }
 
+    /// Whether the subtree is one primitive.
+    fn is_single(&self, node: usize) -> bool {
+        self.halves(node).is_none() && self.group(node).len() == 1
+    }
+
     /// The children that the wide node of `node` gets, in the tree's order.
     fn children(&self, node: usize, k: usize, out: &mut Vec<usize>) {
         let Some((left, right)) = self.halves(node) else {
@@ -168,7 +178,7 @@ impl Plan<'_> {
         while let Some(node) = stack.pop() {
             match self.halves(node) {
                 Some((left, right)) => stack.extend([right, left]),
-                None => found.push(self.primitive(node)),
+                None => found.extend(self.group(node).iter().map(|&p| p as usize)),
             }
         }
         found
@@ -179,7 +189,7 @@ impl Plan<'_> {
 enum Part {
     /// A binary node.
     Tree(usize),
-    /// A run of primitives, where the tree is too deep to follow.
+    /// A run of primitives, where the tree is too deep to follow or their boxes are the same.
     Run(Vec<usize>),
 }
 
@@ -194,9 +204,8 @@ impl Emit<'_> {
     /// Makes room for a part. Siblings lie side by side.
     fn reserve(&mut self, part: &Part) -> Child {
         let primitives = match part {
-            Part::Tree(node) if self.plan.is_block(*node) || self.plan.halves(*node).is_none() => {
-                self.plan.primitives(*node)
-            }
+            Part::Tree(node) if self.plan.is_block(*node) => self.plan.primitives(*node),
+            Part::Tree(node) if self.plan.is_single(*node) => self.plan.primitives(*node),
             Part::Run(run) if self.fits_block(run) => run.clone(),
             _ => {
                 self.wide.nodes.push(Node::EMPTY);
@@ -250,7 +259,7 @@ impl Emit<'_> {
 
     fn divide(&self, part: Part, depth: usize) -> Vec<Part> {
         let run = match part {
-            Part::Tree(node) if depth < GREEDY_DEPTH => {
+            Part::Tree(node) if depth < GREEDY_DEPTH && self.plan.halves(node).is_some() => {
                 let mut nodes = Vec::with_capacity(WIDTH);
                 self.plan.children(node, WIDTH, &mut nodes);
                 return nodes.into_iter().map(Part::Tree).collect();

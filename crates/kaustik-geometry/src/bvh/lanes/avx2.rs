@@ -37,6 +37,15 @@ impl Kernel for Avx2 {
     type Block = Eight;
 
     #[inline(always)]
+    fn fetch<T>(value: &T) {
+        let start = std::ptr::from_ref(value).cast::<i8>();
+        for line in 0..size_of::<T>().div_ceil(64) {
+            // SAFETY: a hint; it reads nothing, whatever the address.
+            unsafe { _mm_prefetch::<_MM_HINT_T0>(start.wrapping_add(line * 64)) };
+        }
+    }
+
+    #[inline(always)]
     fn walk<G: Goal>(level: &Level<'_>, goal: &mut G) -> bool {
         // SAFETY: called only from within a walk with AVX2.
         unsafe { walk(level, goal) }

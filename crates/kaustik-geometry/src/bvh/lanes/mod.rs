@@ -42,6 +42,9 @@ pub(crate) trait Kernel {
     /// For the triangles of a block.
     type Block: Lanes<BLOCK>;
 
+    /// Hints that all of a value will be read soon.
+    fn fetch<T>(value: &T);
+
     /// Walks a tree from its root; whether `goal` asked to stop.
     fn walk<G: Goal>(level: &Level<'_>, goal: &mut G) -> bool;
 }

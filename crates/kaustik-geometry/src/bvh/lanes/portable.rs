@@ -87,6 +87,9 @@ impl Kernel for Portable<WIDTH> {
     type Node = Portable<WIDTH>;
     type Block = Portable<BLOCK>;
 
+    #[inline(always)]
+    fn fetch<T>(_: &T) {}
+
     #[inline(never)]
     fn walk<G: Goal>(level: &Level<'_>, goal: &mut G) -> bool {
         crate::bvh::walk::walk_with::<Self, G>(level, goal)

@@ -1,0 +1,17 @@
+//! All integration tests in one binary.
+
+/// Oracles, meshes, rays.
+mod support;
+
+/// Against a loop in double precision and against obvhs' own tree.
+mod agreement;
+/// Layers at equal distance, filters.
+mod layers;
+/// What `Mesh` and `World` refuse, and what they must survive.
+mod limits;
+/// Rays that leave surfaces, and rays between two.
+mod spawning;
+/// Surfaces: normals, tangents, mirrored instances.
+mod surfaces;
+/// No ray leaves a closed mesh.
+mod watertight;
