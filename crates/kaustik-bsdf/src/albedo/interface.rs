@@ -4,7 +4,7 @@ use super::axis::{
 use std::sync::OnceLock;
 
 pub(super) const COSINES: usize = 48;
-pub(super) const ALPHAS: usize = 20;
+pub(super) const ALPHAS: usize = 27;
 pub(super) const INDICES: usize = 28;
 
 /// Losses over [`bump`] in units of [`STEP`], little-endian: by index, alpha, cosine, side. Made by

@@ -39,7 +39,7 @@ fn check(case: &Case, mode: Mode) {
         };
         if off(got) > 0.002 {
             // few samples, or the surface's fault?
-            got = throughput(&case.bsdf, case.eta, wo, mode, 1 << 17);
+            got = throughput(&case.bsdf, case.eta, wo, mode, 1 << 19);
         }
         assert!(off(got) < 0.003, "{} at {z} in {mode:?}: {got}", case.name);
     }
