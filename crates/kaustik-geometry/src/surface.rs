@@ -64,6 +64,8 @@ pub(crate) struct Corners<'a> {
     pub(crate) positions: [DVec3; 3],
     /// Linear part, object to world.
     pub(crate) linear: DMat3,
+    /// That of the transform, where rays undergo it; None where the corners did.
+    pub(crate) translation: Option<DVec3>,
 }
 
 impl Corners<'_> {
@@ -99,11 +101,10 @@ impl Corners<'_> {
         }
     }
 
-    /// The weights, moved so that the point keeps a few ulps from each edge. Next to an edge, rounding could otherwise
+    /// The weights, moved so that the point keeps some ulps from each edge. Next to an edge, rounding could otherwise
     /// put it behind the neighbouring triangle, where two walls meet, and a ray that leaves it would be outside.
     fn off_edges(&self, weights: [f64; 3], double_area: f64) -> [f64; 3] {
         let [a, b, c] = self.positions;
-        let reach = a.abs().max(b.abs()).max(c.abs()).max_element();
         let edges = [
             b.distance_squared(c),
             c.distance_squared(a),
@@ -111,12 +112,27 @@ impl Corners<'_> {
         ];
         let longest = edges[0].max(edges[1]).max(edges[2]).sqrt();
         // A weight is the distance from an edge in units of the height above it.
-        let least = (reach * EDGE * longest / double_area).min(1.0 / 3.0);
+        let least = (self.reach() * EDGE * longest / double_area).min(1.0 / 3.0);
         if weights.iter().all(|&w| w >= least) {
             return weights;
         }
         let kept = weights.map(|w| w.max(least));
         kept.map(|w| w / (kept[0] + kept[1] + kept[2]))
+    }
+
+    /// The size of the numbers whose rounding may move a ray sideways: the corners', and those that sum up to them
+    /// where rays are taken into the mesh's own space.
+    fn reach(&self) -> f64 {
+        let [a, b, c] = self.positions.map(DVec3::abs);
+        let corners = a.max(b).max(c).max_element();
+        match self.translation {
+            None => corners,
+            Some(translation) => {
+                let size = self.positions.map(|p| (p - translation).abs());
+                let size = size[0].max(size[1]).max(size[2]).max_element();
+                corners + size + translation.abs().max_element()
+            }
+        }
     }
 
     fn shading_normal(&self, weights: [f64; 3], handedness: f64) -> Option<DVec3> {
@@ -190,8 +206,9 @@ impl Corners<'_> {
     }
 }
 
-/// How far a point keeps from the edges of its triangle, as a fraction of its coordinates: 2^-22, four ulps.
-const EDGE: f64 = 1.0 / 4_194_304.0;
+/// How far a point keeps from the edges of its triangle, as a fraction of its coordinates: 2^-20, sixteen
+/// roundings.
+const EDGE: f64 = 1.0 / 1_048_576.0;
 
 /// The part of `tangent` orthogonal to `normal`, with a sign.
 fn frame_tangent(tangent: DVec3, normal: DVec3, sign: f64) -> Option<Vec4> {

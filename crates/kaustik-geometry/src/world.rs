@@ -227,18 +227,20 @@ impl World {
         let placed = &self.instances[instance as usize];
         let mesh = self.mesh(placed.mesh);
         let corners = mesh.corners(primitive);
-        let positions = if self.flattened[instance as usize] {
-            corners.map(|p| placed.transform.transform_point3(p).as_dvec3())
-        } else {
-            let to_world = placed.transform.as_daffine3();
-            corners.map(|p| to_world.transform_point3(p.as_dvec3()))
-        };
         let linear = placed.transform.matrix3.as_dmat3();
+        let (positions, translation) = if self.flattened[instance as usize] {
+            let world = corners.map(|p| placed.transform.transform_point3(p).as_dvec3());
+            (world, None)
+        } else {
+            let shift = placed.transform.translation.as_dvec3();
+            (corners.map(|p| linear * p.as_dvec3() + shift), Some(shift))
+        };
         Corners {
             mesh,
             primitive,
             positions,
             linear,
+            translation,
         }
     }
 }

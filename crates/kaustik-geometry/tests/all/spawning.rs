@@ -40,6 +40,10 @@ fn walk(
         if d.dot(n) < 0.0 {
             d = -d;
         }
+        if d.dot(n) < 1e-6 {
+            // So near the tangent plane that the rounded normal does not tell its side.
+            d = n;
+        }
         ray = spawn(&surface, d);
         seen.bounces += 1;
         let next = world.intersect(&ray);
@@ -136,19 +140,23 @@ fn shadow_rays_meet_neither_end() {
                     let d = t.position - s.position;
                     d.dot(s.geometric_normal).abs() / d.length()
                 };
-                // Not two points of one side of the cube, or neighbours on nearly one plane.
-                if apart(&a, &b) > 1e-3 && apart(&b, &a) > 1e-3 {
+                // Not two points of one side of the cube, or neighbours on what rounding makes one plane.
+                let ulps = a
+                    .position_error
+                    .max_element()
+                    .max(b.position_error.max_element());
+                let clear = 1e-3 + 100.0 * ulps / a.position.distance(b.position);
+                if apart(&a, &b) > clear && apart(&b, &a) > clear {
                     let ray = Ray::between(&a, &b);
                     assert!(
                         !world.occluded(&ray),
                         "{name}: {a:?} {b:?} {:?}",
                         world.intersect(&ray)
                     );
-                    // Far enough behind for its rounded coordinates to tell.
+                    // Far enough behind for the rounded coordinates to tell.
                     let depth = apart(&b, &a) * a.position.distance(b.position);
-                    let beyond = 1.0 + 10.0 * b.position_error.max_element() / depth;
                     let behind = Ray {
-                        t_max: beyond.max(1.001),
+                        t_max: (1.0 + 20.0 * ulps / depth).max(1.001),
                         ..ray
                     };
                     assert!(world.occluded(&behind), "{name}: the far side is there");
