@@ -1,7 +1,8 @@
 //! The workspace's one integration binary: it links once.
 //!
-//! These modules hold the house together: what the manifests, the sources and
-//! the documents promise each other. Each scan is itself tested on a planted violation.
+//! The first modules hold the house together: what the manifests, the sources and
+//! the documents promise each other. Each scan is itself tested on a planted violation. The
+//! others render: methods against each other, against closed forms, against themselves.
 
 /// Who depends on whom, and who must not.
 mod arrows;
@@ -15,3 +16,16 @@ mod source;
 mod tidy;
 /// Methods, settings, extensions, scenes: the words of the documents and of the program.
 mod vocabulary;
+
+/// Methods agree in the mean; planted faults are found.
+mod agreement;
+/// The same bits for any number of threads, and across a glTF file.
+mod bits;
+/// Pictures known in closed form.
+mod furnace;
+/// Nothing depends on the unit of length.
+mod scale;
+/// What the tests of whole renders share.
+mod support;
+/// The command as a user meets it.
+mod words;

@@ -5,8 +5,8 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use clap::{Args, Parser, Subcommand};
-use kaustik::film::{Filter, Tone, ToneCurve, Window};
 use kaustik::Method;
+use kaustik::film::{Filter, Tone, ToneCurve, Window};
 
 /// Light transport with Markov chains.
 #[derive(Debug, Parser)]
@@ -113,7 +113,10 @@ pub(crate) struct RenderWords {
 impl RenderWords {
     /// How the PNG is shown.
     pub(crate) fn display(&self) -> Tone {
-        Tone { exposure: self.exposure, curve: self.tone }
+        Tone {
+            exposure: self.exposure,
+            curve: self.tone,
+        }
     }
 }
 
@@ -158,7 +161,10 @@ pub(crate) struct CompareWords {
 
 /// `500ms`, `30s`, `5m`, `1h`.
 fn duration(text: &str) -> Result<Duration, String> {
-    let digits = text.len() - text.trim_start_matches(|c: char| c.is_ascii_digit() || c == '.').len();
+    let digits = text.len()
+        - text
+            .trim_start_matches(|c: char| c.is_ascii_digit() || c == '.')
+            .len();
     let (number, unit) = text.split_at(digits);
     let scale = match unit {
         "ms" => 1e-3,
@@ -177,7 +183,10 @@ fn duration(text: &str) -> Result<Duration, String> {
 
 /// `X0,Y0,X1,Y1`.
 fn window(text: &str) -> Result<Window, String> {
-    let numbers: Option<Vec<u32>> = text.split(',').map(|part| part.trim().parse().ok()).collect();
+    let numbers: Option<Vec<u32>> = text
+        .split(',')
+        .map(|part| part.trim().parse().ok())
+        .collect();
     match numbers.as_deref() {
         Some(&[x0, y0, x1, y1]) if x0 < x1 && y0 < y1 => Ok(Window { x0, y0, x1, y1 }),
         _ => Err("expected X0,Y0,X1,Y1 with X0 < X1 and Y0 < Y1".to_owned()),
@@ -209,7 +218,10 @@ fn size(text: &str) -> Result<u64, String> {
 
 /// A number that is one.
 fn finite(text: &str) -> Result<f64, String> {
-    text.parse().ok().filter(|x: &f64| x.is_finite()).ok_or_else(|| "expected a number".to_owned())
+    text.parse()
+        .ok()
+        .filter(|x: &f64| x.is_finite())
+        .ok_or_else(|| "expected a number".to_owned())
 }
 
 #[cfg(test)]
@@ -227,7 +239,17 @@ mod tests {
         assert_eq!(duration("500ms"), Ok(Duration::from_millis(500)));
         assert_eq!(duration("1.5m"), Ok(Duration::from_secs(90)));
         assert_eq!(duration("1h"), Ok(Duration::from_secs(3600)));
-        for wrong in ["", "5", "s", "-1s", "1d", "0s", "1e9h", "..s", "99999999999999999999h"] {
+        for wrong in [
+            "",
+            "5",
+            "s",
+            "-1s",
+            "1d",
+            "0s",
+            "1e9h",
+            "..s",
+            "99999999999999999999h",
+        ] {
             assert!(duration(wrong).is_err(), "{wrong}");
         }
     }

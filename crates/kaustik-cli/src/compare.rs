@@ -15,8 +15,14 @@ pub(crate) fn run(words: &CompareWords) -> Result<ExitCode, Failure> {
         .ok_or_else(|| Failure::Input("expected pictures and a reference".to_owned()))?;
     let reference = read(reference)?;
     let half = words.half.as_deref().map(read).transpose()?;
-    let names: Vec<String> = images.iter().map(|path| path.display().to_string()).collect();
-    let images = images.iter().map(|path| read(path)).collect::<Result<Vec<_>, _>>()?;
+    let names: Vec<String> = images
+        .iter()
+        .map(|path| path.display().to_string())
+        .collect();
+    let images = images
+        .iter()
+        .map(|path| read(path))
+        .collect::<Result<Vec<_>, _>>()?;
     let pairs: Vec<(&str, &Image)> = names.iter().map(String::as_str).zip(&images).collect();
     let report = metrics::compare(&pairs, &reference, half.as_ref()).map_err(Failure::input)?;
     if words.json {

@@ -12,7 +12,11 @@ pub(crate) fn run(words: &InfoWords) -> Result<ExitCode, Failure> {
     let input = input::load(&words.scene, None)?;
     let mut text = contents(&input.description);
     if input.memory > 0 {
-        let _ = writeln!(text, "memory      {:.1} MB once loaded", input.memory as f64 * 1e-6);
+        let _ = writeln!(
+            text,
+            "memory      {:.1} MB once loaded",
+            input.memory as f64 * 1e-6
+        );
     }
     for warning in &input.warnings {
         let _ = writeln!(text, "warning     {warning}");
@@ -33,19 +37,45 @@ fn contents(scene: &Description) -> String {
     let mut line = |what: &str, value: String| {
         let _ = writeln!(text, "{what:<11} {value}");
     };
-    line("scene", if scene.name.is_empty() { "(no name)".into() } else { scene.name.clone() });
-    line("meshes", format!("{}, {stored} triangles", scene.meshes.len()));
-    line("instances", format!("{}, {placed} triangles placed", scene.instances.len()));
-    line("materials", names(scene.materials.iter().map(|material| &material.name)));
+    line(
+        "scene",
+        if scene.name.is_empty() {
+            "(no name)".into()
+        } else {
+            scene.name.clone()
+        },
+    );
+    line(
+        "meshes",
+        format!("{}, {stored} triangles", scene.meshes.len()),
+    );
+    line(
+        "instances",
+        format!("{}, {placed} triangles placed", scene.instances.len()),
+    );
+    line(
+        "materials",
+        names(scene.materials.iter().map(|material| &material.name)),
+    );
     let images: Vec<String> = scene
         .images
         .iter()
         .map(|image| format!("{} ({} x {})", image.name, image.width, image.height))
         .collect();
     line("images", names(images.iter()));
-    line("lights", names(scene.lights.iter().map(|light| &light.name)));
-    line("cameras", names(scene.cameras.iter().map(|camera| &camera.name)));
-    let environment = if scene.environment.is_some() { "yes" } else { "none" };
+    line(
+        "lights",
+        names(scene.lights.iter().map(|light| &light.name)),
+    );
+    line(
+        "cameras",
+        names(scene.cameras.iter().map(|camera| &camera.name)),
+    );
+    let environment = if scene.environment.is_some() {
+        "yes"
+    } else {
+        "none"
+    };
     line("environment", environment.into());
     text
 }
@@ -53,6 +83,13 @@ fn contents(scene: &Description) -> String {
 /// `3: a, b, c`.
 fn names<'a>(names: impl ExactSizeIterator<Item = &'a String>) -> String {
     let count = names.len();
-    let list: Vec<&str> = names.map(String::as_str).filter(|name| !name.is_empty()).collect();
-    if list.is_empty() { count.to_string() } else { format!("{count}: {}", list.join(", ")) }
+    let list: Vec<&str> = names
+        .map(String::as_str)
+        .filter(|name| !name.is_empty())
+        .collect();
+    if list.is_empty() {
+        count.to_string()
+    } else {
+        format!("{count}: {}", list.join(", "))
+    }
 }

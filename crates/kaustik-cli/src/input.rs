@@ -4,9 +4,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use kaustik::film::{self, Keep, Limits};
-use kaustik::scene::description::{
-    EnvironmentDescription, ImageData, Pixels, Projection,
-};
+use kaustik::scene::description::{EnvironmentDescription, ImageData, Pixels, Projection};
 use kaustik::scene::environment::load_hdr;
 use kaustik::scene::{Description, builtin, gltf};
 
@@ -25,7 +23,11 @@ pub(crate) struct Input {
 pub(crate) fn load(scene: &str, max_memory: Option<u64>) -> Result<Input, Failure> {
     if let Some(name) = scene.strip_prefix("builtin:") {
         let description = builtin::load(name).map_err(Failure::input)?;
-        return Ok(Input { description, warnings: Vec::new(), memory: 0 });
+        return Ok(Input {
+            description,
+            warnings: Vec::new(),
+            memory: 0,
+        });
     }
     let mut options = gltf::LoadOptions::default();
     if let Some(bytes) = max_memory {
@@ -34,14 +36,21 @@ pub(crate) fn load(scene: &str, max_memory: Option<u64>) -> Result<Input, Failur
     let loaded = gltf::load(Path::new(scene), &options).map_err(Failure::input)?;
     Ok(Input {
         description: loaded.description,
-        warnings: loaded.warnings.iter().map(|warning| format!("{scene}: {warning}")).collect(),
+        warnings: loaded
+            .warnings
+            .iter()
+            .map(|warning| format!("{scene}: {warning}"))
+            .collect(),
         memory: loaded.memory,
     })
 }
 
 /// `--environment`: one number, `R,G,B`, or a file.
 pub(crate) fn environment(text: &str) -> Result<EnvironmentDescription, Failure> {
-    let numbers: Option<Vec<f32>> = text.split(',').map(|part| part.trim().parse().ok()).collect();
+    let numbers: Option<Vec<f32>> = text
+        .split(',')
+        .map(|part| part.trim().parse().ok())
+        .collect();
     let sound = |c: &[f32]| c.iter().all(|c| c.is_finite() && *c >= 0.0);
     match numbers.as_deref() {
         Some(&[grey]) if sound(&[grey]) => Ok(EnvironmentDescription::Constant([grey; 3])),
@@ -58,14 +67,23 @@ pub(crate) fn environment(text: &str) -> Result<EnvironmentDescription, Failure>
 }
 
 fn environment_image(path: &Path) -> Result<ImageData, Failure> {
-    let is_exr = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("exr"));
+    let is_exr = path
+        .extension()
+        .is_some_and(|e| e.eq_ignore_ascii_case("exr"));
     if !is_exr {
-        return load_hdr(path).map(|decoded| decoded.image).map_err(Failure::input);
+        return load_hdr(path)
+            .map(|decoded| decoded.image)
+            .map_err(Failure::input);
     }
     let image = film::read(path, &Limits::default(), Keep::Main).map_err(Failure::input)?;
     let [r, g, b] = image.rgb();
     let clean = |v: f32| if v.is_finite() { v.max(0.0) } else { 0.0 };
-    let pixels = r.iter().zip(g).zip(b).flat_map(|((r, g), b)| [*r, *g, *b].map(clean)).collect();
+    let pixels = r
+        .iter()
+        .zip(g)
+        .zip(b)
+        .flat_map(|((r, g), b)| [*r, *g, *b].map(clean))
+        .collect();
     Ok(ImageData {
         name: path.display().to_string(),
         width: image.width(),

@@ -46,8 +46,18 @@ pub(crate) fn methods(words: &MethodWords) -> Result<ExitCode, Failure> {
         }
         Some(method) => {
             let _ = writeln!(text, "{}: {}\n", method.name(), method.summary());
-            for Key { name, default, range, meaning, .. } in method.keys() {
-                let _ = writeln!(text, "--set {name}={range}  (default {default})\n    {meaning}");
+            for Key {
+                name,
+                default,
+                range,
+                meaning,
+                ..
+            } in method.keys()
+            {
+                let _ = writeln!(
+                    text,
+                    "--set {name}={range}  (default {default})\n    {meaning}"
+                );
             }
         }
     }

@@ -24,7 +24,9 @@ impl Display {
             return Self::Quiet;
         }
         if !std::io::stderr().is_terminal() {
-            return Self::Lines { last: Instant::now() };
+            return Self::Lines {
+                last: Instant::now(),
+            };
         }
         let bar = ProgressBar::with_draw_target(Some(1000), ProgressDrawTarget::stderr());
         if let Ok(style) = ProgressStyle::with_template("{bar:30} {percent:>3} %  {msg}") {
@@ -43,7 +45,11 @@ impl Display {
             Self::Lines { last } => {
                 if last.elapsed() >= LINE_EVERY {
                     *last = Instant::now();
-                    output::note(&format!("{:3.0} %  {}", progress.fraction * 100.0, line(progress)));
+                    output::note(&format!(
+                        "{:3.0} %  {}",
+                        progress.fraction * 100.0,
+                        line(progress)
+                    ));
                 }
             }
         }
@@ -64,7 +70,11 @@ fn line(progress: &Progress) -> String {
         progress.rate * 1e-6
     );
     if let Some([small, large]) = progress.acceptance {
-        line += &format!(", accepted {:.0} % small {:.0} % large", small * 100.0, large * 100.0);
+        line += &format!(
+            ", accepted {:.0} % small {:.0} % large",
+            small * 100.0,
+            large * 100.0
+        );
     }
     if let Some([b, error]) = progress.normalisation {
         line += &format!(", b {b:.5} +- {error:.1e}");

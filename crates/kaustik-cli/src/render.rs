@@ -6,7 +6,7 @@ use std::time::Duration;
 use kaustik::film::{check_writable, exr, png, write_file};
 use kaustik::scene::{Scene, SceneOptions};
 use kaustik::spectrum::WavelengthSampling;
-use kaustik::{Budget, Control, Options, Outcome, Rendered, RenderSettings, render};
+use kaustik::{Budget, Control, Options, Outcome, RenderSettings, Rendered, render};
 use serde_json::{Value, json};
 
 use crate::arguments::RenderWords;
@@ -16,7 +16,10 @@ use crate::{Failure, input, output};
 
 pub(crate) fn run(words: &RenderWords) -> Result<ExitCode, Failure> {
     let settings = settings(words)?;
-    for path in [&words.output, &words.png, &words.stats].into_iter().flatten() {
+    for path in [&words.output, &words.png, &words.stats]
+        .into_iter()
+        .flatten()
+    {
         check_writable(path).map_err(Failure::input)?;
     }
     let remark = |line: &str| {
@@ -37,7 +40,11 @@ pub(crate) fn run(words: &RenderWords) -> Result<ExitCode, Failure> {
         width,
         height,
         camera: words.camera.clone(),
-        environment: words.environment.as_deref().map(input::environment).transpose()?,
+        environment: words
+            .environment
+            .as_deref()
+            .map(input::environment)
+            .transpose()?,
         compensation: settings.options.compensation,
     };
     let scene = Scene::new(&input.description, &options)
@@ -46,7 +53,11 @@ pub(crate) fn run(words: &RenderWords) -> Result<ExitCode, Failure> {
     for notice in scene.notices() {
         remark(&format!("note: {notice}"));
     }
-    let settings = RenderSettings { width, height, ..settings };
+    let settings = RenderSettings {
+        width,
+        height,
+        ..settings
+    };
     finish(words, &settings, &scene)
 }
 
@@ -59,7 +70,10 @@ fn finish(
     let signals = Signals::listen()?;
     let mut display = Display::new(words.quiet);
     let mut show = |progress: &kaustik::Progress| display.show(progress);
-    let mut control = Control { stop: Some(&signals.stop), progress: Some(&mut show) };
+    let mut control = Control {
+        stop: Some(&signals.stop),
+        progress: Some(&mut show),
+    };
     let rendered = render(scene, settings, &mut control).map_err(Failure::input)?;
     display.finish();
     write(words, settings, rendered)?;
@@ -71,7 +85,11 @@ fn write(
     settings: &RenderSettings,
     rendered: Rendered,
 ) -> Result<(), Failure> {
-    let Rendered { image, statistics, outcome } = rendered;
+    let Rendered {
+        image,
+        statistics,
+        outcome,
+    } = rendered;
     let metadata = metadata(words, settings, &json!(statistics));
     let image = image.with_metadata(metadata.clone());
     if let Some(path) = &words.output {
@@ -82,8 +100,10 @@ fn write(
     }
     if let Some(path) = &words.stats {
         let text = format!("{metadata:#}\n");
-        write_file(path, |file| std::io::Write::write_all(file, text.as_bytes()))
-            .map_err(Failure::other)?;
+        write_file(path, |file| {
+            std::io::Write::write_all(file, text.as_bytes())
+        })
+        .map_err(Failure::other)?;
     }
     if words.quiet {
         return Ok(());
@@ -111,10 +131,14 @@ fn write(
     output::note(&line);
     let lost = statistics.nonfinite + statistics.film.non_finite + statistics.film.too_large;
     if lost > 0 {
-        output::note(&format!("warning: {lost} contributions were not finite or too large, left out"));
+        output::note(&format!(
+            "warning: {lost} contributions were not finite or too large, left out"
+        ));
     }
     if statistics.film.overflowed > 0 {
-        output::note("warning: sums of the film overflowed: the picture is wrong where it is brightest");
+        output::note(
+            "warning: sums of the film overflowed: the picture is wrong where it is brightest",
+        );
     }
     Ok(())
 }
@@ -130,7 +154,9 @@ fn settings(words: &RenderWords) -> Result<RenderSettings, Failure> {
             .set(words.method, setting)
             .map_err(|error| Failure::Input(format!("--set {setting}: {error}")))?;
     }
-    if words.wavelengths.as_deref() == Some("4") && options.wavelengths == WavelengthSampling::Single {
+    if words.wavelengths.as_deref() == Some("4")
+        && options.wavelengths == WavelengthSampling::Single
+    {
         return Err(Failure::Input(
             "--wavelengths 4 with --set wavelengths=uniform: uniform sampling is for one wavelength"
                 .to_owned(),
@@ -149,7 +175,9 @@ fn settings(words: &RenderWords) -> Result<RenderSettings, Failure> {
         filter: words.filter,
         budget,
         seed: words.seed,
-        threads: words.threads.map_or(default.threads, |threads| threads as usize),
+        threads: words
+            .threads
+            .map_or(default.threads, |threads| threads as usize),
         max_depth: words.max_depth,
         ladders: words.ladders.clone(),
         features: !words.no_features,

@@ -33,6 +33,8 @@ impl Signals {
 
     /// Exit status after a signal, if there was one.
     pub(crate) fn status(&self) -> Option<u8> {
-        u8::try_from(self.which.load(Ordering::Relaxed)).ok().filter(|status| *status != 0)
+        u8::try_from(self.which.load(Ordering::Relaxed))
+            .ok()
+            .filter(|status| *status != 0)
     }
 }

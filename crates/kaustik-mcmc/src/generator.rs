@@ -23,34 +23,71 @@ pub fn generator(seed: u64, ladder: u64) -> Pcg64Dxsm {
 /// three numbers without the samples before it. It shares nothing with
 /// [`generator`] of the same seed and ladder.
 pub fn sample_generator(seed: u64, ladder: u64, step: u64) -> Pcg64Dxsm {
-    from_words([SAMPLE, seed, ladder, step])
+    SampleGenerators::new(seed, ladder).at(step)
+}
+
+/// The generators of all samples of one ladder: [`sample_generator`] with the work that
+/// does not depend on the step done once.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SampleGenerators {
+    lanes: [u64; 4],
+}
+
+impl SampleGenerators {
+    /// Of a ladder.
+    pub fn new(seed: u64, ladder: u64) -> Self {
+        Self {
+            lanes: absorb(LANES, [SAMPLE, seed, ladder]),
+        }
+    }
+
+    /// The generator of a sample.
+    #[inline]
+    pub fn at(&self, step: u64) -> Pcg64Dxsm {
+        finish(absorb(self.lanes, [step]))
+    }
 }
 
 /// What the words are for: keeps the two families of generators apart.
 const LADDER: u64 = 1;
 const SAMPLE: u64 = 2;
 
-/// Absorbs the words into four lanes, each a chain of bijective mixers that starts from
-/// its own constant (digits of the fractional part of pi).
+/// Where the lanes start: digits of the fractional part of pi.
+const LANES: [u64; 4] = [
+    0x243f_6a88_85a3_08d3,
+    0x1319_8a2e_0370_7344,
+    0xa409_3822_299f_31d0,
+    0x082e_fa98_ec4e_6c89,
+];
+
 fn from_words(words: [u64; 4]) -> Pcg64Dxsm {
-    const LANES: [u64; 4] = [
-        0x243f_6a88_85a3_08d3,
-        0x1319_8a2e_0370_7344,
-        0xa409_3822_299f_31d0,
-        0x082e_fa98_ec4e_6c89,
-    ];
+    finish(absorb(LANES, words))
+}
+
+/// Absorbs words into the four lanes, each a chain of bijective mixers.
+#[inline]
+fn absorb<const N: usize>(mut lanes: [u64; 4], words: [u64; N]) -> [u64; 4] {
+    for word in words {
+        for (lane, start) in lanes.iter_mut().zip(LANES) {
+            *lane = mix(*lane ^ word).wrapping_add(start);
+        }
+    }
+    lanes
+}
+
+/// The generator whose seed the lanes are.
+#[inline]
+fn finish(lanes: [u64; 4]) -> Pcg64Dxsm {
     let mut seed = [0u8; 32];
-    for (bytes, lane) in seed.chunks_exact_mut(8).zip(LANES) {
-        let mixed = words
-            .iter()
-            .fold(lane, |hash, &word| mix(hash ^ word).wrapping_add(lane));
-        bytes.copy_from_slice(&mix(mixed).to_le_bytes());
+    for (bytes, lane) in seed.chunks_exact_mut(8).zip(lanes) {
+        bytes.copy_from_slice(&mix(lane).to_le_bytes());
     }
     Pcg64Dxsm::from_seed(seed)
 }
 
 /// A bijection of 64 bits in which each input bit moves each output bit about half the
 /// time: the finaliser of SplitMix64 (Steele et al. 2014, Stafford's variant 13), twice.
+#[inline]
 fn mix(mut x: u64) -> u64 {
     for _ in 0..2 {
         x ^= x >> 30;

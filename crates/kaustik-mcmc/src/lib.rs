@@ -143,7 +143,7 @@ mod visit;
 pub use decide::{acceptance, decide};
 pub use draws::Draws;
 pub use family::{Family, checked_densities};
-pub use generator::{generator, sample_generator};
+pub use generator::{SampleGenerators, generator, sample_generator};
 pub use independent::Independent;
 pub use kernel::{Kernel, Move, PointKernel};
 pub use mean::Mean;

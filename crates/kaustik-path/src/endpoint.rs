@@ -2,7 +2,7 @@
 
 use kaustik_bsdf::Lobe;
 use kaustik_pss::{Coordinates, Stream};
-use kaustik_scene::Scene;
+use kaustik_scene::{Scene, Vertex};
 
 use crate::contributions::Gathered;
 use crate::next_event::{Shares, next_event};
@@ -44,12 +44,13 @@ impl Endpoint {
     ) {
         let mut origin = None;
         let mut share = 0.0;
-        while let Some((vertex, _)) = walk.advance(scene, u) {
+        let mut vertex = Vertex::default();
+        while walk.advance(scene, u, &mut vertex).is_some() {
             emission(scene, walk, &vertex, origin, share, gathered);
             if walk.edges == self.settings.max_edges {
                 return;
             }
-            let scatter = walk.scatter(scene, vertex);
+            let scatter = walk.scatter(scene, &vertex);
             let onward = onward(&scatter);
             if onward < 1.0 {
                 let stop = layout::bounce(layout::CAMERA_HEAD, walk.edges) + 3;
@@ -78,7 +79,7 @@ impl Endpoint {
 }
 
 /// Probability of going on: the albedo within limits where the walk could be joined, else 1.
-fn onward(scatter: &Scatter) -> f64 {
+fn onward(scatter: &Scatter<'_>) -> f64 {
     if !scatter.bsdf.is_connectable() {
         return 1.0;
     }

@@ -2,7 +2,7 @@
 
 use glam::{DVec2, Vec3};
 use kaustik_geometry::Ray;
-use kaustik_scene::Scene;
+use kaustik_scene::{Scene, Vertex};
 use kaustik_spectrum::{Illuminant, Rgb, WavelengthSampling, Wavelengths};
 
 /// Of the first surface that a camera ray meets.
@@ -14,6 +14,8 @@ pub struct Features {
     pub normal: Vec3,
     /// Distance in scene units; 0 if nothing is met.
     pub depth: f32,
+    /// Light tracing cannot show this point: it is seen in a Dirac surface, or is the environment.
+    pub beyond_light_tracing: bool,
 }
 
 /// Looks through a raster point, from the centre of the lens, with the wavelengths of a number in [0, 1).
@@ -22,9 +24,13 @@ pub fn features(scene: &Scene, raster: DVec2, wavelength: f64) -> Features {
     let ray = scene.camera().sample_ray(raster, [0.5; 2]);
     let mut interior = scene.camera_interior();
     let traced = Ray::new(ray.origin.as_vec3(), ray.direction.as_vec3());
-    let segment = scene.advance(&traced, &mut interior, &wavelengths, || 0.5);
-    let Some(vertex) = segment.vertex else {
-        return Features::default();
+    let mut vertex = Vertex::default();
+    let segment = scene.advance(&traced, &mut interior, &wavelengths, || 0.5, &mut vertex);
+    let Some(segment) = segment else {
+        return Features {
+            beyond_light_tracing: true,
+            ..Features::default()
+        };
     };
     let albedo = scene.albedo(&vertex, -ray.direction, &wavelengths);
     let lit = albedo * Illuminant::D65.eval(&wavelengths);
@@ -37,5 +43,6 @@ pub fn features(scene: &Scene, raster: DVec2, wavelength: f64) -> Features {
             normal
         },
         depth: segment.distance as f32,
+        beyond_light_tracing: !scene.is_connectable(&vertex, &wavelengths),
     }
 }

@@ -3,7 +3,7 @@
 use kaustik_bsdf::{Lobe, Mode, shading};
 use kaustik_geometry::Ray;
 use kaustik_pss::{Coordinates, Stream};
-use kaustik_scene::{AreaSample, EmissionSample, Scene};
+use kaustik_scene::{AreaSample, EmissionSample, Scene, Vertex};
 use kaustik_spectrum::Wavelengths;
 
 use crate::contributions::Gathered;
@@ -59,14 +59,15 @@ impl LightTracing {
             dispersive: false,
             edges: 0,
         };
+        let mut vertex = Vertex::default();
         while walk.edges + 1 < self.settings.max_edges && !walk.throughput.is_zero() {
-            let Some((vertex, distance)) = walk.advance(scene, u) else {
+            let Some(distance) = walk.advance(scene, u, &mut vertex) else {
                 return;
             };
             if walk.edges == 1 {
                 walk.throughput *= scene.fading(emission, distance);
             }
-            let scatter = walk.scatter(scene, vertex);
+            let scatter = walk.scatter(scene, &vertex);
             self.join(scene, &walk, &scatter, u, out);
             if walk.bounce(scene, &scatter, u, BOUNCES).is_none() || !walk.survives(u, BOUNCES) {
                 return;
@@ -79,14 +80,14 @@ impl LightTracing {
         &self,
         scene: &Scene,
         walk: &Walk,
-        scatter: &Scatter,
+        scatter: &Scatter<'_>,
         u: &mut dyn Coordinates,
         out: &mut Contributions,
     ) {
         if !scatter.bsdf.is_connectable() {
             return;
         }
-        let vertex = &scatter.vertex;
+        let vertex = scatter.vertex;
         let lens = lens_coordinates(scene, walk.edges, u);
         let Some(lens) = scene.camera().sample_lens(vertex.position, lens) else {
             return;

@@ -31,7 +31,7 @@ impl Shares {
 pub(crate) fn next_event(
     scene: &Scene,
     walk: &Walk,
-    scatter: &Scatter,
+    scatter: &Scatter<'_>,
     shares: Shares,
     u: &mut dyn Coordinates,
     gathered: &mut Gathered,
@@ -39,7 +39,7 @@ pub(crate) fn next_event(
     if !scatter.bsdf.is_connectable() {
         return;
     }
-    let vertex = &scatter.vertex;
+    let vertex = scatter.vertex;
     let first = layout::NEXT_EVENT * (walk.edges - 1);
     let sample = scene.sample_direct(vertex.position, &walk.wavelengths, |i| {
         u.get(Stream::Connection, first + i)

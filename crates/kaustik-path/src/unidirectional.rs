@@ -56,12 +56,13 @@ impl Unidirectional {
     ) {
         // `None`: next event could not have found what the walk runs into.
         let mut origin = None;
-        while let Some((vertex, _)) = walk.advance(scene, u) {
+        let mut vertex = Vertex::default();
+        while walk.advance(scene, u, &mut vertex).is_some() {
             emission(scene, walk, &vertex, origin, 1.0, gathered);
             if walk.edges == self.settings.max_edges {
                 return;
             }
-            let scatter = walk.scatter(scene, vertex);
+            let scatter = walk.scatter(scene, &vertex);
             if self.next_event {
                 next_event(scene, walk, &scatter, Shares::BOTH, u, gathered);
             }

@@ -31,8 +31,8 @@ pub(crate) struct Walk {
 
 /// A vertex of a walk with its scattering function, in local directions.
 #[derive(Clone, Debug)]
-pub(crate) struct Scatter {
-    pub(crate) vertex: Vertex,
+pub(crate) struct Scatter<'a> {
+    pub(crate) vertex: &'a Vertex,
     pub(crate) bsdf: Bsdf,
     /// Local direction to where the walk came from.
     pub(crate) wo: DVec3,
@@ -41,30 +41,36 @@ pub(crate) struct Scatter {
 }
 
 impl Walk {
-    /// Takes the next edge. `None`: the walk left the scene.
+    /// Takes the next edge and writes what it led to into `vertex`. Returns its length; `None`:
+    /// the walk left the scene.
     #[inline]
     pub(crate) fn advance(
         &mut self,
         scene: &Scene,
         u: &mut dyn Coordinates,
-    ) -> Option<(Vertex, f64)> {
-        let edge = self.edges;
-        let segment = scene.advance(&self.ray, &mut self.interior, &self.wavelengths, || {
-            u.get(Stream::Transparency, transparency(self.mode, edge))
-        });
+        vertex: &mut Vertex,
+    ) -> Option<f64> {
+        let index = transparency(self.mode, self.edges);
         self.edges += 1;
-        self.throughput *= segment.absorption;
-        segment.vertex.map(|vertex| (vertex, segment.distance))
+        let segment = scene.advance(
+            &self.ray,
+            &mut self.interior,
+            &self.wavelengths,
+            || u.get(Stream::Transparency, index),
+            vertex,
+        )?;
+        if !self.interior.is_vacuum() {
+            self.throughput *= segment.absorption;
+        }
+        Some(segment.distance)
     }
 
     /// The scattering function at the vertex just reached.
     #[inline]
-    pub(crate) fn scatter(&self, scene: &Scene, vertex: Vertex) -> Scatter {
-        let bsdf = scene.bsdf(&vertex, &self.wavelengths, &self.interior);
-        let wo = vertex.frame.to_local(-self.direction);
+    pub(crate) fn scatter<'a>(&self, scene: &Scene, vertex: &'a Vertex) -> Scatter<'a> {
         Scatter {
-            bsdf,
-            wo,
+            bsdf: scene.bsdf(vertex, &self.wavelengths, &self.interior),
+            wo: vertex.frame.to_local(-self.direction),
             ng: vertex.local_normal(),
             vertex,
         }
@@ -76,7 +82,7 @@ impl Walk {
     pub(crate) fn bounce(
         &mut self,
         scene: &Scene,
-        scatter: &Scatter,
+        scatter: &Scatter<'_>,
         u: &mut dyn Coordinates,
         (stream, head): (Stream, u32),
     ) -> Option<Sample> {
@@ -97,7 +103,7 @@ impl Walk {
         if self.throughput.is_zero() {
             return None;
         }
-        let vertex = &scatter.vertex;
+        let vertex = scatter.vertex;
         self.dispersive |= sample.dispersive;
         self.direction = vertex.frame.to_world(sample.wi);
         if sample.transmitted {

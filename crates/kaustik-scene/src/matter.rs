@@ -31,18 +31,14 @@ impl Matter {
 
     /// The surface that a ray met, with its shading frame.
     #[inline]
-    pub(crate) fn vertex(&self, ray: &Ray, hit: &Hit) -> Vertex {
-        let surface = self.world.surface(ray, hit);
-        let material = self.material_of[hit.instance as usize];
-        Vertex {
-            position: surface.position.as_dvec3(),
-            normal: surface.geometric_normal.as_dvec3(),
-            frame: self.shading_frame(&surface, material),
-            surface,
-            instance: hit.instance,
-            primitive: hit.primitive,
-            material,
-        }
+    pub(crate) fn vertex(&self, ray: &Ray, hit: &Hit, vertex: &mut Vertex) {
+        vertex.surface = self.world.surface(ray, hit);
+        vertex.material = self.material_of[hit.instance as usize];
+        vertex.position = vertex.surface.position.as_dvec3();
+        vertex.normal = vertex.surface.geometric_normal.as_dvec3();
+        vertex.frame = self.shading_frame(&vertex.surface, vertex.material);
+        vertex.instance = hit.instance;
+        vertex.primitive = hit.primitive;
     }
 
     /// The frame about the shading normal, normal texture applied. A normal that points to the

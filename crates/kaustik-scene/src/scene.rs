@@ -29,14 +29,12 @@ pub struct Scene {
     image_size: [u32; 2],
 }
 
-/// What the next segment of a walk led to.
+/// The way to the next vertex of a walk.
 #[derive(Clone, Copy, Debug)]
 pub struct Segment {
-    /// The surface met; `None` when the walk left the scene.
-    pub vertex: Option<Vertex>,
     /// Share of light that what fills the space has left over.
     pub absorption: Spectrum,
-    /// Length in scene units; infinite when nothing was met.
+    /// Length in scene units.
     pub distance: f64,
 }
 
@@ -76,9 +74,12 @@ impl Scene {
         self.camera_interior
     }
 
-    /// Follows a ray to the next surface that counts, through what alpha or priority hides. `interior` is
-    /// updated where hidden interfaces of solids are crossed. `transparency` gives one
-    /// number in [0, 1), asked for at most once.
+    /// Follows a ray to the next surface that counts, through what alpha or priority hides, and
+    /// writes it into `vertex`; `None` if the ray leaves the scene. `interior` is updated where
+    /// hidden interfaces of solids are crossed. `transparency` gives one number in [0, 1), asked
+    /// for at most once.
+    ///
+    /// The vertex goes into the caller's slot because it is large, and this is the innermost loop.
     #[inline]
     pub fn advance(
         &self,
@@ -86,24 +87,24 @@ impl Scene {
         interior: &mut Interior,
         wavelengths: &Wavelengths,
         transparency: impl FnOnce() -> f64,
-    ) -> Segment {
-        let Some(hit) = self.matter.intersect(ray, transparency) else {
-            return Segment {
-                vertex: None,
-                absorption: Spectrum::ONE,
-                distance: f64::INFINITY,
-            };
-        };
-        let vertex = self.matter.vertex(ray, &hit);
+        vertex: &mut Vertex,
+    ) -> Option<Segment> {
+        let hit = self.matter.intersect(ray, transparency)?;
+        self.matter.vertex(ray, &hit, vertex);
         let distance = f64::from(hit.t) * ray.direction.as_dvec3().length();
+        if interior.is_vacuum() {
+            return Some(Segment {
+                absorption: Spectrum::ONE,
+                distance,
+            });
+        }
         let absorption = self.matter.absorption(interior, wavelengths, distance);
         let segment = Segment {
-            vertex: Some(vertex),
             absorption,
             distance,
         };
-        if interior.is_vacuum() || !self.matter.is_overruled(vertex.material, interior) {
-            return segment;
+        if !self.matter.is_overruled(vertex.material, interior) {
+            return Some(segment);
         }
         self.pass_overruled(ray, segment, vertex, interior, wavelengths)
     }
@@ -115,36 +116,25 @@ impl Scene {
         &self,
         ray: &Ray,
         mut segment: Segment,
-        mut vertex: Vertex,
+        vertex: &mut Vertex,
         interior: &mut Interior,
         wavelengths: &Wavelengths,
-    ) -> Segment {
+    ) -> Option<Segment> {
         /// A bound for senseless scenes.
         const MOST: usize = 1000;
         for _ in 0..MOST {
-            self.cross(&vertex, ray.direction.as_dvec3(), interior);
+            self.cross(vertex, ray.direction.as_dvec3(), interior);
             let onward = Ray::spawn(&vertex.surface, ray.direction);
-            let Some(hit) = self.matter.world.intersect(&onward) else {
-                return Segment {
-                    vertex: None,
-                    distance: f64::INFINITY,
-                    ..segment
-                };
-            };
-            vertex = self.matter.vertex(&onward, &hit);
+            let hit = self.matter.world.intersect(&onward)?;
+            self.matter.vertex(&onward, &hit, vertex);
             let distance = f64::from(hit.t) * ray.direction.as_dvec3().length();
             segment.absorption *= self.matter.absorption(interior, wavelengths, distance);
             segment.distance += distance;
-            segment.vertex = Some(vertex);
             if !self.matter.is_overruled(vertex.material, interior) {
-                return segment;
+                return Some(segment);
             }
         }
-        Segment {
-            vertex: None,
-            absorption: Spectrum::ZERO,
-            distance: f64::INFINITY,
-        }
+        None
     }
 
     /// Updates `interior` for a walk that passes the surface along `direction` (world).
@@ -294,6 +284,13 @@ impl Scene {
             Reach::Point(point) => Ray::towards(&vertex.surface, point.as_vec3()),
             Reach::Infinity => Ray::spawn(&vertex.surface, sample.wi.as_vec3()),
         }
+    }
+
+    /// Can a light path be joined to this surface (it scatters not only into Dirac directions)?
+    /// As seen by a walk from the camera.
+    pub fn is_connectable(&self, vertex: &Vertex, wavelengths: &Wavelengths) -> bool {
+        self.bsdf(vertex, wavelengths, &self.camera_interior)
+            .is_connectable()
     }
 
     /// Reflectance of a surface as it looks from `direction`: for the albedo layer.

@@ -1,6 +1,6 @@
 //! A point of a surface as a walk sees it.
 
-use glam::DVec3;
+use glam::{DVec3, Vec2, Vec3};
 use kaustik_bsdf::Frame;
 use kaustik_geometry::Surface;
 
@@ -21,6 +21,34 @@ pub struct Vertex {
     pub primitive: u32,
     /// Index of the material.
     pub material: u32,
+}
+
+impl Default for Vertex {
+    /// A slot for [`Scene::advance`](crate::Scene::advance) to write into.
+    fn default() -> Self {
+        Self {
+            surface: Surface {
+                position: Vec3::ZERO,
+                position_error: Vec3::ZERO,
+                geometric_normal: Vec3::Z,
+                shading_normal: Vec3::Z,
+                tangent: None,
+                uv: [Vec2::ZERO; 2],
+                color: [1.0; 4],
+                front: true,
+            },
+            position: DVec3::ZERO,
+            normal: DVec3::Z,
+            frame: Frame {
+                x: DVec3::X,
+                y: DVec3::Y,
+                z: DVec3::Z,
+            },
+            instance: 0,
+            primitive: 0,
+            material: 0,
+        }
+    }
 }
 
 impl Vertex {

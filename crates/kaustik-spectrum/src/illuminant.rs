@@ -70,7 +70,8 @@ impl Illuminant {
     /// The values at a path's wavelengths.
     #[inline]
     pub fn eval(self, wavelengths: &Wavelengths) -> Spectrum {
-        Spectrum::new(wavelengths.nm().map(|nm| self.at(nm)))
+        let [a, b, c, d] = wavelengths.nm();
+        Spectrum::new([self.at(a), self.at(b), self.at(c), self.at(d)])
     }
 }
 

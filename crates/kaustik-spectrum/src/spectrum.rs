@@ -82,14 +82,17 @@ impl Spectrum {
 
     /// `f` of each lane.
     #[inline]
-    pub fn map(self, f: impl FnMut(f32) -> f32) -> Self {
-        Self(self.0.map(f))
+    pub fn map(self, mut f: impl FnMut(f32) -> f32) -> Self {
+        // Spelled out: the standard library's `map` of arrays is not always inlined.
+        let [a, b, c, d] = self.0;
+        Self([f(a), f(b), f(c), f(d)])
     }
 
     /// `f` of each pair of lanes.
     #[inline]
     pub fn zip(self, other: Self, mut f: impl FnMut(f32, f32) -> f32) -> Self {
-        Self::from_fn(|i| f(self.0[i], other.0[i]))
+        let ([a, b, c, d], [e, g, h, i]) = (self.0, other.0);
+        Self([f(a, e), f(b, g), f(c, h), f(d, i)])
     }
 
     /// Square root of each lane.

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use crate::cmf::{KNOTS, NM_MAX, NM_MIN, cell};
 use crate::data::cornell;
 use crate::guide::Guide;
 use crate::{Spectrum, SpectrumError, Wavelengths};
@@ -17,6 +18,9 @@ struct Table {
     nm: Box<[f32]>,
     values: Box<[f32]>,
     guide: Guide,
+    /// The values at 360, 361, ..., 830 nm and once more the last, if all knots within the visible
+    /// range are whole nanometres: then linear interpolation between these is the same function.
+    dense: Option<Box<[f32; KNOTS + 1]>>,
 }
 
 impl Tabulated {
@@ -65,20 +69,23 @@ impl Tabulated {
     /// The value at one wavelength.
     #[inline]
     pub fn at(&self, nm: f32) -> f32 {
-        let table = &*self.0;
-        let (i, s) = table.guide.find(&table.nm, nm);
-        let a = table.values[i];
-        if s == 0.0 {
-            a
-        } else {
-            a + s * (table.values[i + 1] - a)
-        }
+        self.0.at(nm)
     }
 
     /// The values at a path's wavelengths.
     #[inline]
     pub fn eval(&self, wavelengths: &Wavelengths) -> Spectrum {
-        Spectrum::new(wavelengths.nm().map(|nm| self.at(nm)))
+        let [a, b, c, d] = wavelengths.nm();
+        match &self.0.dense {
+            None => Spectrum::new([self.at(a), self.at(b), self.at(c), self.at(d)]),
+            Some(dense) => {
+                let at = |nm: f32| {
+                    let (i, s) = cell(nm);
+                    dense[i] + s * (dense[i + 1] - dense[i])
+                };
+                Spectrum::new([at(a), at(b), at(c), at(d)])
+            }
+        }
     }
 
     /// The knots, ascending.
@@ -108,11 +115,31 @@ impl Tabulated {
 
     fn trusted(nm: Vec<f32>, values: Vec<f32>) -> Self {
         let guide = Guide::new(&nm);
-        Self(Arc::new(Table {
+        let broken = |nm: &f32| (NM_MIN..=NM_MAX).contains(nm) && nm.fract() != 0.0;
+        let is_dense = !nm.iter().any(broken);
+        let mut table = Table {
             nm: nm.into(),
             values: values.into(),
             guide,
-        }))
+            dense: None,
+        };
+        if is_dense {
+            let at = |i: usize| table.at(NM_MIN + i.min(KNOTS - 1) as f32);
+            table.dense = Some(Box::new(std::array::from_fn(at)));
+        }
+        Self(Arc::new(table))
+    }
+}
+
+impl Table {
+    fn at(&self, nm: f32) -> f32 {
+        let (i, s) = self.guide.find(&self.nm, nm);
+        let a = self.values[i];
+        if s == 0.0 {
+            a
+        } else {
+            a + s * (self.values[i + 1] - a)
+        }
     }
 }
 

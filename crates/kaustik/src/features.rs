@@ -53,6 +53,7 @@ fn row(
                 albedo,
                 normal,
                 depth,
+                ..
             } = features(scene, raster, wavelength);
             let values = [
                 albedo[0], albedo[1], albedo[2], normal.x, normal.y, normal.z, depth,

@@ -4,7 +4,7 @@ use std::sync::atomic::AtomicBool;
 
 use kaustik_estimate::Scale;
 use kaustik_film::{Counters, Film, Image, Quantum, develop};
-use kaustik_mcmc::{Independent, Mean, sample_generator};
+use kaustik_mcmc::{Independent, Mean, SampleGenerators};
 use kaustik_path::{Contributions, LightTracing, PathBuilder, Unidirectional};
 use kaustik_pss::{Coordinates, Stream};
 use kaustik_scene::Scene;
@@ -26,7 +26,6 @@ pub(crate) struct IndependentEngine<'a> {
     builder: Box<dyn PathBuilder + 'a>,
     film: Film,
     streams: Vec<SampleStream>,
-    seed: u64,
     scale: Scale,
     /// Raster area of the window in pixels.
     area: f64,
@@ -49,6 +48,7 @@ struct Cells {
 struct SampleStream {
     ladder: u32,
     step: u64,
+    generators: SampleGenerators,
     value: Contributions,
     nonfinite: u64,
 }
@@ -87,6 +87,7 @@ impl<'a> IndependentEngine<'a> {
         let stream = |ladder| SampleStream {
             ladder,
             step: 0,
+            generators: SampleGenerators::new(settings.seed, u64::from(ladder)),
             value: Contributions::default(),
             nonfinite: 0,
         };
@@ -95,7 +96,6 @@ impl<'a> IndependentEngine<'a> {
             builder,
             film: Film::with_layout(&layout, Quantum::from_mean(mean / 3.0))?,
             streams: settings.ladder_range().map(stream).collect(),
-            seed: settings.seed,
             scale: Scale {
                 width: f64::from(settings.width),
                 height: f64::from(settings.height),
@@ -116,10 +116,11 @@ impl<'a> IndependentEngine<'a> {
 /// Rough mean of X + Y + Z over the window, for the film's quantum.
 fn pilot(scene: &Scene, builder: &dyn PathBuilder, settings: &RenderSettings) -> f64 {
     let samples = (settings.options.pilot / PILOT_SHARE).max(1);
+    let generators = SampleGenerators::new(settings.seed, PILOT_LADDER);
     let mut value = Contributions::default();
     let mut mean = Mean::new();
     for index in 0..samples {
-        let draws = sample_generator(settings.seed, PILOT_LADDER, index);
+        let draws = generators.at(index);
         builder.build(scene, &mut Independent::new(draws), &mut value);
         mean.push(
             value
@@ -140,7 +141,6 @@ impl Engine for IndependentEngine<'_> {
             builder,
             film,
             streams,
-            seed,
             scale,
             cells,
             single_pixel,
@@ -150,7 +150,6 @@ impl Engine for IndependentEngine<'_> {
             scene,
             builder: builder.as_ref(),
             film,
-            seed: *seed,
             scale: *scale,
             cells: *cells,
             // A pass that is broken off leaves the picture uneven; with a filter that
@@ -247,7 +246,6 @@ struct Lab<'a> {
     scene: &'a Scene,
     builder: &'a dyn PathBuilder,
     film: &'a Film,
-    seed: u64,
     scale: Scale,
     cells: Option<Cells>,
     stop: Option<&'a AtomicBool>,
@@ -259,7 +257,7 @@ impl SampleStream {
             if done % STRIDE == 0 && is_stopped(lab.stop) {
                 return;
             }
-            let draws = sample_generator(lab.seed, u64::from(self.ladder), self.step);
+            let draws = self.generators.at(self.step);
             let mut coordinates = Independent::new(draws);
             match &lab.cells {
                 None => lab

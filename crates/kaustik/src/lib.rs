@@ -42,6 +42,8 @@ pub use render::{Outcome, Rendered, render};
 pub use settings::{Budget, RenderSettings};
 pub use statistics::{ChainStatistics, RenderStatistics};
 
+pub use kaustik_estimate::Mis;
+
 pub use kaustik_estimate as estimate;
 pub use kaustik_film as film;
 pub use kaustik_mcmc as mcmc;

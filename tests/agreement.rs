@@ -1,0 +1,183 @@
+//! Independent methods must agree in the mean, on every scene that they support.
+
+use kaustik::path::features;
+use kaustik::scene::description::SpectralInput;
+use kaustik::scene::{Scene, builtin};
+use kaustik::spectrum::Tabulated;
+use kaustik::{Builder, Method, Mis, Normaliser, RenderSettings};
+
+use crate::support::{TILE, Verdict, agree, compile, scene, settings, tiles_of_seeds};
+
+const SIDE: u32 = 64;
+
+/// Tiles that a light tracer shows in full: what is seen first is neither Dirac nor the environment.
+fn shown_by_light(scene: &Scene) -> Vec<bool> {
+    let tiles = SIDE as usize / TILE;
+    let mut shown = vec![true; tiles * tiles];
+    // A few points a pixel; edges of Dirac surfaces are thinner than nothing.
+    let points = SIDE * 4;
+    for y in 0..points {
+        for x in 0..points {
+            let raster = [x, y].map(|i| (f64::from(i) + 0.5) / f64::from(points));
+            if features(scene, raster.into(), 0.5).beyond_light_tracing {
+                let tile = |i: u32| (i / 4) as usize / TILE;
+                shown[tile(y) * tiles + tile(x)] = false;
+            }
+        }
+    }
+    shown
+}
+
+struct Case {
+    words: &'static str,
+    /// Samples a pixel and seed of path, light, pssmlt.
+    spp: [u64; 3],
+}
+
+/// Compares `path` with the others; returns what differs.
+fn compare(case: &Case, seeds: u64, share: f64) -> Vec<(String, Verdict)> {
+    let scene = scene(case.words, SIDE);
+    let run = |settings: &RenderSettings| tiles_of_seeds(&scene, settings, 0..seeds);
+    let path = run(&settings(Method::Path, SIDE, case.spp[0]));
+    let shown = shown_by_light(&scene);
+    let light = run(&settings(Method::Light, SIDE, case.spp[1]));
+    let mut verdicts = vec![(
+        "light".to_owned(),
+        agree(&path, &light, |tile| shown[tile], share),
+    )];
+    let mut pssmlt = settings(Method::Pssmlt, SIDE, case.spp[2]);
+    pssmlt.options.normaliser = Normaliser::Initial;
+    verdicts.push((
+        "pssmlt".to_owned(),
+        agree(&path, &run(&pssmlt), |_| true, share),
+    ));
+    verdicts
+}
+
+fn assert_agreement(case: &Case, seeds: u64, share: f64, uncertain: usize) {
+    for (method, verdict) in compare(case, seeds, share) {
+        assert!(
+            verdict.rejected.is_empty(),
+            "{}: path and {method} differ in tiles {:?}",
+            case.words,
+            verdict.rejected
+        );
+        println!(
+            "{}: path and {method} agree, worst relative error {:.4}, above {share}: {:?}",
+            case.words, verdict.worst_error, verdict.uncertain
+        );
+        assert!(
+            verdict.uncertain.len() <= uncertain,
+            "{}, {method}: too uncertain in {:?}",
+            case.words,
+            verdict.uncertain
+        );
+    }
+}
+
+#[test]
+fn methods_agree_roughly() {
+    assert_agreement(
+        &Case {
+            words: "cornell",
+            spp: [16, 16, 32],
+        },
+        8,
+        0.2,
+        0,
+    );
+}
+
+const CASES: [Case; 6] = [
+    Case {
+        words: "cornell",
+        spp: [200, 300, 400],
+    },
+    Case {
+        words: "cornell-direct",
+        spp: [200, 300, 400],
+    },
+    Case {
+        words: "cornell-indirect",
+        spp: [600, 400, 800],
+    },
+    Case {
+        words: "ring-and-sphere?light=0.8",
+        spp: [1500, 600, 1500],
+    },
+    Case {
+        words: "glass-cube?light=0.8",
+        spp: [1500, 600, 1500],
+    },
+    Case {
+        words: "water-cornell?light=0.8",
+        spp: [1500, 600, 1500],
+    },
+];
+
+#[test]
+#[ignore = "long"]
+fn methods_agree_on_every_scene() {
+    for case in &CASES {
+        assert_agreement(case, 32, 0.005, 3);
+    }
+}
+
+#[test]
+#[ignore = "long"]
+fn endpoint_walks_and_other_weights_agree() {
+    let scene = scene("cornell", SIDE);
+    let path = tiles_of_seeds(&scene, &settings(Method::Path, SIDE, 200), 0..16);
+    let mut variants = Vec::new();
+    for (name, change) in [
+        (
+            "endpoint",
+            (|o| o.builder = Builder::Endpoint) as fn(&mut kaustik::Options),
+        ),
+        ("mis=off", |o| o.mis = Mis::Off),
+        ("implicit hits only", |o| o.next_event = false),
+        ("uniform steps", |o| {
+            o.small_step = kaustik::SmallStep::Uniform(0.05)
+        }),
+        ("luminance", |o| {
+            o.target = kaustik::estimate::ScalarTarget::Luminance
+        }),
+    ] {
+        let mut settings = settings(Method::Pssmlt, SIDE, 400);
+        settings.options.normaliser = Normaliser::Initial;
+        change(&mut settings.options);
+        let tiles = tiles_of_seeds(&scene, &settings, 0..16);
+        let verdict = agree(&path, &tiles, |_| true, 0.05);
+        assert!(
+            verdict.rejected.is_empty(),
+            "{name}: {:?}",
+            verdict.rejected
+        );
+        variants.push((name, verdict.worst_error));
+    }
+    println!("{variants:?}");
+}
+
+/// The test of the test: a wall 2 % too bright, as by a wrong weight, is found.
+#[test]
+fn a_planted_error_of_two_percent_is_rejected() {
+    let right = builtin::load("cornell").expect("a built-in scene");
+    let mut wrong = right.clone();
+    for material in &mut wrong.materials {
+        if material.reflectance == Some(SpectralInput::Named("cornell-white".into())) {
+            let white = Tabulated::named("cornell-white").expect("a known table");
+            let knots = white
+                .knots()
+                .map(|(nm, value)| (nm, value * 1.02))
+                .collect();
+            material.reflectance = Some(SpectralInput::Knots(knots));
+        }
+    }
+    assert!(wrong != right, "the planted fault is there");
+    let tiles = |description| {
+        let scene = compile(description, 32);
+        tiles_of_seeds(&scene, &settings(Method::Path, 32, 256), 0..8)
+    };
+    let verdict = agree(&tiles(&right), &tiles(&wrong), |_| true, 0.05);
+    assert!(!verdict.rejected.is_empty(), "{verdict:?}");
+}

@@ -1,0 +1,125 @@
+//! The same bits for any number of threads, and across a glTF file.
+
+use kaustik::film::Filter;
+use kaustik::scene::{builtin, gltf};
+use kaustik::{Budget, Method, RenderSettings};
+
+use crate::support::{compile, picture, scene, settings};
+
+fn bits(image: &kaustik::film::Image) -> Vec<u32> {
+    image
+        .rgb()
+        .iter()
+        .flat_map(|plane| plane.iter().map(|v| v.to_bits()))
+        .collect()
+}
+
+#[test]
+fn threads_do_not_show() {
+    let scene = scene("glass-cube?light=0.8", 24);
+    for method in Method::ALL {
+        for budget in [Budget::PerPixel(3), Budget::Total(5_001)] {
+            let settings = RenderSettings {
+                budget,
+                ..settings(method, 24, 1)
+            };
+            let one = bits(&picture(
+                &scene,
+                &RenderSettings {
+                    threads: 1,
+                    ..settings.clone()
+                },
+            ));
+            assert!(one.iter().any(|&v| v != 0));
+            for threads in [2, 3, 8] {
+                let more = bits(&picture(
+                    &scene,
+                    &RenderSettings {
+                        threads,
+                        ..settings.clone()
+                    },
+                ));
+                assert!(one == more, "{method} with {threads} threads, {budget:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn another_seed_is_another_picture() {
+    let scene = scene("cornell", 16);
+    for method in Method::ALL {
+        let settings = settings(method, 16, 2);
+        let one = bits(&picture(&scene, &settings));
+        let other = bits(&picture(
+            &scene,
+            &RenderSettings {
+                seed: 1,
+                ..settings
+            },
+        ));
+        assert!(one != other, "{method}");
+    }
+}
+
+/// A share of the ladders leaves out what the others would have added, and no more.
+#[test]
+fn shares_of_the_ladders_add_up() {
+    let scene = scene("cornell", 16);
+    let whole = settings(Method::Path, 16, 4);
+    let part = |from, to| {
+        let settings = RenderSettings {
+            ladders: Some(from..to),
+            ..whole.clone()
+        };
+        picture(&scene, &settings)
+    };
+    let (a, b, all) = (part(0, 40), part(40, 64), picture(&scene, &whole));
+    for c in 0..3 {
+        for i in 0..all.pixels() {
+            let sum = a.rgb()[c][i] + b.rgb()[c][i];
+            assert!((sum - all.rgb()[c][i]).abs() <= 1e-5 * sum.abs().max(1e-3));
+        }
+    }
+}
+
+#[test]
+fn an_exported_scene_renders_to_the_same_bits() {
+    for built_in in builtin::list() {
+        let description = builtin::load(built_in.name).expect("a built-in scene");
+        let bytes = gltf::export_bytes(&description).expect("an export");
+        let loaded = gltf::load_bytes(&bytes, "memory.glb", &gltf::LoadOptions::default())
+            .expect("what was exported");
+        assert!(
+            loaded.warnings.is_empty(),
+            "{}: {:?}",
+            built_in.name,
+            loaded.warnings
+        );
+        assert!(loaded.description == description, "{}", built_in.name);
+        let settings = settings(Method::Path, 12, 2);
+        let before = bits(&picture(&compile(&description, 12), &settings));
+        let after = bits(&picture(&compile(&loaded.description, 12), &settings));
+        assert!(before == after, "{}", built_in.name);
+    }
+}
+
+/// Every filter leaves the brightness alone, up to the border and noise.
+#[test]
+fn filters_keep_the_brightness() {
+    let scene = scene("furnace?kind=diffuse", 16);
+    for method in Method::ALL {
+        for name in Filter::names() {
+            let filter = Filter::new(name, None).expect("a known filter");
+            let settings = RenderSettings {
+                filter,
+                max_depth: 64,
+                ..settings(method, 16, 256)
+            };
+            let [r, g, b] = crate::support::means(&picture(&scene, &settings));
+            for mean in [r, g, b] {
+                assert!((mean - 1.0).abs() < 0.03, "{method} {name}: {mean}");
+            }
+        }
+    }
+}

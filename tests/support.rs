@@ -1,0 +1,199 @@
+//! What the tests of whole renders share: scenes, renders, tiles, Welch's test.
+
+use kaustik::film::Image;
+use kaustik::scene::{Description, Scene, SceneOptions, builtin};
+use kaustik::{Budget, Control, Method, RenderSettings, render};
+
+/// A built-in scene with its camera for a square image.
+pub(crate) fn scene(words: &str, side: u32) -> Scene {
+    compile(&builtin::load(words).expect("a built-in scene"), side)
+}
+
+/// A description with its camera for a square image.
+pub(crate) fn compile(description: &Description, side: u32) -> Scene {
+    let options = SceneOptions {
+        width: side,
+        height: side,
+        ..SceneOptions::default()
+    };
+    Scene::new(description, &options).expect("a sound scene")
+}
+
+/// Settings for a small square image without feature layers.
+pub(crate) fn settings(method: Method, side: u32, spp: u64) -> RenderSettings {
+    let mut settings = RenderSettings {
+        method,
+        width: side,
+        height: side,
+        budget: Budget::PerPixel(spp),
+        max_depth: 12,
+        features: false,
+        ..RenderSettings::default()
+    };
+    settings.options.pilot = 20_000;
+    settings
+}
+
+/// The picture of a render.
+pub(crate) fn picture(scene: &Scene, settings: &RenderSettings) -> Image {
+    render(scene, settings, &mut Control::default())
+        .expect("a render")
+        .image
+}
+
+/// Mean over all pixels of each channel.
+pub(crate) fn means(image: &Image) -> [f64; 3] {
+    image
+        .rgb()
+        .map(|plane| plane.iter().map(|&v| f64::from(v)).sum::<f64>() / plane.len() as f64)
+}
+
+/// Side of a tile in pixels.
+pub(crate) const TILE: usize = 8;
+
+/// Tile means of an image, three channels a tile, row by row.
+pub(crate) fn tile_means(image: &Image) -> Vec<[f64; 3]> {
+    let columns = image.width() as usize / TILE;
+    let rows = image.height() as usize / TILE;
+    let mut tiles = vec![[0.0; 3]; columns * rows];
+    for (channel, plane) in image.rgb().iter().enumerate() {
+        for (index, &value) in plane.iter().enumerate() {
+            let (x, y) = (
+                index % image.width() as usize,
+                index / image.width() as usize,
+            );
+            tiles[y / TILE * columns + x / TILE][channel] +=
+                f64::from(value) / (TILE * TILE) as f64;
+        }
+    }
+    tiles
+}
+
+/// Mean and variance of the mean of independent runs.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Runs {
+    /// Number of runs.
+    pub(crate) count: f64,
+    /// Their mean.
+    pub(crate) mean: f64,
+    /// Variance of the mean.
+    pub(crate) variance: f64,
+}
+
+impl Runs {
+    /// From the values of at least two runs.
+    pub(crate) fn of(values: &[f64]) -> Self {
+        let count = values.len() as f64;
+        let mean = values.iter().sum::<f64>() / count;
+        let squares: f64 = values.iter().map(|v| (v - mean) * (v - mean)).sum();
+        Self {
+            count,
+            mean,
+            variance: squares / (count - 1.0) / count,
+        }
+    }
+
+    /// Two-sided p-value of Welch's test of equal means. Two sets of runs without any spread
+    /// agree if they are equal up to rounding.
+    pub(crate) fn p_value(&self, other: &Self) -> f64 {
+        let variance = self.variance + other.variance;
+        let difference = (self.mean - other.mean).abs();
+        let scale = self.mean.abs().max(other.mean.abs());
+        if difference <= 1e-6 * scale || scale == 0.0 {
+            return 1.0;
+        }
+        if variance <= 0.0 {
+            return 0.0;
+        }
+        let freedom = variance * variance
+            / (self.variance * self.variance / (self.count - 1.0)
+                + other.variance * other.variance / (other.count - 1.0));
+        two_sided_t(difference / variance.sqrt(), freedom)
+    }
+}
+
+/// P(|T| >= t) of Student's distribution, by the regularised incomplete beta function.
+pub(crate) fn two_sided_t(t: f64, freedom: f64) -> f64 {
+    statrs::function::beta::beta_reg(freedom / 2.0, 0.5, freedom / (freedom + t * t))
+}
+
+/// Tile means of several seeds: `[tile][channel]` of [`Runs`].
+pub(crate) fn tiles_of_seeds(
+    scene: &Scene,
+    settings: &RenderSettings,
+    seeds: std::ops::Range<u64>,
+) -> Vec<[Runs; 3]> {
+    let runs: Vec<Vec<[f64; 3]>> = seeds
+        .map(|seed| {
+            tile_means(&picture(
+                scene,
+                &RenderSettings {
+                    seed,
+                    ..settings.clone()
+                },
+            ))
+        })
+        .collect();
+    (0..runs[0].len())
+        .map(|tile| {
+            [0, 1, 2].map(|channel| {
+                let values: Vec<f64> = runs.iter().map(|run| run[tile][channel]).collect();
+                Runs::of(&values)
+            })
+        })
+        .collect()
+}
+
+/// The verdict on two methods: tiles that differ, tiles whose error is too large to tell.
+#[derive(Debug)]
+pub(crate) struct Verdict {
+    /// Tiles (by index) where Welch's test rejects equality in a channel.
+    pub(crate) rejected: Vec<usize>,
+    /// Tiles whose pooled standard error exceeds the share of their mean asked for.
+    pub(crate) uncertain: Vec<usize>,
+    /// The largest relative pooled standard error.
+    pub(crate) worst_error: f64,
+}
+
+/// Welch's test in every channel of every tile that `counts`, Sidak-corrected to 0.01 in all.
+pub(crate) fn agree(
+    a: &[[Runs; 3]],
+    b: &[[Runs; 3]],
+    counts: impl Fn(usize) -> bool,
+    share: f64,
+) -> Verdict {
+    let tiles: Vec<usize> = (0..a.len()).filter(|&tile| counts(tile)).collect();
+    let level = 1.0 - (1.0f64 - 0.01).powf(1.0 / (3 * tiles.len()).max(1) as f64);
+    let differs = |tile: usize| (0..3).any(|c| a[tile][c].p_value(&b[tile][c]) < level);
+    let error = |tile: usize| {
+        // Of luminance: channels near zero have no meaningful relative error.
+        let weights = [0.2126, 0.7152, 0.0722];
+        let mean: f64 = (0..3).map(|c| weights[c] * a[tile][c].mean).sum();
+        let variance: f64 = (0..3)
+            .map(|c| weights[c] * (a[tile][c].variance + b[tile][c].variance).sqrt())
+            .sum();
+        if mean > 0.0 { variance / mean } else { 0.0 }
+    };
+    Verdict {
+        rejected: tiles
+            .iter()
+            .copied()
+            .filter(|&tile| differs(tile))
+            .collect(),
+        uncertain: tiles
+            .iter()
+            .copied()
+            .filter(|&tile| error(tile) > share)
+            .collect(),
+        worst_error: tiles.iter().map(|&tile| error(tile)).fold(0.0, f64::max),
+    }
+}
+
+#[test]
+fn welch_knows_known_values() {
+    // t = 2.0, 10 degrees of freedom: p = 0.07339 (tables).
+    assert!((two_sided_t(2.0, 10.0) - 0.073_388).abs() < 1e-5);
+    let a = Runs::of(&[1.0, 1.1, 0.9, 1.0]);
+    let b = Runs::of(&[1.5, 1.6, 1.4, 1.5]);
+    assert!(a.p_value(&b) < 1e-3 && a.p_value(&a) > 0.99);
+}

@@ -1,0 +1,264 @@
+//! The command as a user meets it: right words, wrong words, wrong files, signals.
+
+use std::path::Path;
+use std::process::{Command, Output};
+
+fn kaustik(words: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_kaustik"))
+        .args(words)
+        .output()
+        .expect("the command runs")
+}
+
+/// Runs and expects status 2 with a message that holds all of `expected`.
+fn refused(words: &[&str], expected: &[&str]) {
+    let output = kaustik(words);
+    let message = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{words:?}: {message}");
+    for word in expected {
+        assert!(
+            message.contains(word),
+            "{words:?}: no '{word}' in: {message}"
+        );
+    }
+    assert!(output.stdout.is_empty());
+}
+
+fn path(folder: &Path, name: &str) -> String {
+    folder.join(name).to_str().expect("a plain path").to_owned()
+}
+
+#[test]
+fn renders_and_compares() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (exr, png, json) = (
+        path(folder.path(), "a.exr"),
+        path(folder.path(), "a.png"),
+        path(folder.path(), "a.json"),
+    );
+    let output = kaustik(&[
+        "render",
+        "builtin:cornell",
+        "--method",
+        "pssmlt",
+        "--width",
+        "16",
+        "--spp",
+        "2",
+        "-o",
+        &exr,
+        "--png",
+        &png,
+        "--stats",
+        &json,
+        "--set",
+        "pilot=2000",
+        "--crop",
+        "2,2,14,15",
+        "--filter",
+        "mitchell",
+    ]);
+    assert!(
+        output.status.success(),
+        "{}",
+        String::from_utf8_lossy(&output.stderr)
+    );
+    assert!(output.stdout.is_empty(), "standard output stays clean");
+    let stats: serde_json::Value =
+        serde_json::from_slice(&std::fs::read(&json).expect("statistics")).expect("JSON");
+    assert_eq!(stats["statistics"]["steps"], 2 * 12 * 13);
+    let output = kaustik(&["compare", &exr, &exr, "--json"]);
+    assert!(output.status.success());
+    let report: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    assert!(report["images"][0]["raw"]["rmse"].as_f64() < Some(1e-12));
+}
+
+#[test]
+fn wrong_words() {
+    refused(&["render"], &["SCENE"]);
+    refused(&["render", "builtin:nowhere"], &["nowhere", "cornell"]);
+    refused(
+        &["render", "builtin:cornell", "--method", "magic"],
+        &["magic", "pssmlt"],
+    );
+    refused(
+        &["render", "builtin:cornell", "--set", "plarge=2"],
+        &["plarge", "0 < p <= 1"],
+    );
+    refused(
+        &["render", "builtin:cornell", "--set", "colour=red"],
+        &["colour", "ladders"],
+    );
+    refused(
+        &["render", "builtin:cornell", "--time", "soon"],
+        &["soon", "30s"],
+    );
+    refused(
+        &["render", "builtin:cornell", "--spp", "1", "--time", "1s"],
+        &["--time"],
+    );
+    refused(
+        &[
+            "render",
+            "builtin:cornell",
+            "--crop",
+            "0,0,9999,9999",
+            "--spp",
+            "1",
+        ],
+        &["crop"],
+    );
+    refused(
+        &["render", "builtin:cornell", "--camera", "none"],
+        &["none"],
+    );
+    refused(
+        &["render", "builtin:cornell", "--environment", "-1"],
+        &["environment"],
+    );
+    refused(
+        &["render", "builtin:cornell", "--wavelengths", "3"],
+        &["1", "4"],
+    );
+    refused(
+        &[
+            "render",
+            "builtin:cornell",
+            "--ladders",
+            "60..70",
+            "--spp",
+            "1",
+        ],
+        &["ladders"],
+    );
+    refused(&["scenes", "cornell"], &["--export"]);
+    refused(&["dance"], &["dance"]);
+}
+
+#[test]
+fn outputs_are_tried_before_the_first_ray() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let missing = path(folder.path(), "nowhere/out.exr");
+    refused(
+        &["render", "builtin:cornell", "--time", "1h", "-o", &missing],
+        &["nowhere"],
+    );
+    let folder_itself = folder.path().to_str().expect("a plain path");
+    refused(
+        &[
+            "render",
+            "builtin:cornell",
+            "--time",
+            "1h",
+            "--png",
+            folder_itself,
+        ],
+        &[folder_itself],
+    );
+}
+
+#[test]
+fn wrong_files() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let missing = path(folder.path(), "missing.glb");
+    refused(&["render", &missing], &["missing.glb"]);
+    let cut = path(folder.path(), "cut.glb");
+    let whole = path(folder.path(), "whole.glb");
+    assert!(
+        kaustik(&["scenes", "cornell", "--export", &whole])
+            .status
+            .success()
+    );
+    let bytes = std::fs::read(&whole).expect("the export");
+    std::fs::write(&cut, &bytes[..bytes.len() / 2]).expect("a file");
+    refused(&["render", &cut], &["cut.glb"]);
+    let extension = path(folder.path(), "extension.gltf");
+    let text = r#"{"asset":{"version":"2.0"},"extensionsRequired":["ACME_magic"],"extensionsUsed":["ACME_magic"]}"#;
+    std::fs::write(&extension, text).expect("a file");
+    refused(&["info", &extension], &["ACME_magic"]);
+    let away = path(folder.path(), "away.gltf");
+    let text = r#"{"asset":{"version":"2.0"},"buffers":[{"uri":"../secret.bin","byteLength":4}],
+        "bufferViews":[{"buffer":0,"byteLength":4}],"accessors":[{"bufferView":0,"componentType":5126,"count":1,"type":"SCALAR"}],
+        "meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],"nodes":[{"mesh":0}]}"#;
+    std::fs::write(&away, text).expect("a file");
+    refused(&["render", &away], &["/buffers/0"]);
+}
+
+#[test]
+fn a_black_scene_is_no_error() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let png = path(folder.path(), "black.png");
+    let exr = path(folder.path(), "black.exr");
+    for method in ["path", "light", "pssmlt"] {
+        // A lamp that no camera ray and no bounce ever meets: an environment of radiance 0.
+        let output = kaustik(&[
+            "render",
+            "builtin:furnace?kind=glass",
+            "--environment",
+            "0",
+            "--method",
+            method,
+            "--width",
+            "8",
+            "--time",
+            "1h",
+            "--png",
+            &png,
+            "-o",
+            &exr,
+        ]);
+        let message = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.success(), "{message}");
+        assert!(message.contains("black"), "{message}");
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn a_signal_writes_what_there_is() {
+    use std::time::{Duration, Instant};
+    for (signal, status) in [("INT", 130), ("TERM", 143)] {
+        let folder = tempfile::tempdir().expect("a folder");
+        let png = path(folder.path(), "part.png");
+        let mut child = Command::new(env!("CARGO_BIN_EXE_kaustik"))
+            .args([
+                "render",
+                "builtin:cornell",
+                "--width",
+                "64",
+                "--time",
+                "1h",
+                "--png",
+                &png,
+            ])
+            .stderr(std::process::Stdio::null())
+            .spawn()
+            .expect("the command runs");
+        std::thread::sleep(Duration::from_millis(1500));
+        let kill = Command::new("kill")
+            .args(["-s", signal, &child.id().to_string()])
+            .status();
+        assert!(kill.expect("kill runs").success());
+        let sent = Instant::now();
+        assert_eq!(child.wait().expect("it ends").code(), Some(status));
+        assert!(sent.elapsed() < Duration::from_secs(10));
+        assert!(std::fs::metadata(&png).expect("a picture").len() > 100);
+    }
+}
+
+#[test]
+fn lists_are_printed() {
+    for (words, word) in [
+        (&["scenes"][..], "water-cornell"),
+        (&["methods"], "pssmlt"),
+        (&["methods", "pssmlt"], "plarge"),
+        (&["info", "builtin:cornell"], "triangles"),
+    ] {
+        let output = kaustik(words);
+        assert!(output.status.success());
+        assert!(
+            String::from_utf8_lossy(&output.stdout).contains(word),
+            "{words:?}"
+        );
+    }
+}
