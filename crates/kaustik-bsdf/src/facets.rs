@@ -77,31 +77,51 @@ impl Facets {
     /// Probability of the rebound seen from `wo`.
     #[inline]
     fn rebound_probability(&self, wo: DVec3) -> f64 {
-        if !self.rebounds() {
-            return 0.0;
+        if self.rebounds() {
+            self.rebound_share(self.loss(wo))
+        } else {
+            0.0
         }
-        let loss = self.loss(wo);
+    }
+
+    /// The same where the loss is known.
+    #[inline]
+    fn rebound_share(&self, loss: f64) -> f64 {
         loss * self.bounce / (1.0 - loss + loss * self.bounce)
     }
 
     /// The scattering function; both directions above.
     #[inline]
     pub(crate) fn eval(&self, wo: DVec3, wi: DVec3) -> Spectrum {
-        let h = (wo + wi).normalize();
-        let lobe = 0.25 * self.ggx.density(h) * self.ggx.shadowing(wo, wi);
-        let once = self.reflectance.at(wo.dot(h).abs().min(1.0)) * (lobe as f32);
-        if !self.rebounds() {
-            return once;
-        }
-        once + self.rebound * ((self.loss(wo) * self.loss(wi)) as f32)
+        self.both(wo, wi).0
     }
 
     /// Density of [`sample`](Self::sample); both directions above.
     #[inline]
     pub(crate) fn pdf(&self, wo: DVec3, wi: DVec3) -> f64 {
         let h = (wo + wi).normalize();
+        self.mixed_pdf(wo, wi, h, if self.rebounds() { self.loss(wo) } else { 0.0 })
+    }
+
+    /// Value and density together, which share most of their work.
+    #[inline]
+    pub(crate) fn both(&self, wo: DVec3, wi: DVec3) -> (Spectrum, f64) {
+        let h = (wo + wi).normalize();
+        let lobe = 0.25 * self.ggx.density(h) * self.ggx.shadowing(wo, wi);
+        let once = self.reflectance.at(wo.dot(h).abs().min(1.0)) * (lobe as f32);
+        if !self.rebounds() {
+            return (once, self.mixed_pdf(wo, wi, h, 0.0));
+        }
+        let loss = self.loss(wo);
+        let again = self.rebound * ((loss * self.loss(wi)) as f32);
+        (once + again, self.mixed_pdf(wo, wi, h, loss))
+    }
+
+    /// Density from the facet between and the loss at `wo`.
+    #[inline]
+    fn mixed_pdf(&self, wo: DVec3, wi: DVec3, h: DVec3, loss: f64) -> f64 {
         let lobe = 0.25 * self.ggx.visible_pdf(wo, h) / wo.dot(h);
-        let p = self.rebound_probability(wo);
+        let p = self.rebound_share(loss);
         (1.0 - p) * lobe + p * self.way.pdf(wi.z)
     }
 

@@ -38,7 +38,7 @@ impl Lobe for RoughConductor {
     }
 
     #[inline]
-    fn sample(&self, wo: DVec3, uc: f64, u: [f64; 2], mode: Mode) -> Option<Sample> {
+    fn sample(&self, wo: DVec3, uc: f64, u: [f64; 2], _mode: Mode) -> Option<Sample> {
         if !local::usable(wo) {
             return None;
         }
@@ -46,7 +46,8 @@ impl Lobe for RoughConductor {
         if !local::same_side(wo, wi) {
             return None; // met a second facet, which single scattering leaves out
         }
-        Sample::continuous(wo, wi, self.eval(wo, wi, mode), self.pdf(wo, wi, mode))
+        let (f, pdf) = self.facets.both(local::lift(wo), local::lift(wi));
+        Sample::continuous(wo, wi, f, pdf)
     }
 
     #[inline]

@@ -1,5 +1,4 @@
 use crate::albedo::{InterfaceLoss, interface_loss};
-use crate::dielectric::radiance_scale;
 use crate::ggx::Ggx;
 use crate::interface::refract;
 use crate::rebound::Rebound;
@@ -116,6 +115,16 @@ impl RoughDielectric {
         )
     }
 
+    /// From radiance mode, which carries `n(wo)^2`, to either mode, spec (7).
+    #[inline]
+    fn in_mode(&self, wo: DVec3, wi: DVec3, radiance: Spectrum, mode: Mode) -> Spectrum {
+        if wo.z * wi.z > 0.0 || mode == Mode::Radiance {
+            return radiance;
+        }
+        let ahead = self.interface.ahead(wo);
+        radiance * ((ahead * ahead) as f32)
+    }
+
     /// Draws a direction by one facet.
     #[inline]
     fn sample_once(&self, wo: DVec3, uc: f64, u: [f64; 2]) -> DVec3 {
@@ -153,13 +162,7 @@ impl Lobe for RoughDielectric {
         if !local::usable(wo) || !local::usable(wi) {
             return Spectrum::ZERO;
         }
-        let (radiance, _) = self.both(wo, wi);
-        if wo.z * wi.z > 0.0 {
-            return radiance;
-        }
-        // from n(wo)^2 to n(wi)^2, spec (7)
-        let ahead = self.interface.ahead(wo);
-        radiance * ((ahead * ahead * radiance_scale(ahead, mode)) as f32)
+        self.in_mode(wo, wi, self.both(wo, wi).0, mode)
     }
 
     #[inline]
@@ -184,7 +187,8 @@ impl Lobe for RoughDielectric {
             return None;
         }
         let dispersive = self.dispersive_between(wo, wi);
-        let (f, pdf) = (self.eval(wo, wi, mode), self.pdf(wo, wi, mode));
+        let (radiance, pdf) = self.both(wo, wi);
+        let f = self.in_mode(wo, wi, radiance, mode);
         Some(Sample {
             dispersive,
             ..Sample::continuous(wo, wi, f, pdf)?

@@ -70,12 +70,9 @@ impl Cells {
             (middle, high),
         ];
         let fine: f64 = parts.iter().map(|(a, b)| self.gauss(pdf, *a, *b)).sum();
-        if whole == 0.0 && fine == 0.0 && depth < 5 {
-            return 0.0;
-        }
         let settled = (fine - whole).abs() < 5e-7 + 3e-5 * fine;
-        // where all points lie beyond the horizon a sliver may still lie above it
-        let sliver = fine == 0.0 && self.straddles(low, high);
+        // at the horizon a sliver or a narrow band may hide between the points
+        let sliver = depth > 4 && self.straddles(low, high);
         if depth == 0 || (settled && !sliver) {
             return fine;
         }
@@ -113,7 +110,8 @@ impl Cells {
         sum * (high[0] - low[0]) * (high[1] - low[1]) * TAU
     }
 
-    fn expected(&self, pdf: &dyn Fn(DVec3) -> f64) -> Vec<f64> {
+    /// `pdf` over each cell, which may be halved `depth` times.
+    fn expected(&self, pdf: &dyn Fn(DVec3) -> f64, depth: u32) -> Vec<f64> {
         let size = [1.0 / RINGS as f64, 1.0 / SECTORS as f64];
         (0..RINGS * SECTORS)
             .map(|i| {
@@ -121,7 +119,7 @@ impl Cells {
                     (i / SECTORS) as f64 * size[0],
                     (i % SECTORS) as f64 * size[1],
                 ];
-                self.integral(pdf, low, [low[0] + size[0], low[1] + size[1]], 7)
+                self.integral(pdf, low, [low[0] + size[0], low[1] + size[1]], depth)
             })
             .collect()
     }
@@ -153,10 +151,11 @@ pub(crate) fn p_value(
     seed: u64,
 ) -> f64 {
     let cells = peaks(case, wo).map(|(axis, width)| Cells::new(axis, width));
+    let depth = if samples > 100_000 { 12 } else { 8 };
     let pdf = |wi: DVec3| lobe.pdf(wo, wi, mode);
     let mut expected: Vec<f64> = cells
         .iter()
-        .flat_map(|cells| cells.expected(&pdf))
+        .flat_map(|cells| cells.expected(&pdf, depth))
         .collect();
     let mut counts = vec![0.0; expected.len()];
     let mut deltas: Vec<(DVec3, f64, f64)> = Vec::new();
