@@ -25,10 +25,12 @@ pub(crate) struct Node {
 }
 
 /// Triangles side by side: corner, axis, lane.
-#[repr(C, align(32))]
+#[repr(C, align(64))]
 #[derive(Clone)]
 pub(crate) struct Block {
     pub(crate) corners: [[[f32; BLOCK]; 3]; 3],
+    /// The largest extent of each along an axis.
+    pub(crate) sizes: [f32; BLOCK],
     pub(crate) instances: [u32; BLOCK],
     pub(crate) primitives: [u32; BLOCK],
 }
@@ -124,6 +126,7 @@ impl Node {
 impl Block {
     pub(crate) const EMPTY: Block = Block {
         corners: [[[0.0; BLOCK]; 3]; 3],
+        sizes: [0.0; BLOCK],
         instances: [0; BLOCK],
         primitives: [0; BLOCK],
     };
@@ -151,6 +154,7 @@ impl Block {
                 rows[axis][lane] = corner[axis];
             }
         }
+        self.sizes[lane] = Aabb::from_points(corners).extent().max_element();
         self.instances[lane] = instance;
         self.primitives[lane] = primitive;
     }

@@ -23,6 +23,8 @@ pub(crate) struct Prepared {
     pub(crate) turned_origin: [f32; 3],
     /// Shear that makes the direction the last axis (Woop, Benthin, Wald), and the factor from that axis to `t`.
     pub(crate) shear: Vec3,
+    /// The largest direction component, absolute.
+    pub(crate) stride: f32,
     /// Size of the numbers that `origin` is the rounded sum of; zero in world space.
     pub(crate) blur: f32,
     /// What `blur` means in `t`.
@@ -77,6 +79,7 @@ impl Prepared {
             axes,
             turned_origin,
             shear,
+            stride: largest,
             blur: 0.0,
             slack: 0.0,
         })

@@ -15,18 +15,16 @@ use crate::{Hit, Ray};
 /// involved. About 60 roundings of 2^-24 for the volume, as many for the determinant times `t`.
 const DOUBT: f32 = 1.0 / 131_072.0;
 
-/// Three numbers of each triangle.
-type Triples<L> = [L; 3];
-
 /// Offers the hits in a block; whether the goal asked to stop.
 #[inline(always)]
-pub(crate) fn meet_block<L: Lanes<BLOCK>, G: Goal>(
+pub(crate) fn meet_block<L: Lanes<BLOCK>, G: Goal, const PLACED: bool>(
     block: &Block,
     count: u32,
     level: &Level<'_>,
     ray: &Prepared,
     goal: &mut G,
 ) -> bool {
+    let place = level.place.filter(|_| PLACED);
     let zero = L::splat(0.0);
     let a = sheared::<L>(block, ray, 0);
     let b = sheared::<L>(block, ray, 1);
@@ -45,7 +43,7 @@ pub(crate) fn meet_block<L: Lanes<BLOCK>, G: Goal>(
     let t = height.div(det);
     // An edge function that is zero or undefined decides nothing.
     let touched = inside & !(zero.lt(least) | most.lt(zero));
-    let doubtful = touched | (inside & !clear_of_ends(ray, level.ray, [a, b, c], height, det));
+    let doubtful = touched | (inside & !clear_of_ends(block, ray, level.ray, height, det, t));
     let range = L::splat(goal.low()).le(t) & t.le(L::splat(goal.high()));
     let mut mask = (inside & range) | doubtful;
     if mask == 0 {
@@ -57,7 +55,7 @@ pub(crate) fn meet_block<L: Lanes<BLOCK>, G: Goal>(
         mask &= mask - 1;
         let mut t = t[lane];
         if doubtful >> lane & 1 == 1 {
-            match precise::plane(block, lane, level.ray, level.place) {
+            match precise::plane(block, lane, level.ray, place) {
                 Some(precise) => t = precise as f32,
                 None => continue,
             }
@@ -73,7 +71,7 @@ pub(crate) fn meet_block<L: Lanes<BLOCK>, G: Goal>(
             t,
             u,
             v,
-            instance: level.place.map_or(block.instances[lane], |p| p.instance),
+            instance: place.map_or(block.instances[lane], |p| p.instance),
             primitive: block.primitives[lane],
         };
         if goal.low() <= t && t <= goal.high() && goal.offer(hit) {
@@ -85,7 +83,7 @@ pub(crate) fn meet_block<L: Lanes<BLOCK>, G: Goal>(
 
 /// A corner of each triangle, seen from the ray's origin along the ray.
 #[inline(always)]
-fn sheared<L: Lanes<BLOCK>>(block: &Block, ray: &Prepared, corner: usize) -> Triples<L> {
+fn sheared<L: Lanes<BLOCK>>(block: &Block, ray: &Prepared, corner: usize) -> [L; 3] {
     let z = shifted::<L>(block, ray, corner, 2);
     let x = shifted::<L>(block, ray, corner, 0).sub(L::splat(ray.shear.x).mul(z));
     let y = shifted::<L>(block, ray, corner, 1).sub(L::splat(ray.shear.y).mul(z));
@@ -97,20 +95,21 @@ fn shifted<L: Lanes<BLOCK>>(block: &Block, ray: &Prepared, corner: usize, axis: 
     L::load(&block.corners[corner][ray.axes[axis]]).sub(L::splat(ray.turned_origin[axis]))
 }
 
-/// Lanes whose plane is certainly on the side of the ray's two ends where single precision puts it.
+/// Lanes whose plane is certainly on the side of the ray's two ends where single precision puts it. Only asked of
+/// triangles that the ray passes through, so that none of their corners is further from it than their size.
 #[inline(always)]
 fn clear_of_ends<L: Lanes<BLOCK>>(
+    block: &Block,
     ray: &Prepared,
     ends: &Ray,
-    [a, b, c]: [Triples<L>; 3],
     height: L,
     det: L,
+    t: L,
 ) -> u32 {
-    let x = a[0].abs().max(b[0].abs()).max(c[0].abs());
-    let y = a[1].abs().max(b[1].abs()).max(c[1].abs());
-    let along = a[2].abs().max(b[2].abs()).max(c[2].abs());
-    let across = x.max(y);
-    let reach = across.add(along);
+    // Sheared, a corner is off the ray by at most twice the size; along it by the size besides the hit's distance.
+    let size = L::load(&block.sizes);
+    let across = size.add(size);
+    let reach = t.abs().mul(L::splat(ray.stride)).add(across.add(size));
     let bound = across
         .mul(reach)
         .mul(reach.add(L::splat(ray.blur)))

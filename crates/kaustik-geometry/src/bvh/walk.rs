@@ -37,15 +37,19 @@ pub(crate) struct Place {
     pub(crate) to_world: Affine3A,
 }
 
-/// Walks with `K`; whether the goal asked to stop.
+/// Walks with `K`; whether the goal asked to stop. `PLACED` is whether the tree is an instance's: two functions, so that
+/// the common one knows nothing of instances.
 #[inline(always)]
-pub(crate) fn walk_with<K: Kernel, G: Goal>(level: &Level<'_>, goal: &mut G) -> bool {
+pub(crate) fn walk_with<K: Kernel, G: Goal, const PLACED: bool>(
+    level: &Level<'_>,
+    goal: &mut G,
+) -> bool {
     let Some(root) = level.bvh.root else {
         return false;
     };
     let prepared = match level.place {
-        Some(place) => Prepared::in_instance(level.ray, &place.to_object),
-        None => Prepared::new(level.ray),
+        Some(place) if PLACED => Prepared::in_instance(level.ray, &place.to_object),
+        _ => Prepared::new(level.ray),
     };
     let Some(ray) = prepared else { return false };
     let low = goal.low() - ray.slack;
@@ -60,7 +64,7 @@ pub(crate) fn walk_with<K: Kernel, G: Goal>(level: &Level<'_>, goal: &mut G) -> 
             }
             Kind::Block { index, count } => {
                 let block = &level.bvh.blocks[index];
-                if meet_block::<K::Block, G>(block, count, level, &ray, goal) {
+                if meet_block::<K::Block, G, PLACED>(block, count, level, &ray, goal) {
                     return true;
                 }
                 limit = widened(goal.high(), &ray);
@@ -167,7 +171,7 @@ fn enter<K: Kernel, G: Goal>(level: &Level<'_>, index: u32, goal: &mut G) -> boo
         place: Some(place),
         ..*level
     };
-    K::walk(&inner, goal)
+    K::walk_placed(&inner, goal)
 }
 
 /// Asks for the memory of a child that will be visited. Measured: incoherent rays take a sixth less time.

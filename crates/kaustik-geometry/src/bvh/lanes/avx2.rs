@@ -1,11 +1,13 @@
 //! [`Lanes`] of eight in one 256-bit register.
 //!
 //! # Safety
-//! Every operation here needs a processor with AVX2. They are methods of a private type that only [`walk`] uses; `walk`
-//! is reached through an [`Available`] alone, and that is made only where the processor has been asked. The operations
-//! are `inline(always)` so that they become part of `walk`, which is compiled for AVX2.
+//! Every operation here needs a processor with AVX2. They are methods of a private type that only the two walks use; these
+//! are reached through an [`Available`] alone, and that is made only where the processor has been asked. The operations
+//! are `inline(always)` so that they become part of a walk, which is compiled for AVX2.
 
 use std::arch::x86_64::*;
+
+use crate::bvh::walk::walk_with;
 
 use super::{Goal, Kernel, Lanes, Level};
 
@@ -27,7 +29,12 @@ impl Available {
 
 #[target_feature(enable = "avx2")]
 fn walk<G: Goal>(level: &Level<'_>, goal: &mut G) -> bool {
-    crate::bvh::walk::walk_with::<Avx2, G>(level, goal)
+    walk_with::<Avx2, G, false>(level, goal)
+}
+
+#[target_feature(enable = "avx2")]
+fn walk_placed<G: Goal>(level: &Level<'_>, goal: &mut G) -> bool {
+    walk_with::<Avx2, G, true>(level, goal)
 }
 
 struct Avx2;
@@ -46,9 +53,9 @@ impl Kernel for Avx2 {
     }
 
     #[inline(always)]
-    fn walk<G: Goal>(level: &Level<'_>, goal: &mut G) -> bool {
+    fn walk_placed<G: Goal>(level: &Level<'_>, goal: &mut G) -> bool {
         // SAFETY: called only from within a walk with AVX2.
-        unsafe { walk(level, goal) }
+        unsafe { walk_placed(level, goal) }
     }
 }
 

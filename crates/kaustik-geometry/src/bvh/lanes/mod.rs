@@ -45,11 +45,9 @@ pub(crate) trait Kernel {
     /// Hints that all of a value will be read soon.
     fn fetch<T>(value: &T);
 
-    /// Walks a tree from its root; whether `goal` asked to stop.
-    fn walk<G: Goal>(level: &Level<'_>, goal: &mut G) -> bool;
+    /// Walks an instance's tree; whether `goal` asked to stop.
+    fn walk_placed<G: Goal>(level: &Level<'_>, goal: &mut G) -> bool;
 }
-
-pub(crate) use portable::Portable;
 
 /// Which implementation walks. The answers are the same bits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -71,11 +69,11 @@ impl InstructionSet {
         InstructionSet::Portable
     }
 
-    /// Walks a tree; whether `goal` asked to stop.
+    /// Walks the world's tree; whether `goal` asked to stop.
     #[inline(always)]
     pub(crate) fn walk<G: Goal>(self, level: &Level<'_>, goal: &mut G) -> bool {
         match self {
-            InstructionSet::Portable => Portable::<WIDTH>::walk(level, goal),
+            InstructionSet::Portable => portable::walk(level, goal),
             #[cfg(target_arch = "x86_64")]
             InstructionSet::Avx2(available) => available.walk(level, goal),
         }

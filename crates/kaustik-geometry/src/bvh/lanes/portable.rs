@@ -1,5 +1,7 @@
 //! [`Lanes`] of any number, in plain Rust.
 
+use crate::bvh::walk::walk_with;
+
 use super::{BLOCK, Goal, Kernel, Lanes, Level, WIDTH};
 
 #[derive(Clone, Copy)]
@@ -91,7 +93,12 @@ impl Kernel for Portable<WIDTH> {
     fn fetch<T>(_: &T) {}
 
     #[inline(never)]
-    fn walk<G: Goal>(level: &Level<'_>, goal: &mut G) -> bool {
-        crate::bvh::walk::walk_with::<Self, G>(level, goal)
+    fn walk_placed<G: Goal>(level: &Level<'_>, goal: &mut G) -> bool {
+        walk_with::<Self, G, true>(level, goal)
     }
+}
+
+/// Walks the world's tree; whether `goal` asked to stop.
+pub(crate) fn walk<G: Goal>(level: &Level<'_>, goal: &mut G) -> bool {
+    walk_with::<Portable<WIDTH>, G, false>(level, goal)
 }
