@@ -8,7 +8,7 @@
 //! on the scale of the scene. That is enough because the traversal decides in double precision on which side of a
 //! triangle a ray begins and ends whenever single precision is in doubt.
 
-use glam::{DMat3, DVec3, Vec2, Vec3, Vec4};
+use glam::{Affine3A, DMat3, DVec3, Vec2, Vec3, Vec4};
 
 /// The geometry of a triangle at one point, in world space.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,10 +23,6 @@ pub struct Surface {
     /// Unit interpolated normal, as the mesh gives it: not turned towards the ray or the geometric normal.
     /// The geometric normal where the mesh has none.
     pub shading_normal: Vec3,
-    /// Unit tangent orthogonal to the shading normal, and the sign of the bitangent (`cross(normal, tangent) * w`). From
-    /// the mesh's tangents, or else from the derivatives of the first texture coordinates (then with glTF's convention
-    /// that the bitangent points against `v`), or else none.
-    pub tangent: Option<Vec4>,
     /// Both sets of texture coordinates; zero where the mesh has none.
     pub uv: [Vec2; 2],
     /// Linear RGBA of the vertices; ones where the mesh has none.
@@ -37,6 +33,7 @@ pub struct Surface {
 
 /// The surface's point moved off it to the side into which `direction` points, by as little as is certain to be on that
 /// side (one or two ulps of the coordinates). The scale of the scene and the length of `direction` do not matter.
+#[inline]
 pub fn offset_origin(surface: &Surface, direction: Vec3) -> Vec3 {
     let n = surface.geometric_normal;
     let n = if n.dot(direction) < 0.0 { -n } else { n };
@@ -46,6 +43,7 @@ pub fn offset_origin(surface: &Surface, direction: Vec3) -> Vec3 {
 }
 
 /// The neighbour of `x` in the direction of `n`.
+#[inline]
 fn away(x: f32, n: f32) -> f32 {
     if n > 0.0 {
         x.next_up()
@@ -62,14 +60,42 @@ pub(crate) struct Corners<'a> {
     pub(crate) primitive: u32,
     /// World space, exactly as the traversal sees them.
     pub(crate) positions: [DVec3; 3],
-    /// Linear part, object to world.
-    pub(crate) linear: DMat3,
+    /// How the instance turns what is attached to the mesh.
+    pub(crate) turn: &'a Turn,
     /// That of the transform, where rays undergo it; None where the corners did.
     pub(crate) translation: Option<DVec3>,
 }
 
+/// What an instance's transform does to directions: worked out once, because every hit asks.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Turn {
+    /// The transform changes nothing at all.
+    pub(crate) identity: bool,
+    /// -1 if the transform mirrors, else 1.
+    handedness: f64,
+    /// Of directions, object to world.
+    linear: DMat3,
+    /// Of normals, up to length: the cofactors, whose sign must not turn the normal.
+    normals: DMat3,
+}
+
+impl Turn {
+    pub(crate) fn new(transform: &Affine3A) -> Self {
+        let linear = transform.matrix3.as_dmat3();
+        let handedness = linear.determinant().signum();
+        let [x, y, z] = linear.to_cols_array_2d().map(DVec3::from);
+        Self {
+            identity: *transform == Affine3A::IDENTITY,
+            handedness,
+            linear,
+            normals: DMat3::from_cols(y.cross(z), z.cross(x), x.cross(y)) * handedness,
+        }
+    }
+}
+
 impl Corners<'_> {
     /// The surface at barycentric weights `u`, `v`, seen along `direction` (zero: from the front).
+    #[inline]
     pub(crate) fn surface(&self, u: f32, v: f32, direction: Vec3) -> Surface {
         let weights = [
             1.0 - f64::from(u) - f64::from(v),
@@ -77,32 +103,41 @@ impl Corners<'_> {
             f64::from(v),
         ];
         let [p0, p1, p2] = self.positions;
-        let handedness = self.linear.determinant().signum();
-        let normal = (p1 - p0).cross(p2 - p0) * handedness;
-        let geometric = normal.try_normalize().unwrap_or(DVec3::Z);
-        let inner = self.off_edges(weights, normal.length());
+        let normal = (p1 - p0).cross(p2 - p0) * self.turn.handedness;
+        let double_area = normal.length();
+        let geometric = unit(normal, double_area).unwrap_or(DVec3::Z);
+        let inner = self.off_edges(weights, double_area);
         let position = (p0 * inner[0] + p1 * inner[1] + p2 * inner[2]).as_vec3();
-        let shading = self
-            .shading_normal(weights, handedness)
-            .unwrap_or(geometric);
-        let corner = self.mesh.indices[self.primitive as usize].map(|i| i as usize);
-        let uv = [0, 1].map(|set| self.uv(set, weights));
+        let geometric_normal = geometric.as_vec3();
         Surface {
             position,
             position_error: rounding(position),
-            geometric_normal: geometric.as_vec3(),
-            shading_normal: shading.as_vec3(),
-            tangent: self
-                .given_tangent(weights, shading, handedness)
-                .or_else(|| self.derived_tangent(corner, shading)),
-            uv,
+            geometric_normal,
+            shading_normal: self
+                .shading_normal(weights)
+                .map_or(geometric_normal, |normal| normal.as_vec3()),
+            uv: [self.uv(0, weights), self.uv(1, weights)],
             color: self.color(weights),
             front: geometric.dot(direction.as_dvec3()) <= 0.0,
         }
     }
 
+    /// See [`World::tangent`](crate::World::tangent).
+    pub(crate) fn tangent(&self, u: f32, v: f32, normal: Vec3) -> Option<Vec4> {
+        let weights = [
+            1.0 - f64::from(u) - f64::from(v),
+            f64::from(u),
+            f64::from(v),
+        ];
+        let corner = self.mesh.indices[self.primitive as usize].map(|i| i as usize);
+        let normal = normal.as_dvec3();
+        self.given_tangent(weights, normal)
+            .or_else(|| self.derived_tangent(corner, normal))
+    }
+
     /// The weights, moved so that the point keeps some ulps from each edge. Next to an edge, rounding could otherwise
     /// put it behind the neighbouring triangle, where two walls meet, and a ray that leaves it would be outside.
+    #[inline]
     fn off_edges(&self, weights: [f64; 3], double_area: f64) -> [f64; 3] {
         let [a, b, c] = self.positions;
         let edges = [
@@ -110,18 +145,23 @@ impl Corners<'_> {
             c.distance_squared(a),
             a.distance_squared(b),
         ];
-        let longest = edges[0].max(edges[1]).max(edges[2]).sqrt();
-        // A weight is the distance from an edge in units of the height above it.
-        let least = (self.reach() * EDGE * longest / double_area).min(1.0 / 3.0);
-        if weights.iter().all(|&w| w >= least) {
+        let longest = edges[0].max(edges[1]).max(edges[2]);
+        // A weight is the distance from an edge in units of the height above it. Squares first: most
+        // points are far from all edges, and need neither root nor quotient.
+        let reach = self.reach() * EDGE;
+        let smallest = weights[0].min(weights[1]).min(weights[2]);
+        let distance = smallest * double_area;
+        if smallest > 0.0 && distance * distance >= reach * reach * longest {
             return weights;
         }
+        let least = (reach * longest.sqrt() / double_area).min(1.0 / 3.0);
         let kept = weights.map(|w| w.max(least));
         kept.map(|w| w / (kept[0] + kept[1] + kept[2]))
     }
 
     /// The size of the numbers whose rounding may move a ray sideways: the corners', and those that sum up to them
     /// where rays are taken into the mesh's own space.
+    #[inline]
     fn reach(&self) -> f64 {
         let [a, b, c] = self.positions.map(DVec3::abs);
         let corners = a.max(b).max(c).max_element();
@@ -135,20 +175,21 @@ impl Corners<'_> {
         }
     }
 
-    fn shading_normal(&self, weights: [f64; 3], handedness: f64) -> Option<DVec3> {
+    fn shading_normal(&self, weights: [f64; 3]) -> Option<DVec3> {
         let normal = self.blend(&self.mesh.normals, weights, |n| n.as_dvec3())?;
-        // The cofactor matrix: the inverse transpose, times the determinant, whose sign must not turn the normal.
-        let [x, y, z] = self.linear.to_cols_array_2d().map(DVec3::from);
-        let turned =
-            (y.cross(z) * normal.x + z.cross(x) * normal.y + x.cross(y) * normal.z) * handedness;
-        turned.try_normalize()
+        let turned = if self.turn.identity {
+            normal
+        } else {
+            self.turn.normals * normal
+        };
+        unit(turned, turned.length())
     }
 
-    fn given_tangent(&self, weights: [f64; 3], normal: DVec3, handedness: f64) -> Option<Vec4> {
+    fn given_tangent(&self, weights: [f64; 3], normal: DVec3) -> Option<Vec4> {
         let tangent = self.blend(&self.mesh.tangents, weights, |t| t.truncate().as_dvec3())?;
         let first = self.mesh.indices[self.primitive as usize][0];
-        let sign = f64::from(self.mesh.tangents[first as usize].w.signum()) * handedness;
-        frame_tangent(self.linear * tangent, normal, sign)
+        let sign = f64::from(self.mesh.tangents[first as usize].w.signum()) * self.turn.handedness;
+        frame_tangent(self.turn.linear * tangent, normal, sign)
     }
 
     /// From dp/du. glTF's `v` runs down the picture while the bitangent of a normal map runs up.
@@ -173,11 +214,13 @@ impl Corners<'_> {
         frame_tangent(along_u, normal, sign)
     }
 
+    #[inline]
     pub(crate) fn uv(&self, set: usize, weights: [f64; 3]) -> Vec2 {
         self.blend(&self.mesh.uv[set], weights, |t| t.as_dvec2().extend(0.0))
             .map_or(Vec2::ZERO, |t| t.truncate().as_vec2())
     }
 
+    #[inline]
     pub(crate) fn color(&self, weights: [f64; 3]) -> [f32; 4] {
         if self.mesh.colors.is_empty() {
             return [1.0; 4];
@@ -191,6 +234,7 @@ impl Corners<'_> {
         })
     }
 
+    #[inline]
     fn blend<T>(
         &self,
         values: &[T],
@@ -210,6 +254,12 @@ impl Corners<'_> {
 /// roundings.
 const EDGE: f64 = 1.0 / 1_048_576.0;
 
+/// `v` over its length, if that is a length to divide by.
+#[inline]
+fn unit(v: DVec3, length: f64) -> Option<DVec3> {
+    (length > 0.0 && length.is_finite()).then(|| v / length)
+}
+
 /// The part of `tangent` orthogonal to `normal`, with a sign.
 fn frame_tangent(tangent: DVec3, normal: DVec3, sign: f64) -> Option<Vec4> {
     let across = tangent.try_normalize()?.reject_from_normalized(normal);
@@ -217,6 +267,7 @@ fn frame_tangent(tangent: DVec3, normal: DVec3, sign: f64) -> Option<Vec4> {
 }
 
 /// Half an ulp of each coordinate, and what double precision loses before.
+#[inline]
 fn rounding(position: Vec3) -> Vec3 {
     position.abs() * (f32::EPSILON * 0.501) + Vec3::splat(f32::MIN_POSITIVE)
 }

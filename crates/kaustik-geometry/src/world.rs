@@ -2,11 +2,11 @@
 
 use std::sync::Arc;
 
-use glam::{Vec2, Vec3};
+use glam::{Vec2, Vec3, Vec4};
 
 use crate::assembly::Assembly;
 use crate::bvh::{Any, Bvh, Closest, Goal, InstructionSet, Level, Place, build};
-use crate::surface::Corners;
+use crate::surface::{Corners, Turn};
 use crate::{Aabb, Hit, Instance, Mesh, Ray, Surface, WorldError};
 
 /// Meshes, instances and the structure that finds them. Immutable; share it by reference between threads.
@@ -15,6 +15,8 @@ pub struct World {
     instances: Vec<Instance>,
     /// Whether the instance's triangles stand in the world's own tree.
     flattened: Vec<bool>,
+    /// What each instance does to directions.
+    turns: Vec<Turn>,
     tree: Bvh,
     places: Vec<Place>,
     trees: Vec<Bvh>,
@@ -48,6 +50,7 @@ impl World {
             places: assembly.places,
             trees: assembly.trees,
             instruction_set: InstructionSet::detect(),
+            turns: instances.iter().map(|i| Turn::new(&i.transform)).collect(),
             meshes,
             instances,
         })
@@ -119,6 +122,7 @@ impl World {
     }
 
     /// The surface that `ray` met at `hit`.
+    #[inline]
     pub fn surface(&self, ray: &Ray, hit: &Hit) -> Surface {
         self.corners(hit.instance, hit.primitive)
             .surface(hit.u, hit.v, ray.direction)
@@ -128,8 +132,22 @@ impl World {
     ///
     /// # Panics
     /// Where there is no such instance or triangle.
+    #[inline]
     pub fn surface_at(&self, instance: u32, primitive: u32, u: f32, v: f32) -> Surface {
         self.corners(instance, primitive).surface(u, v, Vec3::ZERO)
+    }
+
+    /// Unit tangent at a hit, orthogonal to a shading normal, and the sign of the bitangent
+    /// (`cross(normal, tangent) * w`): from the mesh's tangents, or else from the derivatives of the first texture
+    /// coordinates (then with glTF's convention that the bitangent points against `v`), or else none.
+    ///
+    /// Apart from [`World::surface`] because only normal maps and anisotropy ask.
+    ///
+    /// # Panics
+    /// Where there is no such instance or triangle.
+    pub fn tangent(&self, hit: &Hit, normal: Vec3) -> Option<Vec4> {
+        self.corners(hit.instance, hit.primitive)
+            .tangent(hit.u, hit.v, normal)
     }
 
     /// The texture coordinates (set 0 or 1) at a hit, for alpha tests; zero where the mesh has none.
@@ -223,23 +241,27 @@ impl World {
     }
 
     /// A triangle's corners exactly as the walk sees them.
+    #[inline]
     fn corners(&self, instance: u32, primitive: u32) -> Corners<'_> {
         let placed = &self.instances[instance as usize];
         let mesh = self.mesh(placed.mesh);
         let corners = mesh.corners(primitive);
-        let linear = placed.transform.matrix3.as_dmat3();
-        let (positions, translation) = if self.flattened[instance as usize] {
+        let turn = &self.turns[instance as usize];
+        let (positions, translation) = if turn.identity && self.flattened[instance as usize] {
+            (corners.map(|p| p.as_dvec3()), None)
+        } else if self.flattened[instance as usize] {
             let world = corners.map(|p| placed.transform.transform_point3(p).as_dvec3());
             (world, None)
         } else {
             let shift = placed.transform.translation.as_dvec3();
+            let linear = placed.transform.matrix3.as_dmat3();
             (corners.map(|p| linear * p.as_dvec3() + shift), Some(shift))
         };
         Corners {
             mesh,
             primitive,
             positions,
-            linear,
+            turn,
             translation,
         }
     }

@@ -17,7 +17,7 @@ pub(crate) struct Bvh {
 }
 
 /// Boxes of up to eight children: for each axis the least and the greatest. Unused ones are inside out.
-#[repr(C, align(32))]
+#[repr(C, align(64))]
 #[derive(Clone)]
 pub(crate) struct Node {
     pub(crate) planes: [[[f32; WIDTH]; 2]; 3],
@@ -68,6 +68,11 @@ impl Child {
     #[inline(always)]
     pub(crate) fn is_node(self) -> bool {
         self.0 >> 30 == 0
+    }
+
+    #[inline(always)]
+    pub(crate) fn index(self) -> usize {
+        (self.0 & INDEX) as usize
     }
 
     #[inline(always)]

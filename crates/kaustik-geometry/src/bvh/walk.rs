@@ -8,7 +8,7 @@ use glam::Affine3A;
 
 use super::Goal;
 use super::lanes::{Kernel, Lanes};
-use super::node::{Bvh, Child, Kind, Node};
+use super::node::{Block, Bvh, Child, Kind, Node};
 use super::prepared::{Prepared, WIDEN};
 use super::slabs::test_node;
 use super::stack::{Entry, Stack};
@@ -174,12 +174,14 @@ fn enter<K: Kernel, G: Goal>(level: &Level<'_>, index: u32, goal: &mut G) -> boo
     K::walk_placed(&inner, goal)
 }
 
-/// Asks for the memory of a child that will be visited. Measured: incoherent rays take a sixth less time.
+/// Asks for the memory of a child that will be visited. Measured: incoherent rays take a sixth less time. Without a
+/// branch, which would be mispredicted; for an instance it asks for something of no use.
 #[inline(always)]
 fn fetch<K: Kernel>(bvh: &Bvh, child: Child) {
-    match child.kind() {
-        Kind::Node { index } => K::fetch(&bvh.nodes[index]),
-        Kind::Block { index, .. } => K::fetch(&bvh.blocks[index]),
-        Kind::Instance { .. } => {}
-    }
+    let (start, size) = if child.is_node() {
+        (bvh.nodes.as_ptr().cast::<u8>(), size_of::<Node>())
+    } else {
+        (bvh.blocks.as_ptr().cast::<u8>(), size_of::<Block>())
+    };
+    K::fetch(start.wrapping_add(child.index() * size));
 }

@@ -44,11 +44,10 @@ impl Kernel for Avx2 {
     type Block = Eight;
 
     #[inline(always)]
-    fn fetch<T>(value: &T) {
-        let start = std::ptr::from_ref(value).cast::<i8>();
-        for line in 0..size_of::<T>().div_ceil(64) {
+    fn fetch(address: *const u8) {
+        for line in 0..4 {
             // SAFETY: a hint; it reads nothing, whatever the address.
-            unsafe { _mm_prefetch::<_MM_HINT_T0>(start.wrapping_add(line * 64)) };
+            unsafe { _mm_prefetch::<_MM_HINT_T0>(address.wrapping_add(line * 64).cast()) };
         }
     }
 

@@ -42,8 +42,8 @@ pub(crate) trait Kernel {
     /// For the triangles of a block.
     type Block: Lanes<BLOCK>;
 
-    /// Hints that all of a value will be read soon.
-    fn fetch<T>(value: &T);
+    /// Hints that 256 bytes will be read soon. The address may be any.
+    fn fetch(address: *const u8);
 
     /// Walks an instance's tree; whether `goal` asked to stop.
     fn walk_placed<G: Goal>(level: &Level<'_>, goal: &mut G) -> bool;

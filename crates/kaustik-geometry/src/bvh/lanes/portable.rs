@@ -90,7 +90,7 @@ impl Kernel for Portable<WIDTH> {
     type Block = Portable<BLOCK>;
 
     #[inline(always)]
-    fn fetch<T>(_: &T) {}
+    fn fetch(_: *const u8) {}
 
     #[inline(never)]
     fn walk_placed<G: Goal>(level: &Level<'_>, goal: &mut G) -> bool {
