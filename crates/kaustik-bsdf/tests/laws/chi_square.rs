@@ -19,8 +19,8 @@ struct Cells {
     frame: Frame,
     /// +1 or -1: the side whose directions count.
     side: f64,
-    /// Angle scale of the rings, in units of 1 - cos.
-    scale: f64,
+    /// How far the lobe reaches, in units of 1 - cos.
+    lobe: f64,
 }
 
 impl Cells {
@@ -28,17 +28,35 @@ impl Cells {
         Self {
             frame: Frame::from_z(axis),
             side: axis.z.signum(),
-            scale: (2.0 * width * width).min(1.0),
+            lobe: (50.0 * width * width).min(1.0),
         }
     }
 
-    /// `1 - cos` of the angle to the axis, from the ring coordinate in `[0, 1]`.
+    /// `1 - cos` of the angle to the axis, from the ring coordinate in `[0, 1]`: half of the rings
+    /// share the lobe, the others the rest of the sphere.
     fn drop(&self, t: f64) -> f64 {
-        2.0 * self.scale * t / (2.0 + self.scale - 2.0 * t)
+        if t < 0.5 {
+            self.lobe * 4.0 * t * t
+        } else {
+            self.lobe + (2.0 - self.lobe) * (2.0 * t - 1.0)
+        }
+    }
+
+    /// Derivative of `drop`.
+    fn slope(&self, t: f64) -> f64 {
+        if t < 0.5 {
+            self.lobe * 8.0 * t
+        } else {
+            2.0 * (2.0 - self.lobe)
+        }
     }
 
     fn ring(&self, drop: f64) -> f64 {
-        drop * (2.0 + self.scale) / (2.0 * (drop + self.scale))
+        if drop < self.lobe {
+            0.5 * (drop / self.lobe).sqrt()
+        } else {
+            0.5 + 0.5 * (drop - self.lobe) / (2.0 - self.lobe)
+        }
     }
 
     fn cell(&self, w: DVec3) -> usize {
@@ -70,9 +88,9 @@ impl Cells {
             (middle, high),
         ];
         let fine: f64 = parts.iter().map(|(a, b)| self.gauss(pdf, *a, *b)).sum();
-        let settled = (fine - whole).abs() < 5e-7 + 3e-5 * fine;
+        let settled = (fine - whole).abs() < 1e-7 + 3e-5 * fine;
         // at the horizon a sliver or a narrow band may hide between the points
-        let sliver = depth > 4 && self.straddles(low, high);
+        let sliver = depth > 3 && self.straddles(low, high);
         if depth == 0 || (settled && !sliver) {
             return fine;
         }
@@ -98,8 +116,7 @@ impl Cells {
         let mut sum = 0.0;
         for (x, wx) in RULE {
             let t = low[0] + (high[0] - low[0]) * x;
-            let slope =
-                2.0 * self.scale * (2.0 + self.scale) / (2.0 + self.scale - 2.0 * t).powi(2);
+            let slope = self.slope(t);
             for (y, wy) in RULE {
                 let w = self.direction(t, low[1] + (high[1] - low[1]) * y);
                 if w.z * self.side > 0.0 {
@@ -112,14 +129,16 @@ impl Cells {
 
     /// `pdf` over each cell, which may be halved `depth` times.
     fn expected(&self, pdf: &dyn Fn(DVec3) -> f64, depth: u32) -> Vec<f64> {
-        let size = [1.0 / RINGS as f64, 1.0 / SECTORS as f64];
+        // a quarter at a time: two rules that agree by chance on a whole cell are not rare
+        let size = [0.5 / RINGS as f64, 0.5 / SECTORS as f64];
+        let quarter = |i: usize, j: usize| {
+            let low = [i as f64 * size[0], j as f64 * size[1]];
+            self.integral(pdf, low, [low[0] + size[0], low[1] + size[1]], depth)
+        };
         (0..RINGS * SECTORS)
-            .map(|i| {
-                let low = [
-                    (i / SECTORS) as f64 * size[0],
-                    (i % SECTORS) as f64 * size[1],
-                ];
-                self.integral(pdf, low, [low[0] + size[0], low[1] + size[1]], depth)
+            .map(|cell| (2 * (cell / SECTORS), 2 * (cell % SECTORS)))
+            .map(|(i, j)| {
+                quarter(i, j) + quarter(i + 1, j) + quarter(i, j + 1) + quarter(i + 1, j + 1)
             })
             .collect()
     }
@@ -151,7 +170,7 @@ pub(crate) fn p_value(
     seed: u64,
 ) -> f64 {
     let cells = peaks(case, wo).map(|(axis, width)| Cells::new(axis, width));
-    let depth = if samples > 100_000 { 12 } else { 8 };
+    let depth = if samples > 100_000 { 10 } else { 7 };
     let pdf = |wi: DVec3| lobe.pdf(wo, wi, mode);
     let mut expected: Vec<f64> = cells
         .iter()
