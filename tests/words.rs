@@ -113,7 +113,7 @@ fn wrong_words() {
         &["none"],
     );
     refused(
-        &["render", "builtin:cornell", "--environment", "-1"],
+        &["render", "builtin:cornell", "--environment=-1"],
         &["environment"],
     );
     refused(

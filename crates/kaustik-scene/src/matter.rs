@@ -1,6 +1,6 @@
 //! Geometry with its materials: what a ray can meet.
 
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 use kaustik_bsdf::{Bsdf, Frame};
 use kaustik_geometry::{Hit, Ray, Surface, World};
 use kaustik_spectrum::{Spectrum, Wavelengths};
@@ -36,33 +36,40 @@ impl Matter {
         vertex.material = self.material_of[hit.instance as usize];
         vertex.position = vertex.surface.position.as_dvec3();
         vertex.normal = vertex.surface.geometric_normal.as_dvec3();
-        vertex.frame = self.shading_frame(&vertex.surface, vertex.material);
+        vertex.frame = self.shading_frame(hit, &vertex.surface, vertex.material);
         vertex.instance = hit.instance;
         vertex.primitive = hit.primitive;
     }
 
     /// The frame about the shading normal, normal texture applied. A normal that points to the
     /// other side than the geometry's is turned (interpolated) or left out (from a texture).
-    fn shading_frame(&self, surface: &Surface, material: u32) -> Frame {
-        let geometric = surface.geometric_normal.as_dvec3();
-        let mut normal = surface.shading_normal.as_dvec3();
-        if normal.dot(geometric) < 0.0 {
+    #[inline]
+    fn shading_frame(&self, hit: &Hit, surface: &Surface, material: u32) -> Frame {
+        let mut normal = surface.shading_normal;
+        if normal.dot(surface.geometric_normal) < 0.0 {
             normal = -normal;
         }
-        let Some(tangent) = surface.tangent else {
-            return Frame::from_z(normal);
-        };
-        let frame = Frame::from_z_x(normal, tangent.truncate().as_dvec3());
-        let Some([x, y, z]) = self
+        if self.material(material).has_normal_texture() {
+            self.bent_frame(hit, surface, material, normal)
+        } else {
+            Frame::from_z(normal.as_dvec3())
+        }
+    }
+
+    fn bent_frame(&self, hit: &Hit, surface: &Surface, material: u32, normal: Vec3) -> Frame {
+        let texel = self
             .material(material)
-            .tangent_normal(&self.textures, surface)
-        else {
-            return frame;
+            .tangent_normal(&self.textures, surface);
+        let (Some([x, y, z]), Some(tangent)) = (texel, self.world.tangent(hit, normal)) else {
+            return Frame::from_z(normal.as_dvec3());
         };
+        let frame = Frame::from_z_x(normal.as_dvec3(), tangent.truncate().as_dvec3());
         let bitangent = frame.y * f64::from(tangent.w);
         let bent = frame.x * f64::from(x) + bitangent * f64::from(y) + frame.z * f64::from(z);
         match bent.try_normalize() {
-            Some(bent) if bent.dot(geometric) > 0.0 => Frame::from_z_x(bent, frame.x),
+            Some(bent) if bent.dot(surface.geometric_normal.as_dvec3()) > 0.0 => {
+                Frame::from_z_x(bent, frame.x)
+            }
             _ => frame,
         }
     }

@@ -32,7 +32,6 @@ impl Default for Vertex {
                 position_error: Vec3::ZERO,
                 geometric_normal: Vec3::Z,
                 shading_normal: Vec3::Z,
-                tangent: None,
                 uv: [Vec2::ZERO; 2],
                 color: [1.0; 4],
                 front: true,

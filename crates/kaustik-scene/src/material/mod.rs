@@ -210,6 +210,12 @@ impl Material {
         }
     }
 
+    /// Do normals come from a texture?
+    #[inline]
+    pub(crate) fn has_normal_texture(&self) -> bool {
+        self.normal.is_some()
+    }
+
     /// The normal texture's normal in the tangent frame and its scale applied; `None` without one.
     pub(crate) fn tangent_normal(
         &self,
