@@ -87,11 +87,18 @@ impl Cells {
             ([low[0], middle[1]], [middle[0], high[1]]),
             (middle, high),
         ];
-        let fine: f64 = parts.iter().map(|(a, b)| self.gauss(pdf, *a, *b)).sum();
-        let settled = (fine - whole).abs() < 1e-7 + 3e-5 * fine;
-        // at the horizon a sliver or a narrow band may hide between the points
-        let sliver = depth > 3 && self.straddles(low, high);
-        if depth == 0 || (settled && !sliver) {
+        let (mut fine, mut least, mut most) = (0.0, whole.1, whole.2);
+        for (a, b) in &parts {
+            let part = self.gauss(pdf, *a, *b);
+            fine += part.0;
+            least = least.min(part.1);
+            most = most.max(part.2);
+        }
+        let settled = (fine - whole.0).abs() < 1e-7 + 3e-5 * fine;
+        // Two rules that agree by chance across a jump are not rare, and at the horizon a sliver
+        // or a narrow band may hide between the points.
+        let rough = depth > 3 && (most > 4.0 * least || self.straddles(low, high));
+        if depth == 0 || (settled && !rough) {
             return fine;
         }
         parts
@@ -107,29 +114,34 @@ impl Cells {
         inside.contains(&true) && inside.contains(&false)
     }
 
-    fn gauss(&self, pdf: &dyn Fn(DVec3) -> f64, low: [f64; 2], high: [f64; 2]) -> f64 {
+    /// Integral by nine points, and the least and the largest value met.
+    fn gauss(&self, pdf: &dyn Fn(DVec3) -> f64, low: [f64; 2], high: [f64; 2]) -> (f64, f64, f64) {
         const RULE: [(f64, f64); 3] = [
             (0.112_701_665_379_258_3, 0.277_777_777_777_777_8),
             (0.5, 0.444_444_444_444_444_4),
             (0.887_298_334_620_741_7, 0.277_777_777_777_777_8),
         ];
-        let mut sum = 0.0;
+        let (mut sum, mut least, mut most) = (0.0, f64::INFINITY, 0.0f64);
         for (x, wx) in RULE {
             let t = low[0] + (high[0] - low[0]) * x;
             let slope = self.slope(t);
             for (y, wy) in RULE {
                 let w = self.direction(t, low[1] + (high[1] - low[1]) * y);
-                if w.z * self.side > 0.0 {
-                    sum += wx * wy * slope * pdf(w);
-                }
+                let value = if w.z * self.side > 0.0 { pdf(w) } else { 0.0 };
+                sum += wx * wy * slope * value;
+                least = least.min(value);
+                most = most.max(value);
             }
         }
-        sum * (high[0] - low[0]) * (high[1] - low[1]) * TAU
+        (
+            sum * (high[0] - low[0]) * (high[1] - low[1]) * TAU,
+            least,
+            most,
+        )
     }
 
     /// `pdf` over each cell, which may be halved `depth` times.
     fn expected(&self, pdf: &dyn Fn(DVec3) -> f64, depth: u32) -> Vec<f64> {
-        // a quarter at a time: two rules that agree by chance on a whole cell are not rare
         let size = [0.5 / RINGS as f64, 0.5 / SECTORS as f64];
         let quarter = |i: usize, j: usize| {
             let low = [i as f64 * size[0], j as f64 * size[1]];
