@@ -31,6 +31,23 @@ pub struct Surface {
     pub front: bool,
 }
 
+impl Surface {
+    /// A bare point of a plane: a position rounded once to single precision, with its bound, and the plane's unit
+    /// normal; no attributes.
+    #[inline]
+    pub fn bare(position: Vec3, normal: Vec3) -> Self {
+        Self {
+            position,
+            position_error: rounding(position),
+            geometric_normal: normal,
+            shading_normal: normal,
+            uv: [Vec2::ZERO; 2],
+            color: [1.0; 4],
+            front: true,
+        }
+    }
+}
+
 /// The surface's point moved off it to the side into which `direction` points, by as little as is certain to be on that
 /// side (one or two ulps of the coordinates). The scale of the scene and the length of `direction` do not matter.
 #[inline]
@@ -42,15 +59,17 @@ pub fn offset_origin(surface: &Surface, direction: Vec3) -> Vec3 {
     Vec3::new(away(moved.x, n.x), away(moved.y, n.y), away(moved.z, n.z))
 }
 
-/// The neighbour of `x` in the direction of `n`.
+/// The neighbour of `x` in the direction of `n`: as `next_up` or `next_down`, by selects instead of jumps.
 #[inline]
 fn away(x: f32, n: f32) -> f32 {
-    if n > 0.0 {
-        x.next_up()
-    } else if n < 0.0 {
-        x.next_down()
+    let step = i32::from(n > 0.0) - i32::from(n < 0.0);
+    // The bits of a float grow with its size, whatever its sign.
+    let outward = if x < 0.0 { -step } else { step };
+    let moved = f32::from_bits((x.to_bits() as i32).wrapping_add(outward) as u32);
+    if x == 0.0 {
+        step as f32 * f32::from_bits(1)
     } else {
-        x
+        moved
     }
 }
 

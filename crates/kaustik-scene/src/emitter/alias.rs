@@ -83,9 +83,9 @@ impl AliasTable {
         }
     }
 
-    /// Probability of `index`.
+    /// Probability of `index`; 0 for an empty table.
     pub(crate) fn probability(&self, index: usize) -> f64 {
-        self.probability[index]
+        self.probability.get(index).copied().unwrap_or(0.0)
     }
 }
 

@@ -12,9 +12,9 @@ mod sample;
 
 use std::f64::consts::PI;
 
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 use kaustik_bsdf::{Frame, warp};
-use kaustik_geometry::Ray;
+use kaustik_geometry::{Ray, Surface};
 use kaustik_spectrum::Wavelengths;
 
 use crate::Interior;
@@ -47,6 +47,48 @@ struct TriangleEmitter {
     interior: u32,
     /// One over the area in the world.
     inverse_area: f64,
+    /// What a look-up needs when the emission does not vary: no attributes are interpolated.
+    plain: Option<Plane>,
+}
+
+/// A triangle in the world: a corner, the edges from it, the unit front normal.
+#[derive(Clone, Copy, Debug)]
+struct Plane {
+    corner: DVec3,
+    edges: [DVec3; 2],
+    normal: Vec3,
+}
+
+impl Plane {
+    fn of(matter: &Matter, instance: u32, primitive: u32) -> Self {
+        let [a, b, c] = matter
+            .world
+            .triangle(instance, primitive)
+            .map(Vec3::as_dvec3);
+        let middle = matter.world.surface_at(instance, primitive, 0.3, 0.3);
+        Self {
+            corner: a,
+            edges: [b - a, c - a],
+            normal: middle.geometric_normal,
+        }
+    }
+}
+
+impl TriangleEmitter {
+    /// The surface at barycentric weights of the second and third corner.
+    #[inline]
+    fn surface(&self, matter: &Matter, [a, b]: [f64; 2]) -> Surface {
+        match &self.plain {
+            Some(plane) => {
+                let position = plane.corner + plane.edges[0] * a + plane.edges[1] * b;
+                Surface::bare(position.as_vec3(), plane.normal)
+            }
+            None => {
+                let world = &matter.world;
+                world.surface_at(self.instance, self.primitive, a as f32, b as f32)
+            }
+        }
+    }
 }
 
 /// All emitters of a scene.
@@ -59,8 +101,8 @@ pub(crate) struct Emitters {
     environment: Option<Environment>,
     /// For each instance the index of its first triangle's emitter, or [`DARK`].
     first_of_instance: Vec<u32>,
-    /// Solids around emissive instances.
-    interiors: Vec<Interior>,
+    /// Solids around emissive instances, in front of them and, if both sides emit, behind.
+    interiors: Vec<[Interior; 2]>,
     /// Sphere around all geometry.
     center: DVec3,
     radius: f64,
@@ -116,7 +158,7 @@ impl Emitters {
         let world = &matter.world;
         let material_index = matter.material_of[instance as usize];
         let material = matter.material(material_index);
-        if !material.is_emissive() {
+        if !material.is_emissive() || world.mesh_of(instance).indices.is_empty() {
             self.first_of_instance.push(DARK);
             return;
         }
@@ -128,8 +170,15 @@ impl Emitters {
         };
         let first = world.surface_at(instance, 0, 1.0 / 3.0, 1.0 / 3.0);
         let clearance = 1e-4 * world.triangle_area(instance, 0).sqrt();
-        let above = first.position.as_dvec3() + first.geometric_normal.as_dvec3() * clearance;
-        self.interiors.push(matter.interior_at(above));
+        let position = first.position.as_dvec3();
+        let above = first.geometric_normal.as_dvec3() * clearance;
+        let behind = if material.emits_on_both_sides() {
+            matter.interior_at(position - above)
+        } else {
+            Interior::VACUUM
+        };
+        self.interiors
+            .push([matter.interior_at(position + above), behind]);
         for primitive in 0..world.mesh_of(instance).indices.len() as u32 {
             let area = world.triangle_area(instance, primitive);
             powers.push(
@@ -143,6 +192,9 @@ impl Emitters {
                 material: material_index,
                 interior: self.interiors.len() as u32 - 1,
                 inverse_area: if area > 0.0 { 1.0 / area } else { 0.0 },
+                plain: material
+                    .emits_evenly()
+                    .then(|| Plane::of(matter, instance, primitive)),
             }));
         }
     }
@@ -158,13 +210,13 @@ impl Emitters {
 
     /// The emitter for a coordinate that is asked for only if there is a choice to make.
     #[inline]
-    fn choose(&self, u: impl FnOnce() -> f64) -> Option<(Emitter, f64)> {
+    fn choose(&self, u: impl FnOnce() -> f64) -> Option<(&Emitter, f64)> {
         let index = match self.choice.len() {
             0 => return None,
             1 => 0,
             _ => self.choice.choose(u()),
         };
-        Some((self.list[index], self.choice.probability(index)))
+        Some((&self.list[index], self.choice.probability(index)))
     }
 
     /// Next event: a point or direction of an emitter as seen from `position`. `u(i)` gives
@@ -180,13 +232,7 @@ impl Emitters {
         let (emitter, probability) = self.choose(|| u(0))?;
         match emitter {
             Emitter::Triangle(triangle) => {
-                let [a, b] = warp::uniform_triangle([u(1), u(2)]);
-                let surface = matter.world.surface_at(
-                    triangle.instance,
-                    triangle.primitive,
-                    a as f32,
-                    b as f32,
-                );
+                let surface = triangle.surface(matter, warp::uniform_triangle([u(1), u(2)]));
                 let to = surface.position.as_dvec3() - position;
                 let squared = to.length_squared();
                 let wi = to / squared.sqrt();
@@ -197,13 +243,13 @@ impl Emitters {
                 shines.then(|| DirectSample {
                     wi,
                     pdf,
-                    radiance: matter.emission(triangle.material, &surface, wavelengths),
+                    radiance: matter.covered_emission(triangle.material, &surface, wavelengths),
                     delta: false,
                     reach: Reach::Surface(surface),
                 })
             }
             Emitter::Punctual(index) => {
-                self.punctual_direct(index, probability, position, wavelengths)
+                self.punctual_direct(*index, probability, position, wavelengths)
             }
             Emitter::Environment => {
                 let environment = self.environment.as_ref()?;
@@ -288,7 +334,7 @@ impl Emitters {
             Emitter::Triangle(triangle) => {
                 Some(self.triangle_emission(matter, triangle, probability, wavelengths, u))
             }
-            Emitter::Punctual(index) => self.punctual_emission(index, probability, wavelengths, u),
+            Emitter::Punctual(index) => self.punctual_emission(*index, probability, wavelengths, u),
             Emitter::Environment => {
                 let environment = self.environment.as_ref()?;
                 let (toward, pdf) = environment.sample([u(3), u(4)]);
@@ -308,16 +354,12 @@ impl Emitters {
     fn triangle_emission(
         &self,
         matter: &Matter,
-        triangle: TriangleEmitter,
+        triangle: &TriangleEmitter,
         probability: f64,
         wavelengths: &Wavelengths,
         mut u: impl FnMut(u32) -> f64,
     ) -> EmissionSample {
-        let [a, b] = warp::uniform_triangle([u(1), u(2)]);
-        let surface =
-            matter
-                .world
-                .surface_at(triangle.instance, triangle.primitive, a as f32, b as f32);
+        let surface = triangle.surface(matter, warp::uniform_triangle([u(1), u(2)]));
         let both_sides = matter.material(triangle.material).emits_on_both_sides();
         let (mut side, mut v) = (1.0, u(4));
         let mut sides = 1.0;
@@ -334,17 +376,15 @@ impl Emitters {
         let weight = position_weight * PI * sides;
         EmissionSample {
             ray: Ray::spawn(&surface, direction.as_vec3()),
-            weight: matter.emission(triangle.material, &surface, wavelengths) * weight as f32,
-            interior: if side > 0.0 {
-                self.interiors[triangle.interior as usize]
-            } else {
-                Interior::VACUUM
-            },
+            weight: matter.covered_emission(triangle.material, &surface, wavelengths)
+                * weight as f32,
+            interior: self.interiors[triangle.interior as usize][usize::from(side < 0.0)],
             area: Some(AreaSample {
                 surface,
                 weight: position_weight,
                 both_sides,
                 material: triangle.material,
+                interior: triangle.interior,
             }),
             fading: None,
         }
@@ -379,6 +419,12 @@ impl Emitters {
         })
     }
 
+    /// The solids around a point on an emitter, on the side of `direction`.
+    pub(crate) fn area_interior(&self, area: &AreaSample, direction: DVec3) -> Interior {
+        let behind = area.surface.geometric_normal.as_dvec3().dot(direction) < 0.0;
+        self.interiors[area.interior as usize][usize::from(behind)]
+    }
+
     /// What is left of a fading light's radiance after `distance`.
     pub(crate) fn fading(&self, emission: &EmissionSample, distance: f64) -> f32 {
         emission.fading.map_or(1.0, |index| {
@@ -394,3 +440,6 @@ impl Emitters {
         Ray::new(origin.as_vec3(), direction.as_vec3())
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -40,7 +40,7 @@ pub struct EmissionSample {
     pub ray: Ray,
     /// Emitted radiance times cosine over all densities: `Le |cos| / (P p_A p_w)`.
     pub weight: Spectrum,
-    /// The solids around the emitter.
+    /// The solids around the emitter, on the side of the ray.
     pub interior: Interior,
     /// The point on an emissive triangle with `1 / (P p_A)`, for joining it to the lens; `None` for Dirac
     /// emitters and the environment.
@@ -60,4 +60,6 @@ pub struct AreaSample {
     pub both_sides: bool,
     /// Index of the material.
     pub material: u32,
+    /// Which solids are around it: index into the emitters' list.
+    pub(crate) interior: u32,
 }

@@ -78,6 +78,11 @@ impl Emission {
         }
     }
 
+    /// The same everywhere?
+    pub(super) fn is_even(&self) -> bool {
+        self.slot.is_none() && !self.vertex_color
+    }
+
     /// Radiance at a point.
     #[inline]
     pub(super) fn eval(
@@ -122,7 +127,7 @@ impl Emission {
         instance: u32,
         primitive: u32,
     ) -> f64 {
-        if self.slot.is_none() && !self.vertex_color {
+        if self.is_even() {
             return self.luminance;
         }
         let sum: f32 = PROBES

@@ -259,6 +259,11 @@ impl Material {
         self.emission.is_some()
     }
 
+    /// Is the emission the same all over the surface?
+    pub(crate) fn emits_evenly(&self) -> bool {
+        self.emission.as_ref().is_some_and(Emission::is_even)
+    }
+
     /// Do both sides emit?
     pub(crate) fn emits_on_both_sides(&self) -> bool {
         self.both_sides
@@ -316,7 +321,7 @@ impl Kind {
         let full_specular = description.specular.texture.is_none()
             && description.specular.color_texture.is_none()
             && description.specular.factor >= 1.0
-            && description.specular.color == [1.0; 3];
+            && description.specular.color.iter().all(|&c| c >= 1.0);
         let clear = description
             .transmission
             .is_some_and(|t| t.factor >= 1.0 && t.texture.is_none());
@@ -358,7 +363,7 @@ impl Kind {
 fn index_of_refraction(description: &MaterialDescription) -> Glass {
     const MIRROR_LIKE: f32 = 1e4;
     if let Some(glass) = &description.glass {
-        return glass.clone();
+        return *glass;
     }
     let nd = if description.ior == 0.0 {
         MIRROR_LIKE

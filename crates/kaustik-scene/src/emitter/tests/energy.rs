@@ -1,0 +1,191 @@
+//! Energy: emission carries each emitter's power, next event gives irradiances of closed form.
+
+use std::f64::consts::PI;
+
+use glam::{DVec3, Vec3};
+use kaustik_spectrum::uplift_emission;
+
+use crate::Scene;
+use crate::description::{AlphaMode, EnvironmentDescription, LightKind, MaterialDescription};
+use crate::testing::stage::{Stage, diffuse, lamp, rectangle, wavelengths};
+use crate::testing::{Rng, mean};
+
+const SAMPLES: usize = 100_000;
+
+/// Value of a white emission of strength 1 at the tests' first wavelength.
+fn unit() -> f64 {
+    f64::from(uplift_emission([1.0; 3]).eval(&wavelengths()).hero())
+}
+
+/// Checks a mean within `4.5` standard errors and rounding.
+fn assert_mean(what: &str, (mean, error): (f64, f64), expected: f64) {
+    let tolerance = 4.5 * error + 2e-5 * expected.abs();
+    assert!(
+        (mean - expected).abs() <= tolerance,
+        "{what}: {mean} +- {error}, expected {expected}"
+    );
+    assert!(error < 0.01 * expected.abs(), "{what}: too uncertain");
+}
+
+/// Mean of the emission's weights: the power.
+fn power(scene: &Scene) -> (f64, f64) {
+    let mut rng = Rng::new(23);
+    mean((0..SAMPLES).map(|_| {
+        scene
+            .sample_emission(&wavelengths(), |_| rng.uniform())
+            .map_or(0.0, |sample| f64::from(sample.weight.hero()) / unit())
+    }))
+}
+
+fn panel() -> kaustik_geometry::Mesh {
+    rectangle(Vec3::Y, Vec3::X * 0.5, Vec3::Z)
+}
+
+const PANEL_AREA: f64 = 2.0;
+
+#[test]
+fn surfaces_radiate_pi_times_area_times_radiance() {
+    let power_of = |material: MaterialDescription| {
+        let mut stage = Stage::new();
+        stage.add(material, panel());
+        power(&stage.build())
+    };
+    let one = PI * PANEL_AREA * 3.0;
+    assert_mean("front", power_of(lamp(3.0, false)), one);
+    assert_mean("both sides", power_of(lamp(3.0, true)), 2.0 * one);
+    let veil = MaterialDescription {
+        base_color: [0.0, 0.0, 0.0, 0.25],
+        alpha_mode: AlphaMode::Blend,
+        ..lamp(3.0, false)
+    };
+    assert_mean("partly transparent", power_of(veil), 0.25 * one);
+}
+
+#[test]
+fn a_picture_radiates_its_mean() {
+    let mut stage = Stage::new();
+    let texels = [0.0, 1.0, 0.5, 0.1].map(|grey| [grey; 3]);
+    let slot = stage.texture(2, &texels);
+    let material = MaterialDescription {
+        emissive_texture: Some(slot),
+        ..lamp(2.0, false)
+    };
+    stage.add(material, panel());
+    let expected = PI * PANEL_AREA * 2.0 * 0.4;
+    assert_mean("picture", power(&stage.build()), expected);
+}
+
+fn lights(kind: LightKind) -> Stage {
+    let mut stage = Stage::new();
+    stage.add(diffuse(0.5), panel());
+    stage.light(kind, 2.0, Vec3::new(0.0, 3.0, 1.0), Vec3::NEG_Y);
+    stage
+}
+
+#[test]
+fn punctual_lights_radiate_their_closed_forms() {
+    assert_mean(
+        "point",
+        power(&lights(LightKind::Point).build()),
+        4.0 * PI * 2.0,
+    );
+    let (inner, outer) = (0.3_f32, 0.9_f32);
+    let spot = power(&lights(LightKind::Spot { inner, outer }).build());
+    let cos = [inner, outer].map(|angle| libm::cos(f64::from(angle)));
+    // the falloff is the square of what is linear in the cosine
+    let solid_angle = 2.0 * PI * ((1.0 - cos[0]) + (cos[0] - cos[1]) / 3.0);
+    assert_mean("spot", spot, 2.0 * solid_angle);
+    let directional = lights(LightKind::Directional).build();
+    let (_, radius) = directional.bounding_sphere();
+    let disc = PI * radius * radius;
+    assert_mean("directional", power(&directional), 2.0 * disc);
+}
+
+#[test]
+fn the_sky_radiates_through_the_sphere() {
+    let mut stage = Stage::new();
+    stage.add(diffuse(0.5), panel());
+    stage.description.environment = Some(EnvironmentDescription::Constant([1.5; 3]));
+    let scene = stage.build();
+    let sphere = 4.0 * PI * PI * scene.bounding_sphere().1.powi(2);
+    assert_mean("constant", power(&scene), 1.5 * sphere);
+    // upper half bright, the other dim: interpolation keeps the mean by symmetry
+    let rows = [3.0, 3.0, 1.0, 1.0];
+    let texels: Vec<f32> = rows.iter().flat_map(|&row| [row; 8]).collect();
+    stage.sky(8, &texels);
+    assert_mean("picture", power(&stage.build()), 2.0 * sphere);
+}
+
+/// Choosing among several emitters loses nothing and counts nothing twice.
+#[test]
+fn powers_add_up() {
+    let mut stage = lights(LightKind::Point);
+    stage.add(lamp(3.0, true), panel());
+    stage.light(LightKind::Directional, 1.0, Vec3::ZERO, Vec3::X);
+    stage.description.environment = Some(EnvironmentDescription::Constant([0.2; 3]));
+    let scene = stage.build();
+    let disc = PI * scene.bounding_sphere().1.powi(2);
+    let lamps = 2.0 * PI * PANEL_AREA * 3.0;
+    let expected = 8.0 * PI + lamps + disc + 0.2 * 4.0 * PI * disc;
+    assert_mean("all", power(&scene), expected);
+}
+
+/// Irradiance at the origin of a surface that faces up.
+fn irradiance(scene: &Scene) -> (f64, f64) {
+    let mut rng = Rng::new(29);
+    mean((0..SAMPLES).map(|_| {
+        scene
+            .sample_direct(DVec3::ZERO, &wavelengths(), |_| rng.uniform())
+            .map_or(0.0, |sample| {
+                let cos = sample.wi.y.max(0.0);
+                f64::from(sample.radiance.hero()) * cos / sample.pdf / unit()
+            })
+    }))
+}
+
+/// Form factor of a rectangle from a point on the normal of one of its corners, over
+/// it: sides `a` and `b` in units of the distance.
+fn corner_form_factor(a: f64, b: f64) -> f64 {
+    let side = |a: f64, b: f64| {
+        let root = (1.0 + a * a).sqrt();
+        a / root * libm::atan(b / root)
+    };
+    (side(a, b) + side(b, a)) / (2.0 * PI)
+}
+
+#[test]
+fn a_square_above_a_point() {
+    let mut stage = Stage::new();
+    let square = rectangle(Vec3::Y * 1.5, Vec3::X, Vec3::Z);
+    stage.add(lamp(3.0, false), square.clone());
+    let expected = 3.0 * PI * 4.0 * corner_form_factor(1.0 / 1.5, 1.0 / 1.5);
+    assert_mean("square", irradiance(&stage.build()), expected);
+    let mut turned = square;
+    turned.indices.iter_mut().for_each(|t| t.swap(0, 1));
+    let mut stage = Stage::new();
+    stage.add(lamp(3.0, false), turned.clone());
+    let (dark, _) = irradiance(&stage.build());
+    assert_eq!(dark.to_bits(), 0.0_f64.to_bits(), "its back is dark");
+    let mut stage = Stage::new();
+    stage.add(lamp(3.0, true), turned);
+    assert_mean("both sides", irradiance(&stage.build()), expected);
+}
+
+#[test]
+fn punctual_lights_and_the_sky_on_a_point() {
+    let mut stage = Stage::new();
+    stage.light(LightKind::Point, 3.0, Vec3::new(0.0, 2.0, 1.0), Vec3::X);
+    let cos = 2.0 / 5.0_f64.sqrt();
+    let point = 3.0 * cos / 5.0;
+    assert_mean("point", irradiance(&stage.build()), point);
+    stage.description.lights[0].range = Some(4.0);
+    let window = 1.0 - 25.0 / 256.0;
+    assert_mean("range", irradiance(&stage.build()), point * window);
+    stage.description.lights.clear();
+    let along = Vec3::new(1.0, -2.0, 0.0);
+    stage.light(LightKind::Directional, 3.0, Vec3::ZERO, along);
+    assert_mean("directional", irradiance(&stage.build()), 3.0 * cos);
+    stage.description.lights.clear();
+    stage.description.environment = Some(EnvironmentDescription::Constant([2.0; 3]));
+    assert_mean("sky", irradiance(&stage.build()), 2.0 * PI);
+}
