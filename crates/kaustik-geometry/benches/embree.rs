@@ -21,6 +21,9 @@ use support::{Random, bounces, cave, cornell, primary, shadows, single, terrain}
 
 const TURNS: usize = 9;
 
+/// How many rays hit.
+type Count<'a> = &'a dyn Fn(&[Ray]) -> usize;
+
 #[repr(C, align(16))]
 #[derive(Clone, Copy)]
 struct RtcRay {
@@ -175,12 +178,7 @@ fn median(mut values: Vec<f64>) -> f64 {
     values[values.len() / 2]
 }
 
-fn compare(
-    name: &str,
-    rays: &[Ray],
-    ours: impl Fn(&[Ray]) -> usize,
-    theirs: Option<&dyn Fn(&[Ray]) -> usize>,
-) {
+fn compare(name: &str, rays: &[Ray], ours: impl Fn(&[Ray]) -> usize, theirs: Option<Count<'_>>) {
     let (mut own, mut other, mut ratio) = (Vec::new(), Vec::new(), Vec::new());
     let mut counts = (0, 0);
     for _ in 0..TURNS {
@@ -240,8 +238,8 @@ fn scene(name: &str, library: Option<&Library>, mesh: Mesh, eye: Vec3, at: Vec3)
     let any = |rays: &[Ray]| rays.iter().filter(|r| world.occluded(r)).count();
     let hits = embree.as_ref().map(|e| move |rays: &[Ray]| e.hits(rays));
     let blocked = embree.as_ref().map(|e| move |rays: &[Ray]| e.blocked(rays));
-    let hits = hits.as_ref().map(|f| f as &dyn Fn(&[Ray]) -> usize);
-    let blocked = blocked.as_ref().map(|f| f as &dyn Fn(&[Ray]) -> usize);
+    let hits = hits.as_ref().map(|f| f as Count<'_>);
+    let blocked = blocked.as_ref().map(|f| f as Count<'_>);
     compare("primary", &first, closest, hits);
     compare("bounce", &third, closest, hits);
     compare("occluded", &segments, any, blocked);

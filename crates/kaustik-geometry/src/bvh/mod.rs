@@ -10,6 +10,7 @@ mod goal;
 mod lanes;
 mod node;
 mod pages;
+mod plan;
 mod precise;
 mod prepared;
 mod slabs;

@@ -1,4 +1,9 @@
 //! All integration tests in one binary.
+#![expect(
+    clippy::unwrap_used,
+    clippy::float_cmp,
+    reason = "a test may panic, and compares bits"
+)]
 
 /// Oracles, meshes, rays.
 mod support;
