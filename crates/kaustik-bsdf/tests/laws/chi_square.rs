@@ -94,6 +94,15 @@ impl Cells {
             least = least.min(part.1);
             most = most.max(part.2);
         }
+        for w in self
+            .corners(low, high)
+            .into_iter()
+            .filter(|w| w.z * self.side > 0.0)
+        {
+            let value = pdf(w);
+            least = least.min(value);
+            most = most.max(value);
+        }
         let settled = (fine - whole.0).abs() < 1e-7 + 3e-5 * fine;
         // Two rules that agree by chance across a jump are not rare, and at the horizon a sliver
         // or a narrow band may hide between the points.
@@ -107,10 +116,13 @@ impl Cells {
             .sum()
     }
 
+    fn corners(&self, low: [f64; 2], high: [f64; 2]) -> [DVec3; 4] {
+        [low, [low[0], high[1]], [high[0], low[1]], high].map(|c| self.direction(c[0], c[1]))
+    }
+
     /// Are some but not all corners of the rectangle on the side that counts?
     fn straddles(&self, low: [f64; 2], high: [f64; 2]) -> bool {
-        let corners = [low, [low[0], high[1]], [high[0], low[1]], high];
-        let inside = corners.map(|c| self.direction(c[0], c[1]).z * self.side > 1e-6);
+        let inside = self.corners(low, high).map(|w| w.z * self.side > 1e-6);
         inside.contains(&true) && inside.contains(&false)
     }
 
@@ -182,7 +194,7 @@ pub(crate) fn p_value(
     seed: u64,
 ) -> f64 {
     let cells = peaks(case, wo).map(|(axis, width)| Cells::new(axis, width));
-    let depth = if samples > 100_000 { 10 } else { 7 };
+    let depth = if samples > 100_000 { 10 } else { 6 };
     let pdf = |wi: DVec3| lobe.pdf(wo, wi, mode);
     let mut expected: Vec<f64> = cells
         .iter()
