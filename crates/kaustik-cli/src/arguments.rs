@@ -72,8 +72,8 @@ pub(crate) struct RenderWords {
     /// Wavelengths a path: 4 importance-sampled, or 1 uniform over 400-700 nm
     #[arg(long, value_name = "N", value_parser = ["1", "4"])]
     pub(crate) wavelengths: Option<String>,
-    /// Pixel filter: box, tent, gaussian or mitchell
-    #[arg(long, value_name = "NAME", default_value = "box", value_parser = |name: &str| Filter::new(name, None))]
+    /// Pixel filter: box, tent, gaussian or mitchell, with a radius as in gaussian:2
+    #[arg(long, value_name = "NAME", default_value = "box", value_parser = str::parse::<Filter>)]
     pub(crate) filter: Filter,
     /// Pixels to render: X0,Y0,X1,Y1, the last two excluded
     #[arg(long, value_name = "X0,Y0,X1,Y1", value_parser = window)]

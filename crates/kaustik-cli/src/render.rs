@@ -3,10 +3,10 @@
 use std::process::ExitCode;
 use std::time::Duration;
 
-use kaustik::film::{check_writable, exr, png, write_file};
+use kaustik::film::{FilmError, check_writable, exr, png, write_file};
 use kaustik::scene::{Scene, SceneOptions};
 use kaustik::spectrum::WavelengthSampling;
-use kaustik::{Budget, Control, Options, Outcome, RenderSettings, Rendered, render};
+use kaustik::{Budget, Control, Options, Outcome, RenderError, RenderSettings, Rendered, render};
 use serde_json::{Value, json};
 
 use crate::arguments::RenderWords;
@@ -74,8 +74,14 @@ fn finish(
         stop: Some(&signals.stop),
         progress: Some(&mut show),
     };
-    let rendered = render(scene, settings, &mut control).map_err(Failure::input)?;
+    let rendered = render(scene, settings, &mut control);
     display.finish();
+    let rendered = rendered.map_err(|error| match error {
+        RenderError::Setting { .. } | RenderError::Film(FilmError::Empty { .. }) => {
+            Failure::input(error)
+        }
+        _ => Failure::other(error),
+    })?;
     write(words, settings, rendered)?;
     Ok(signals.status().map_or(ExitCode::SUCCESS, ExitCode::from))
 }
@@ -109,7 +115,9 @@ fn write(
         return Ok(());
     }
     if outcome == Outcome::Black {
-        output::note("note: no light reaches the camera: the picture is black");
+        output::note(
+            "note: nothing that was tried brings light to the camera: the picture is black",
+        );
         return Ok(());
     }
     let mut line = format!(
@@ -154,11 +162,20 @@ fn settings(words: &RenderWords) -> Result<RenderSettings, Failure> {
             .set(words.method, setting)
             .map_err(|error| Failure::Input(format!("--set {setting}: {error}")))?;
     }
-    if words.wavelengths.as_deref() == Some("4")
-        && options.wavelengths == WavelengthSampling::Single
+    let one = options.wavelengths == WavelengthSampling::Single;
+    if words
+        .wavelengths
+        .as_deref()
+        .is_some_and(|n| (n == "1") != one)
     {
         return Err(Failure::Input(
-            "--wavelengths 4 with --set wavelengths=uniform: uniform sampling is for one wavelength"
+            "--wavelengths and --set wavelengths contradict each other: 4 is hero, 1 is uniform"
+                .to_owned(),
+        ));
+    }
+    if options.builder == kaustik::Builder::Endpoint && !options.next_event {
+        return Err(Failure::Input(
+            "--set nextevent=off with --set builder=endpoint: an endpoint is joined or it is nothing"
                 .to_owned(),
         ));
     }
@@ -187,14 +204,29 @@ fn settings(words: &RenderWords) -> Result<RenderSettings, Failure> {
 
 /// What goes into the EXR and into `--stats`.
 fn metadata(words: &RenderWords, settings: &RenderSettings, statistics: &Value) -> Value {
+    let set: serde_json::Map<String, Value> = (settings.options)
+        .entries(settings.method)
+        .into_iter()
+        .map(|(key, value)| (key.to_owned(), Value::String(value)))
+        .collect();
+    let budget = match settings.budget {
+        Budget::PerPixel(n) => format!("{n} a pixel"),
+        Budget::Total(n) => format!("{n} in all"),
+        Budget::Time(time) => format!("{} s", time.as_secs_f64()),
+    };
     json!({
         "software": format!("kaustik {}", env!("CARGO_PKG_VERSION")),
         "scene": words.scene,
         "width": settings.width,
         "height": settings.height,
         "max_depth": settings.max_depth,
-        "filter": settings.filter.name(),
-        "set": words.settings,
+        "filter": settings.filter.to_string(),
+        "crop": settings.layout().crop.to_string(),
+        "budget": budget,
+        "camera": words.camera,
+        "environment": words.environment,
+        "ladders": [settings.ladder_range().start, settings.ladder_range().end],
+        "set": set,
         "statistics": statistics,
     })
 }

@@ -36,6 +36,7 @@ pub(crate) fn start(
         direction: ray.direction,
         interior: scene.camera_interior(),
         throughput: Spectrum::ONE,
+        start: 1.0,
         dispersive: false,
         edges: 0,
     };

@@ -29,7 +29,7 @@ impl PathBuilder for LightTracing {
         let emission = scene.sample_emission(&wavelengths, |i| u.get(Stream::Light, i));
         let Some(emission) = emission else { return };
         if let Some(area) = &emission.area {
-            self.join_emitter(scene, area, &emission, &wavelengths, u, out);
+            self.join_emitter(scene, area, &wavelengths, u, out);
         }
         self.walk(scene, &emission, wavelengths, u, out);
     }
@@ -56,6 +56,7 @@ impl LightTracing {
             direction: emission.ray.direction.as_dvec3().normalize(),
             interior: emission.interior,
             throughput: emission.weight,
+            start: emission.weight.mean(),
             dispersive: false,
             edges: 0,
         };
@@ -106,8 +107,8 @@ impl LightTracing {
         if value.is_zero() {
             return;
         }
-        let wo = vertex.frame.to_world(scatter.wo);
-        let interior = scene.interior_toward(vertex, &walk.interior, wo, lens.direction);
+        let interior =
+            scene.interior_toward(vertex, &walk.interior, -walk.direction, lens.direction);
         let ray = Ray::towards(&vertex.surface, lens.position.as_vec3());
         value *= scene.transmittance(&ray, &interior);
         value *= scene.absorption(&interior, &walk.wavelengths, lens.distance);
@@ -122,7 +123,6 @@ impl LightTracing {
         &self,
         scene: &Scene,
         area: &AreaSample,
-        emission: &EmissionSample,
         wavelengths: &Wavelengths,
         u: &mut dyn Coordinates,
         out: &mut Contributions,
@@ -148,8 +148,9 @@ impl LightTracing {
             return;
         }
         let ray = Ray::towards(&area.surface, lens.position.as_vec3());
-        value *= scene.transmittance(&ray, &emission.interior);
-        value *= scene.absorption(&emission.interior, wavelengths, lens.distance);
+        let interior = scene.area_interior(area, lens.direction);
+        value *= scene.transmittance(&ray, &interior);
+        value *= scene.absorption(&interior, wavelengths, lens.distance);
         out.push(lens.raster, wavelengths.to_xyz(value));
     }
 }

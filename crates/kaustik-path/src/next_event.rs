@@ -59,8 +59,7 @@ pub(crate) fn next_event(
         let other = scatter.bsdf.pdf(scatter.wo, wi, Mode::Radiance) * shares.scattering;
         value *= power_heuristic(pdf, other);
     }
-    let wo = vertex.frame.to_world(scatter.wo);
-    let interior = scene.interior_toward(vertex, &walk.interior, wo, sample.wi);
+    let interior = scene.interior_toward(vertex, &walk.interior, -walk.direction, sample.wi);
     let visible = scene.transmittance(&scene.shadow_ray(vertex, &sample), &interior);
     if visible == 0.0 {
         return;
@@ -70,7 +69,8 @@ pub(crate) fn next_event(
         let distance = match sample.reach {
             Reach::Surface(surface) => (surface.position.as_dvec3() - vertex.position).length(),
             Reach::Point(point) => (point - vertex.position).length(),
-            Reach::Infinity => f64::INFINITY,
+            // A walk that escapes from a solid that is not closed is not dimmed either.
+            Reach::Infinity => 0.0,
         };
         value *= scene.absorption(&interior, &walk.wavelengths, distance);
     }

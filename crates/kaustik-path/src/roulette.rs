@@ -1,7 +1,5 @@
 //! Russian roulette: when a walk is worth going on with.
 
-use kaustik_spectrum::Spectrum;
-
 /// Walks of fewer edges always go on.
 const FIRST_EDGE: u32 = 2;
 /// A walk that carries a third of a white path's light or more goes on as if it carried all of it. Of
@@ -14,12 +12,13 @@ const MOST: f32 = 0.95;
 /// out; without this factor roulette would take it for a loss.
 const INSIDE_SOLID: f32 = 2.25;
 
-/// Probability of going on after `edge` edges with this throughput; 1 is no roulette.
+/// Probability of going on after `edge` edges with this share of the throughput that the walk began
+/// with; 1 is no roulette.
 #[inline]
-pub(crate) fn survival(edge: u32, throughput: Spectrum, inside_solid: bool) -> f32 {
+pub(crate) fn survival(edge: u32, throughput: f32, inside_solid: bool) -> f32 {
     if edge < FIRST_EDGE {
         return 1.0;
     }
-    let mean = throughput.mean() * if inside_solid { INSIDE_SOLID } else { 1.0 };
-    (mean * EAGERNESS).min(MOST)
+    let seen = throughput * if inside_solid { INSIDE_SOLID } else { 1.0 };
+    (seen * EAGERNESS).min(MOST)
 }

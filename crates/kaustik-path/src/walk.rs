@@ -23,6 +23,8 @@ pub(crate) struct Walk {
     pub(crate) interior: Interior,
     /// Product of scattering over densities so far.
     pub(crate) throughput: Spectrum,
+    /// Mean throughput at the start: what roulette measures by, so that the unit of light does not show.
+    pub(crate) start: f32,
     /// Refracted where the index depends on the wavelength: the hero counts alone.
     pub(crate) dispersive: bool,
     /// Edges so far.
@@ -76,8 +78,8 @@ impl Walk {
         }
     }
 
-    /// Draws the next direction; `false` when the walk ends here. `head` is the start of the
-    /// bounces in `stream`. Returns what was drawn, for weights.
+    /// Draws the next direction and returns what was drawn, for weights; `None` when the walk ends
+    /// here. `head` is the start of the bounces in `stream`.
     #[inline]
     pub(crate) fn bounce(
         &mut self,
@@ -120,7 +122,9 @@ impl Walk {
         u: &mut dyn Coordinates,
         (stream, head): (Stream, u32),
     ) -> bool {
-        let survival = roulette::survival(self.edges, self.throughput, !self.interior.is_vacuum());
+        // Only radiance is divided by the square of the index inside a solid.
+        let inside = self.mode == Mode::Radiance && !self.interior.is_vacuum();
+        let survival = roulette::survival(self.edges, self.throughput.mean() / self.start, inside);
         if survival >= 1.0 {
             return true;
         }

@@ -121,7 +121,7 @@ pub const KEYS: &[Key] = &[
     Key {
         name: "pilot",
         default: "100000",
-        range: "1..=100000000",
+        range: "1..=10000000",
         meaning: "independent samples at the start: they choose the chains' first states, estimate the \
                   normalisation and fix the film's quantum (path, light: a hundredth of it)",
         methods: EVERY,

@@ -129,11 +129,67 @@ impl Options {
             })
     }
 
+    /// The settings of a method as one would write them, defaults included: what a picture needs to be
+    /// made again.
+    pub fn entries(&self, method: Method) -> Vec<(&'static str, String)> {
+        method
+            .keys()
+            .map(|key| (key.name, self.value(key.name)))
+            .collect()
+    }
+
+    fn value(&self, key: &str) -> String {
+        let switch = |on: bool| if on { "on" } else { "off" };
+        match key {
+            "ladders" => self.ladders.to_string(),
+            "pilot" => self.pilot.to_string(),
+            "plarge" => self.p_large.to_string(),
+            "mutation" => match self.small_step {
+                SmallStep::Kelemen(s1, s2) => format!("kelemen:{s1}:{s2}"),
+                SmallStep::Uniform(fraction) => format!("uniform:{fraction}"),
+            },
+            "wavelengths" => match self.wavelengths {
+                WavelengthSampling::Hero => "hero",
+                WavelengthSampling::Single => "uniform",
+            }
+            .to_owned(),
+            "compensation" => switch(self.compensation).to_owned(),
+            "nextevent" => switch(self.next_event).to_owned(),
+            "builder" => match self.builder {
+                Builder::Unidirectional => "unidirectional",
+                Builder::Endpoint => "endpoint",
+            }
+            .to_owned(),
+            "target" => match self.target {
+                ScalarTarget::Xyz => "xyz",
+                ScalarTarget::Luminance => "luminance",
+            }
+            .to_owned(),
+            "contribution" => match self.contribution {
+                Contribution::Sum => "sum",
+                Contribution::Maximum => "maximum",
+            }
+            .to_owned(),
+            "mis" => match self.mis {
+                Mis::Split => "split",
+                Mis::Printed => "printed",
+                Mis::Off => "off",
+            }
+            .to_owned(),
+            "normaliser" => match self.normaliser {
+                Normaliser::Running => "running",
+                Normaliser::Initial => "initial",
+            }
+            .to_owned(),
+            _ => String::new(),
+        }
+    }
+
     /// `None` if the value is out of range.
     fn assign(&mut self, key: &str, value: &str) -> Option<()> {
         match key {
             "ladders" => self.ladders = integer(value, 1, 4096)? as u32,
-            "pilot" => self.pilot = integer(value, 1, 100_000_000)?,
+            "pilot" => self.pilot = integer(value, 1, 10_000_000)?,
             "wavelengths" => {
                 let (hero, single) = (WavelengthSampling::Hero, WavelengthSampling::Single);
                 self.wavelengths = word(value, &[("hero", hero), ("uniform", single)])?;
@@ -222,6 +278,26 @@ mod tests {
                 assert_eq!(options, Options::default(), "{}", key.name);
             }
         }
+    }
+
+    #[test]
+    fn what_is_written_is_what_was_set() {
+        let mut options = Options::default();
+        for text in [
+            "mutation=uniform:0.05",
+            "mis=off",
+            "target=luminance",
+            "plarge=0.5",
+        ] {
+            options.set(Method::Pssmlt, text).unwrap();
+        }
+        let mut again = Options::default();
+        for (key, value) in options.entries(Method::Pssmlt) {
+            again
+                .set(Method::Pssmlt, &format!("{key}={value}"))
+                .unwrap();
+        }
+        assert_eq!(again, options);
     }
 
     #[test]

@@ -6,7 +6,7 @@ use kaustik_estimate::{KelemenDeposit, Mis, PathTarget, ScalarContribution, Scal
 use kaustik_film::{Counters, Film, Image, Quantum, develop};
 use kaustik_mcmc::{
     Draws, Exponential, Mean, Metropolis, Mutation, Pcg64Dxsm, Point, PointKernel, Pool,
-    Statistics, Uniform, generator, sample, sample_generator,
+    SampleGenerators, Statistics, Uniform, generator, sample, sample_generator,
 };
 use kaustik_path::{Contributions, Endpoint, PathBuilder, Unidirectional};
 use kaustik_scene::Scene;
@@ -23,6 +23,11 @@ use crate::{
 const PILOT_LADDER: u64 = u64::MAX;
 /// So does the choice of the starts.
 const CHOICE_LADDER: u64 = u64::MAX - 1;
+/// And so do the samples that fix the constant in the weights: it must not depend on the pool, or the
+/// product of both would be biased (spec 4.4).
+const CONSTANT_LADDER: u64 = u64::MAX - 2;
+/// It needs to be no better than roughly right.
+const CONSTANT_SHARE: u64 = 10;
 
 /// Either kind of small step.
 #[derive(Clone, Debug)]
@@ -104,8 +109,17 @@ impl<'a> PssmltEngine<'a> {
             builder: builder.as_ref(),
             nonfinite: &nonfinite,
         };
-        let pool = pilot(target, family, settings);
-        let b0 = pool.normaliser().mean();
+        let pool = Pool::new(pilot(target, family, settings, PILOT_LADDER, options.pilot));
+        let rough = (options.pilot / CONSTANT_SHARE).max(1);
+        let rough: Mean = pilot(target, family, settings, CONSTANT_LADDER, rough)
+            .into_iter()
+            .filter(|density| density.is_finite())
+            .collect();
+        // Where the rough pilot saw nothing there is no better constant than the pool's own.
+        let b0 = match rough.mean() {
+            mean if mean > 0.0 => mean,
+            _ => pool.normaliser().mean(),
+        };
         let chains = start_chains(target, family, &pool, settings)?;
         let layout = settings.layout();
         let quantum = Quantum::from_mean(b0 / 3.0);
@@ -162,17 +176,24 @@ impl<'a> PssmltEngine<'a> {
     }
 }
 
-/// Independent samples for the start (spec sec. 5), in parallel, in the order of their indices.
-fn pilot(target: PathTarget<'_>, family: ScalarContribution, settings: &RenderSettings) -> Pool {
-    let densities: Vec<f64> = (0..settings.options.pilot as usize)
+/// Densities of independent samples of a ladder, in parallel, in the order of their indices; NaN where
+/// there is none.
+fn pilot(
+    target: PathTarget<'_>,
+    family: ScalarContribution,
+    settings: &RenderSettings,
+    ladder: u64,
+    samples: u64,
+) -> Vec<f64> {
+    let generators = SampleGenerators::new(settings.seed, ladder);
+    (0..samples as usize)
         .into_par_iter()
         .with_min_len(256)
         .map_init(Contributions::default, |value, index| {
-            let draws = sample_generator(settings.seed, PILOT_LADDER, index as u64);
+            let draws = generators.at(index as u64);
             sample(&target, &family, draws, value).map_or(f64::NAN, |[density]| density)
         })
-        .collect();
-    Pool::new(densities)
+        .collect()
 }
 
 /// A chain for every ladder of this process; none if the pool saw nothing. All ladders choose, so that
@@ -275,6 +296,6 @@ impl Engine for PssmltEngine<'_> {
     }
 
     fn is_lit(&self) -> bool {
-        self.b0 > 0.0
+        self.pool.mean() > 0.0
     }
 }

@@ -224,9 +224,12 @@ impl Work<'_> {
         Progress {
             fraction,
             elapsed,
-            remaining: Duration::from_secs_f64(
-                (sampling * (1.0 - fraction) / fraction.max(1e-9)).min(1e9),
-            ),
+            remaining: match self.settings.budget {
+                Budget::Time(limit) => limit.saturating_sub(elapsed),
+                Budget::PerPixel(_) | Budget::Total(_) => Duration::from_secs_f64(
+                    (sampling * (1.0 - fraction) / fraction.max(1e-9)).min(1e9),
+                ),
+            },
             steps: self.steps,
             rate: self.steps as f64 / sampling.max(1e-9),
             acceptance: chain.map(|c| [c.small_acceptance, c.large_acceptance]),

@@ -66,7 +66,7 @@ impl Default for RenderSettings {
 
 impl RenderSettings {
     /// Size, crop and filter for a film.
-    pub(crate) fn layout(&self) -> Layout {
+    pub fn layout(&self) -> Layout {
         let layout = Layout::new(self.width, self.height).with_filter(self.filter);
         match self.crop {
             Some(crop) => layout.with_crop(crop),
@@ -75,7 +75,7 @@ impl RenderSettings {
     }
 
     /// The ladders that this process runs.
-    pub(crate) fn ladder_range(&self) -> Range<u32> {
+    pub fn ladder_range(&self) -> Range<u32> {
         self.ladders.clone().unwrap_or(0..self.options.ladders)
     }
 

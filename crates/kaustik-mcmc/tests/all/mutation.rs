@@ -79,9 +79,9 @@ impl Draws for Fixed {
 fn wraps_at_both_ends() {
     let mutation = Exponential::new(0.125, 0.5);
     let up = mutation.mutate(0.75, &mut Fixed(0.0)); // the largest step up
-    assert!((up - 0.25).abs() < 1e-15);
+    assert!((up - 0.25).abs() < 1e-8);
     let down = mutation.mutate(0.25, &mut Fixed(0.5)); // the largest step down
-    assert!((down - 0.75).abs() < 1e-15);
+    assert!((down - 0.75).abs() < 1e-8);
     // exactly 1 becomes 0 (K sec. 6 tests `> 1`)
     let one = Exponential::new(0.25, 0.25).mutate(0.75, &mut Fixed(0.0));
     assert!(one.abs() < 1e-15, "{one}");

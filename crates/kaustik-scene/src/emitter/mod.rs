@@ -101,11 +101,22 @@ pub(crate) struct Emitters {
     environment: Option<Environment>,
     /// For each instance the index of its first triangle's emitter, or [`DARK`].
     first_of_instance: Vec<u32>,
-    /// Solids around emissive instances, in front of them and, if both sides emit, behind.
+    /// Solids around emissive triangles: in front of them and behind.
     interiors: Vec<[Interior; 2]>,
     /// Sphere around all geometry.
     center: DVec3,
     radius: f64,
+}
+
+/// The solids in front of a triangle and behind it.
+fn interiors_around(matter: &Matter, instance: u32, primitive: u32, area: f64) -> [Interior; 2] {
+    if !matter.has_solids {
+        return [Interior::VACUUM; 2];
+    }
+    let middle = (matter.world).surface_at(instance, primitive, 1.0 / 3.0, 1.0 / 3.0);
+    let off = middle.geometric_normal.as_dvec3() * (1e-4 * area.sqrt());
+    let position = middle.position.as_dvec3();
+    [position + off, position - off].map(|point| matter.interior_at(point))
 }
 
 /// Emitters that are not surfaces, and the sphere around all geometry.
@@ -168,32 +179,22 @@ impl Emitters {
         } else {
             1.0
         };
-        let first = world.surface_at(instance, 0, 1.0 / 3.0, 1.0 / 3.0);
-        let clearance = 1e-4 * world.triangle_area(instance, 0).sqrt();
-        let position = first.position.as_dvec3();
-        let above = first.geometric_normal.as_dvec3() * clearance;
-        let behind = if material.emits_on_both_sides() {
-            matter.interior_at(position - above)
-        } else {
-            Interior::VACUUM
-        };
-        self.interiors
-            .push([matter.interior_at(position + above), behind]);
         for primitive in 0..world.mesh_of(instance).indices.len() as u32 {
             let area = world.triangle_area(instance, primitive);
-            powers.push(
-                area * sides
-                    * PI
-                    * material.mean_emission(&matter.textures, world, instance, primitive),
-            );
+            let mean = material.mean_emission(&matter.textures, world, instance, primitive);
+            powers.push(area * sides * PI * mean);
+            let around = interiors_around(matter, instance, primitive, area);
+            // Neighbours mostly share their surroundings.
+            if self.interiors.last() != Some(&around) {
+                self.interiors.push(around);
+            }
             self.list.push(Emitter::Triangle(TriangleEmitter {
                 instance,
                 primitive,
                 material: material_index,
                 interior: self.interiors.len() as u32 - 1,
                 inverse_area: if area > 0.0 { 1.0 / area } else { 0.0 },
-                plain: material
-                    .emits_evenly()
+                plain: (material.emits_evenly() && !material.has_alpha())
                     .then(|| Plane::of(matter, instance, primitive)),
             }));
         }
