@@ -9,6 +9,9 @@ use crate::material::Material;
 use crate::texture::Texture;
 use crate::{Interior, Vertex};
 
+mod passage;
+pub(crate) use passage::Passage;
+
 /// The world and what it is made of.
 #[derive(Debug)]
 pub(crate) struct Matter {
@@ -109,6 +112,18 @@ impl Matter {
             .emission(&self.textures, surface, wavelengths)
     }
 
+    /// What an emitter sends out at a point that was chosen and not met: a ray would meet a partly
+    /// transparent one by chance only, so here the chance is a factor.
+    #[inline]
+    pub(crate) fn covered_emission(
+        &self,
+        material: u32,
+        surface: &Surface,
+        wavelengths: &Wavelengths,
+    ) -> Spectrum {
+        self.emission(material, surface, wavelengths) * self.coverage(material, surface)
+    }
+
     /// Probability that a ray that comes to this point meets the surface.
     fn opacity(&self, hit: &Hit) -> f32 {
         let material = self.material(self.material_of[hit.instance as usize]);
@@ -119,37 +134,58 @@ impl Matter {
         material.opacity(&self.textures, uv, self.world.color(hit)[3])
     }
 
-    /// The first surface that stops the ray. Partly transparent ones stop it by chance: one
-    /// number `u` for the whole segment, asked for if there is such a surface, stops it where the
-    /// share that has passed falls to u (spec: bdpt-and-mis.md 9.2).
+    /// The same at a point of a surface that was chosen and not met.
+    fn coverage(&self, material: u32, surface: &Surface) -> f32 {
+        let material = self.material(material);
+        if !material.has_alpha() {
+            return 1.0;
+        }
+        let uv = |set: u8| surface.uv[usize::from(set)];
+        material.opacity(&self.textures, uv, surface.color[3])
+    }
+
+    /// The first surface that stops the ray, or that `interior` hides. Partly transparent ones
+    /// stop it by chance, see [`Passage`].
     #[inline]
-    pub(crate) fn intersect(&self, ray: &Ray, u: impl FnOnce() -> f64) -> Option<Hit> {
+    pub(crate) fn intersect(
+        &self,
+        ray: &Ray,
+        interior: &Interior,
+        passage: &mut Passage<impl FnOnce() -> f64>,
+    ) -> Option<Hit> {
         let hit = self.world.intersect(ray)?;
         if self.has_alpha {
-            self.pass_alpha(ray, hit, u)
+            self.pass_alpha(ray, hit, interior, passage)
         } else {
             Some(hit)
         }
     }
 
+    /// The next one on the same ray.
+    pub(crate) fn intersect_after(
+        &self,
+        ray: &Ray,
+        hit: &Hit,
+        interior: &Interior,
+        passage: &mut Passage<impl FnOnce() -> f64>,
+    ) -> Option<Hit> {
+        let hit = self.world.intersect_after(ray, hit, |_| true)?;
+        self.pass_alpha(ray, hit, interior, passage)
+    }
+
     #[cold]
-    fn pass_alpha(&self, ray: &Ray, mut hit: Hit, u: impl FnOnce() -> f64) -> Option<Hit> {
-        let mut ask = Some(u);
-        let mut threshold = 0.0;
-        let mut passed = 1.0;
+    fn pass_alpha(
+        &self,
+        ray: &Ray,
+        mut hit: Hit,
+        interior: &Interior,
+        passage: &mut Passage<impl FnOnce() -> f64>,
+    ) -> Option<Hit> {
         loop {
-            let opacity = f64::from(self.opacity(&hit));
-            if opacity >= 1.0 {
+            // What is not there has no alpha; the walk must still notice that it crosses it.
+            let hidden = self.is_overruled(self.material_of[hit.instance as usize], interior);
+            if hidden || passage.is_stopped_by(self.opacity(&hit)) {
                 return Some(hit);
-            }
-            if opacity > 0.0 {
-                if let Some(u) = ask.take() {
-                    threshold = u();
-                }
-                passed *= 1.0 - opacity;
-                if passed <= threshold {
-                    return Some(hit);
-                }
             }
             hit = self.world.intersect_after(ray, &hit, |_| true)?;
         }

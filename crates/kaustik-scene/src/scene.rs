@@ -5,12 +5,12 @@ mod error;
 
 use glam::DVec3;
 use kaustik_bsdf::{Bsdf, Lobe};
-use kaustik_geometry::{Ray, World};
+use kaustik_geometry::{Hit, Ray, World};
 use kaustik_spectrum::{Spectrum, Wavelengths};
 
 use crate::camera::Camera;
 use crate::emitter::{AreaSample, DirectSample, EmissionSample, Emitters, Reach};
-use crate::matter::Matter;
+use crate::matter::{Matter, Passage};
 use crate::{Interior, Vertex};
 pub use build::SceneOptions;
 pub use error::SceneError;
@@ -89,7 +89,8 @@ impl Scene {
         transparency: impl FnOnce() -> f64,
         vertex: &mut Vertex,
     ) -> Option<Segment> {
-        let hit = self.matter.intersect(ray, transparency)?;
+        let mut passage = Passage::new(transparency);
+        let hit = self.matter.intersect(ray, interior, &mut passage)?;
         self.matter.vertex(ray, &hit, vertex);
         let distance = f64::from(hit.t) * ray.direction.as_dvec3().length();
         if interior.is_vacuum() {
@@ -106,30 +107,33 @@ impl Scene {
         if !self.matter.is_overruled(vertex.material, interior) {
             return Some(segment);
         }
-        self.pass_overruled(ray, segment, vertex, interior, wavelengths)
+        let walk = (vertex, interior);
+        self.pass_overruled(ray, hit, segment, walk, &mut passage, wavelengths)
     }
 
-    /// Goes on through interfaces that a solid of higher priority hides. Alpha is not looked at on the
-    /// way: within a solid there is none.
+    /// Goes on through interfaces that a solid of higher priority hides. The ray stays the same, so
+    /// that surfaces which coincide with a hidden one are met.
     #[cold]
     fn pass_overruled(
         &self,
         ray: &Ray,
+        mut hit: Hit,
         mut segment: Segment,
-        vertex: &mut Vertex,
-        interior: &mut Interior,
+        (vertex, interior): (&mut Vertex, &mut Interior),
+        passage: &mut Passage<impl FnOnce() -> f64>,
         wavelengths: &Wavelengths,
     ) -> Option<Segment> {
         /// A bound for senseless scenes.
         const MOST: usize = 1000;
+        let unit = ray.direction.as_dvec3().length();
         for _ in 0..MOST {
             self.cross(vertex, ray.direction.as_dvec3(), interior);
-            let onward = Ray::spawn(&vertex.surface, ray.direction);
-            let hit = self.matter.world.intersect(&onward)?;
-            self.matter.vertex(&onward, &hit, vertex);
-            let distance = f64::from(hit.t) * ray.direction.as_dvec3().length();
-            segment.absorption *= self.matter.absorption(interior, wavelengths, distance);
-            segment.distance += distance;
+            hit = self.matter.intersect_after(ray, &hit, interior, passage)?;
+            self.matter.vertex(ray, &hit, vertex);
+            let distance = f64::from(hit.t) * unit;
+            let further = distance - segment.distance;
+            segment.absorption *= self.matter.absorption(interior, wavelengths, further);
+            segment.distance = distance;
             if !self.matter.is_overruled(vertex.material, interior) {
                 return Some(segment);
             }
@@ -253,10 +257,15 @@ impl Scene {
         let cos = area.surface.geometric_normal.as_dvec3().dot(direction);
         if cos > 0.0 || (area.both_sides && cos < 0.0) {
             self.matter
-                .emission(area.material, &area.surface, wavelengths)
+                .covered_emission(area.material, &area.surface, wavelengths)
         } else {
             Spectrum::ZERO
         }
+    }
+
+    /// The solids around a point on an emitter, on the side of `direction` (world).
+    pub fn area_interior(&self, area: &AreaSample, direction: DVec3) -> Interior {
+        self.emitters.area_interior(area, direction)
     }
 
     /// Share of light that passes a segment (0 or 1 without alpha), for a ray whose ends are excluded.
@@ -299,3 +308,6 @@ impl Scene {
         bsdf.albedo(vertex.frame.to_local(direction))
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -1,4 +1,6 @@
-//! What the statistical tests of this crate share: a generator and Pearson's test.
+//! What the tests of this crate share: a generator, Pearson's test, scenes in the making.
+
+pub(crate) mod stage;
 
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
@@ -50,4 +52,22 @@ pub(crate) fn chi_square(observed: &[f64], expected: &[f64]) -> f64 {
     }
     let freedom = f64::from(cells - 1);
     ChiSquared::new(freedom).map_or(0.0, |law| law.sf(statistic))
+}
+
+/// Level of one of `tests` tests that together reject the truth once in a hundred times (Sidak).
+pub(crate) fn level(tests: i32) -> f64 {
+    1.0 - 0.99_f64.powf(1.0 / f64::from(tests))
+}
+
+/// Mean of samples, and the standard error of it.
+pub(crate) fn mean(samples: impl Iterator<Item = f64>) -> (f64, f64) {
+    let (mut count, mut sum, mut squares) = (0.0, 0.0, 0.0);
+    for sample in samples {
+        count += 1.0;
+        sum += sample;
+        squares += sample * sample;
+    }
+    let mean = sum / count;
+    let variance: f64 = (squares / count - mean * mean).max(0.0);
+    (mean, (variance / count).sqrt())
 }

@@ -7,7 +7,7 @@ use kaustik_geometry::Ray;
 
 use super::super::alias::AliasTable;
 use super::{FAST, LONG, Sphere, accepts};
-use crate::description::{EnvironmentDescription, LightKind};
+use crate::description::{EnvironmentDescription, LightKind, MaterialDescription};
 use crate::testing::Rng;
 use crate::testing::stage::{Stage, lamp, rectangle, wavelengths};
 use crate::{Interior, Reach, Scene, Vertex};
@@ -196,9 +196,17 @@ fn one_number_chooses_by_weight() {
 fn a_power_of_zero_is_no_choice() {
     let mut stage = Stage::new();
     let mesh = rectangle(Vec3::NEG_Z, Vec3::X, Vec3::Y);
-    stage.add(lamp(1e-45, false), mesh);
+    let dim = MaterialDescription {
+        emissive: [1e-45, 0.0, 0.0],
+        ..lamp(0.0, false)
+    };
+    stage.add(dim, mesh);
     let scene = stage.build();
-    assert_eq!(density(&scene, DVec3::NEG_Z).to_bits(), 0.0_f64.to_bits());
-    let none = scene.sample_direct(DVec3::ZERO, &wavelengths(), |_| 0.5);
-    assert!(none.is_none_or(|sample| sample.pdf > 0.0));
+    assert!(!scene.has_light());
+    assert_eq!(
+        scene.direct_pdf(FROM, &Vertex::default()).to_bits(),
+        0.0_f64.to_bits()
+    );
+    let drawn = scene.sample_direct(FROM, &wavelengths(), |_| 0.5);
+    assert!(drawn.is_none());
 }
