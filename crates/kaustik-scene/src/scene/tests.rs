@@ -3,6 +3,7 @@
 mod alpha;
 mod normals;
 mod solids;
+mod surroundings;
 
 use glam::{DVec3, Vec3};
 use kaustik_geometry::Ray;

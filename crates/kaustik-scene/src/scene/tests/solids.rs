@@ -8,13 +8,12 @@ use kaustik_geometry::{Mesh, Ray};
 use kaustik_spectrum::{Spectrum, uplift_reflectance};
 
 use super::meet;
-use crate::description::{AlphaMode, LightKind, MaterialDescription};
-use crate::testing::Rng;
-use crate::testing::stage::{Stage, cuboid, diffuse, lamp, rectangle, solid, wavelengths};
+use crate::description::{AlphaMode, MaterialDescription};
+use crate::testing::stage::{Stage, cuboid, diffuse, rectangle, solid, wavelengths};
 use crate::{Interior, Scene};
 
-const GREEN: [f32; 3] = [0.3, 0.9, 0.4];
-const BLUE: [f32; 3] = [0.2, 0.5, 0.8];
+pub(super) const GREEN: [f32; 3] = [0.3, 0.9, 0.4];
+pub(super) const BLUE: [f32; 3] = [0.2, 0.5, 0.8];
 
 /// What is left of light after a distance in a solid of that colour at distance 1.
 fn beer(color: [f32; 3], distance: f32) -> Spectrum {
@@ -55,11 +54,11 @@ fn assert_seen(seen: &[(u32, f64, Spectrum)], expected: &[(u32, f64, Spectrum)])
     }
 }
 
-fn slab(from: f32, to: f32) -> Mesh {
+pub(super) fn slab(from: f32, to: f32) -> Mesh {
     cuboid(Vec3::new(from, -1.0, -1.0), Vec3::new(to, 1.0, 1.0))
 }
 
-const AXIS: Vec3 = Vec3::new(0.0, 0.1, 0.23);
+pub(super) const AXIS: Vec3 = Vec3::new(0.0, 0.1, 0.23);
 
 /// Glass from 0 to 2, water from 1 to 4; the glass fills the overlap.
 fn overlapping() -> Scene {
@@ -68,8 +67,8 @@ fn overlapping() -> Scene {
     stage.add(solid(1.5, 2, GREEN), slab(0.0, 2.0));
     stage.build()
 }
-const WATER: u32 = 0;
-const GLASS: u32 = 1;
+pub(super) const WATER: u32 = 0;
+pub(super) const GLASS: u32 = 1;
 
 #[test]
 fn overlapping_solids_are_seen_by_priority() {
@@ -247,85 +246,4 @@ fn alpha_counts_behind_hidden_interfaces() {
     assert_eq!(stopped.count(), 300);
     let short = Ray { t_max: 3.0, ..ray };
     assert!((scene.transmittance(&short, &inside) - 0.7).abs() < 1e-6);
-}
-
-#[test]
-fn the_camera_knows_what_it_is_in() {
-    let around = |eye: Vec3| {
-        let mut stage = Stage::new();
-        stage.add(solid(1.33, 1, BLUE), slab(1.0, 4.0));
-        stage.add(solid(1.5, 2, GREEN), slab(0.0, 2.0));
-        // an open wall and a hollow within the water count for nothing
-        stage.add(diffuse(0.5), rectangle(Vec3::X * 2.5, Vec3::Y, Vec3::Z));
-        stage.camera(eye);
-        stage.build().camera_interior()
-    };
-    assert!(around(AXIS - Vec3::X).is_vacuum());
-    assert!(around(AXIS + Vec3::X * 7.0).is_vacuum());
-    assert_eq!(around(AXIS + Vec3::X * 0.5).solids(), [GLASS]);
-    assert_eq!(around(AXIS + Vec3::X * 3.0).solids(), [WATER]);
-    let mut both = around(AXIS + Vec3::X * 1.5).solids().to_vec();
-    both.sort_unstable();
-    assert_eq!(both, [WATER, GLASS]);
-}
-
-#[test]
-fn a_hollow_is_outside() {
-    let mut hollow = cuboid(Vec3::splat(-1.0), Vec3::splat(1.0));
-    let mut inner = cuboid(Vec3::splat(-0.5), Vec3::splat(0.5));
-    inner.indices.iter_mut().for_each(|t| t.swap(0, 1));
-    let first = hollow.positions.len() as u32;
-    hollow.positions.extend(inner.positions);
-    hollow
-        .indices
-        .extend(inner.indices.iter().map(|t| t.map(|i| i + first)));
-    hollow.uv = Default::default();
-    let mut stage = Stage::new();
-    stage.add(solid(1.5, 0, GREEN), hollow);
-    assert!(stage.build().camera_interior().is_vacuum());
-    stage.camera(Vec3::new(0.1, 0.75, 0.2));
-    assert_eq!(stage.build().camera_interior().solids(), [0]);
-}
-
-/// Emitters know what surrounds them, on each of their sides.
-#[test]
-fn emitters_know_what_they_are_in() {
-    let inside_of = |add: &dyn Fn(&mut Stage)| {
-        let mut stage = Stage::new();
-        stage.add(solid(1.33, 0, BLUE), slab(1.0, 4.0));
-        add(&mut stage);
-        let scene = stage.build();
-        let mut rng = Rng::new(2);
-        let mut found: Vec<(bool, usize)> = (0..64)
-            .map(|_| {
-                let sample = scene
-                    .sample_emission(&wavelengths(), |_| rng.uniform())
-                    .expect("an emission");
-                if let Some(area) = &sample.area {
-                    let toward = sample.ray.direction.as_dvec3();
-                    assert_eq!(scene.area_interior(area, toward), sample.interior);
-                }
-                (sample.ray.direction.x > 0.0, sample.interior.solids().len())
-            })
-            .collect();
-        found.sort_unstable();
-        found.dedup();
-        found
-    };
-    let panel = |x: f32| rectangle(Vec3::X * x, Vec3::Y * 0.5, Vec3::Z * 0.5);
-    let (dry, wet) = ([(false, 0), (true, 0)], [(false, 1), (true, 1)]);
-    let point =
-        |x: f32| inside_of(&|s| s.light(LightKind::Point, 1.0, AXIS + Vec3::X * x, Vec3::X));
-    assert_eq!(point(0.5), dry);
-    assert_eq!(point(2.0), wet);
-    let plate = |x: f32, sides: bool| {
-        inside_of(&|s| {
-            s.add(lamp(1.0, sides), panel(x));
-        })
-    };
-    assert_eq!(plate(2.0, false), [(true, 1)]);
-    assert_eq!(plate(2.0, true), wet);
-    assert_eq!(plate(0.0, true), dry);
-    // floating on the surface: air on one side, water on the other
-    assert_eq!(plate(1.0 - 1e-6, true), [(false, 0), (true, 1)]);
 }
