@@ -49,27 +49,17 @@ impl Prepared {
             1.0 / away(d.y, floor),
             1.0 / away(d.z, floor),
         );
-        // The winding is kept: cyclic order, and the sign of the last axis goes into the shear.
-        let o = ray.origin;
-        let (axes, turned_origin, shear) = if size.x >= largest {
-            (
-                [1, 2, 0],
-                [o.y, o.z, o.x],
-                Vec3::new(d.y, d.z, 1.0) * inverse.x,
-            )
-        } else if size.y >= largest {
-            (
-                [2, 0, 1],
-                [o.z, o.x, o.y],
-                Vec3::new(d.z, d.x, 1.0) * inverse.y,
-            )
-        } else {
-            (
-                [0, 1, 2],
-                [o.x, o.y, o.z],
-                Vec3::new(d.x, d.y, 1.0) * inverse.z,
-            )
-        };
+        // The winding is kept: cyclic order, and the sign of the last axis goes into the shear. Chosen without branches,
+        // which would be mispredicted; the minima tell the compiler the range.
+        let last = usize::from(size.y > size.x);
+        let last = if size.z > size.x.max(size.y) { 2 } else { last };
+        let first = if last == 2 { 0 } else { last + 1 }.min(2);
+        let second = if last == 0 { 2 } else { last - 1 }.min(2);
+        let axes = [first, second, last];
+        let (o, along) = (ray.origin.to_array(), d.to_array());
+        let scale = inverse.to_array()[last];
+        let turned_origin = [o[first], o[second], o[last]];
+        let shear = Vec3::new(along[first] * scale, along[second] * scale, scale);
         let negative = d.to_array().map(|x| usize::from(x.is_sign_negative()));
         Some(Prepared {
             origin: ray.origin,

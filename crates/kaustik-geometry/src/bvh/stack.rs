@@ -29,7 +29,9 @@ impl Entry {
     }
 }
 
-/// A stack without an allocation and without clearing 2.7 kB for every ray.
+/// A stack without an allocation and without clearing 2.7 kB for every ray. Aligned, because with it the
+/// walk's whole frame is, of which the vector registers that it saves would otherwise cross cache lines.
+#[repr(align(64))]
 pub(crate) struct Stack {
     entries: [MaybeUninit<Entry>; CAPACITY],
     len: usize,
