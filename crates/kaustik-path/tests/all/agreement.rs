@@ -1,0 +1,133 @@
+use glam::DVec2;
+use kaustik_path::{BuilderSettings, Endpoint, LightTracing, PathBuilder, Unidirectional};
+use kaustik_scene::Scene;
+
+use crate::estimate::{Estimate, REGIONS, image_means};
+use crate::scenes::SCENES;
+use crate::stage::{Stage, ceiling, diffuse, floor, lamp};
+
+/// Enough edges for what matters, few enough for a quick test.
+fn settings() -> BuilderSettings {
+    BuilderSettings {
+        max_edges: 12,
+        ..BuilderSettings::default()
+    }
+}
+
+fn path(settings: BuilderSettings) -> Unidirectional {
+    Unidirectional {
+        settings,
+        next_event: true,
+    }
+}
+
+/// Level of one comparison, so that all of a run together reject the truth once in a hundred
+/// times (Sidak).
+fn level() -> f64 {
+    let comparisons = (SCENES.len() + 2) * 2 * REGIONS;
+    1.0 - 0.99_f64.powf(1.0 / comparisons as f64)
+}
+
+/// Regions in which two estimates of an image differ, and the error of what is compared.
+fn compare(a: &[Estimate; REGIONS], b: &[Estimate; REGIONS]) -> (Vec<usize>, f64) {
+    let differs = |region: &usize| a[*region].p_value(&b[*region]) < level();
+    let error = (a[0].error().powi(2) + b[0].error().powi(2)).sqrt() / a[0].mean;
+    ((0..REGIONS).filter(differs).collect(), error)
+}
+
+/// What speaks against agreement of the builders with the path tracer; `uncertainty` is the largest
+/// relative standard error with which a comparison means something.
+fn complaints(
+    name: &str,
+    scene: &Scene,
+    settings: BuilderSettings,
+    (samples, uncertainty): (u32, f64),
+) -> Vec<String> {
+    let path = image_means(scene, &path(settings), samples, 1);
+    let others: [(&str, &dyn PathBuilder); 2] = [
+        ("light", &LightTracing { settings }),
+        ("endpoint", &Endpoint { settings }),
+    ];
+    let mut complaints = Vec::new();
+    for (method, builder) in others {
+        let other = image_means(scene, builder, samples, 2);
+        let (differing, error) = compare(&path, &other);
+        if !differing.is_empty() {
+            complaints.push(format!(
+                "{name}: path and {method} differ in {differing:?}: {path:?} {other:?}"
+            ));
+        }
+        if error > uncertainty {
+            complaints.push(format!("{name}, {method}: uncertain by {error}"));
+        }
+    }
+    complaints
+}
+
+/// Every third scene, so that three tests share the processors.
+fn assert_scenes(part: usize, effort: (u32, f64)) {
+    let scenes = SCENES.iter().skip(part).step_by(3);
+    let complaints: Vec<String> = scenes
+        .flat_map(|(name, stage)| complaints(name, &stage().build(), settings(), effort))
+        .collect();
+    assert!(complaints.is_empty(), "{complaints:#?}");
+}
+
+/// Samples of an image, and the error that they must reach.
+const FAST: (u32, f64) = (50_000, 0.05);
+
+#[test]
+fn builders_agree_on_a_third_of_the_scenes() {
+    assert_scenes(0, FAST);
+}
+
+#[test]
+fn builders_agree_on_another_third() {
+    assert_scenes(1, FAST);
+}
+
+#[test]
+fn builders_agree_on_the_last_third() {
+    assert_scenes(2, FAST);
+}
+
+#[test]
+#[ignore = "long"]
+fn builders_agree_to_half_a_percent() {
+    for part in 0..3 {
+        assert_scenes(part, (4_000_000, 0.005));
+    }
+}
+
+/// A filter that reaches over the edge draws from a larger window: all builders divide by it.
+#[test]
+fn builders_agree_on_a_larger_window() {
+    let wide = BuilderSettings {
+        window_min: DVec2::splat(-0.2),
+        window_max: DVec2::new(1.1, 1.3),
+        ..settings()
+    };
+    let (name, stage) = SCENES[6];
+    let complaints = complaints(name, &stage().build(), wide, FAST);
+    assert!(complaints.is_empty(), "{complaints:#?}");
+}
+
+fn plate(albedo: f32) -> Scene {
+    Stage::new(glam::Vec3::new(0.3, 3.0, 2.0), glam::Vec3::ZERO, 0.8)
+        .add(diffuse([albedo; 3]), floor(0.0, 6.0))
+        .add(lamp(4.0), ceiling(glam::Vec3::new(0.5, 2.5, -1.0), 0.7))
+        .build()
+}
+
+/// The test of the test: an image four percent too bright is not the same.
+#[test]
+fn a_planted_error_is_rejected() {
+    let light = LightTracing {
+        settings: settings(),
+    };
+    let path = image_means(&plate(0.5), &path(settings()), 200_000, 1);
+    let right = image_means(&plate(0.5), &light, 200_000, 2);
+    let wrong = image_means(&plate(0.52), &light, 200_000, 2);
+    assert!(compare(&path, &right).0.is_empty());
+    assert!(!compare(&path, &wrong).0.is_empty());
+}
