@@ -88,39 +88,25 @@ fn methods_agree_roughly() {
     );
 }
 
-const CASES: [Case; 6] = [
-    Case {
-        words: "cornell",
-        spp: [200, 300, 400],
-    },
-    Case {
-        words: "cornell-direct",
-        spp: [200, 300, 400],
-    },
-    Case {
-        words: "cornell-indirect",
-        spp: [600, 400, 800],
-    },
-    Case {
-        words: "ring-and-sphere?light=0.8",
-        spp: [1500, 600, 1500],
-    },
-    Case {
-        words: "glass-cube?light=0.8",
-        spp: [1500, 600, 1500],
-    },
-    Case {
-        words: "water-cornell?light=0.8",
-        spp: [1500, 600, 1500],
-    },
-];
+/// One long test a scene, so that each can be run by itself.
+macro_rules! agreement_on {
+    ($($name:ident: $words:literal, $spp:expr;)*) => {$(
+        #[test]
+        #[ignore = "long"]
+        fn $name() {
+            let case = Case { words: $words, spp: $spp };
+            assert_agreement(&case, 32, 0.005, 3);
+        }
+    )*};
+}
 
-#[test]
-#[ignore = "long"]
-fn methods_agree_on_every_scene() {
-    for case in &CASES {
-        assert_agreement(case, 32, 0.005, 3);
-    }
+agreement_on! {
+    methods_agree_on_cornell: "cornell", [200, 300, 400];
+    methods_agree_on_direct_light: "cornell-direct", [200, 300, 400];
+    methods_agree_on_indirect_light: "cornell-indirect", [600, 400, 800];
+    methods_agree_on_ring_and_sphere: "ring-and-sphere?light=0.8", [1500, 600, 1500];
+    methods_agree_on_glass_cube: "glass-cube?light=0.8", [1500, 600, 1500];
+    methods_agree_on_water: "water-cornell?light=0.8", [1500, 600, 1500];
 }
 
 #[test]

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use glam::{Affine3A, DVec2, DVec3, Vec3A};
-use kaustik_geometry::{Instance, World};
+use kaustik_geometry::{Aabb, Instance, World};
 
 use super::{Scene, SceneError};
 use crate::camera::Camera;
@@ -53,7 +53,13 @@ impl Scene {
         let mut notices = Vec::new();
         let matter = matter(description, options)?;
         let (center, radius) = bounding_sphere(&matter.world);
-        let camera = camera_description(description, options, (center, radius), &mut notices)?;
+        let camera = camera_description(
+            description,
+            options,
+            &matter.world.bounds(),
+            (center, radius),
+            &mut notices,
+        )?;
         // Builders know which part of the raster they serve; the camera accepts all of it.
         let camera = Camera::new(&camera, options.width, options.height)?
             .with_window(DVec2::NEG_INFINITY, DVec2::INFINITY);
@@ -192,6 +198,7 @@ fn bounding_sphere(world: &World) -> (DVec3, f64) {
 fn camera_description(
     description: &Description,
     options: &SceneOptions,
+    bounds: &Aabb,
     sphere: (DVec3, f64),
     notices: &mut Vec<String>,
 ) -> Result<CameraDescription, SceneError> {
@@ -215,24 +222,40 @@ fn camera_description(
         (None, None) => {
             notices.push("the scene has no camera: one that frames everything is used".to_owned());
             let aspect = f64::from(options.width) / f64::from(options.height);
-            Ok(framing_camera(sphere, aspect))
+            Ok(framing_camera(bounds, sphere, aspect))
         }
     }
 }
 
-/// Looks at the whole bounding sphere from the front, a little from above and the right.
-fn framing_camera((center, radius): (DVec3, f64), aspect: f64) -> CameraDescription {
+/// Looks at everything from the front, a little from above and the right, as near as the corners of the
+/// bounding box allow.
+fn framing_camera(bounds: &Aabb, (center, radius): (DVec3, f64), aspect: f64) -> CameraDescription {
     const YFOV: f64 = 0.7;
-    let half = if aspect < 1.0 {
-        libm::atan(libm::tan(YFOV * 0.5) * aspect)
-    } else {
-        YFOV * 0.5
-    };
+    const MARGIN: f64 = 1.05;
     let direction = DVec3::new(0.45, 0.35, 1.0).normalize();
-    let eye = center + direction * (radius / libm::sin(half));
     // A camera looks along its -z.
     let x = DVec3::Y.cross(direction).normalize();
     let y = direction.cross(x);
+    let slope = libm::tan(YFOV * 0.5);
+    let (low, high) = (bounds.min.as_dvec3(), bounds.max.as_dvec3());
+    let mut distance = radius * 1e-3;
+    for corner in 0..8u32 {
+        let pick =
+            |axis: u32, low: f64, high: f64| if corner >> axis & 1 == 0 { low } else { high };
+        let at = DVec3::new(
+            pick(0, low.x, high.x),
+            pick(1, low.y, high.y),
+            pick(2, low.z, high.z),
+        );
+        let from = if at.is_finite() {
+            at - center
+        } else {
+            DVec3::ZERO
+        };
+        let aside = (x.dot(from).abs() / aspect).max(y.dot(from).abs()) * MARGIN / slope;
+        distance = distance.max(aside + direction.dot(from));
+    }
+    let eye = center + direction * distance;
     let column = |v: DVec3| Vec3A::from(v.as_vec3());
     let transform = Affine3A::from_cols(column(x), column(y), column(direction), column(eye));
     CameraDescription {
