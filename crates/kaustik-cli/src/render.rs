@@ -139,8 +139,14 @@ fn write(
     output::note(&line);
     let lost = statistics.nonfinite + statistics.film.non_finite + statistics.film.too_large;
     if lost > 0 {
+        let place = statistics.first_nonfinite.map_or(String::new(), |place| {
+            format!(
+                "; the first at {}:{}:{} (seed:ladder:step)",
+                statistics.seed, place.ladder, place.step
+            )
+        });
         output::note(&format!(
-            "warning: {lost} contributions were not finite or too large, left out"
+            "warning: {lost} contributions were not finite or too large, left out{place}"
         ));
     }
     if statistics.film.overflowed > 0 {

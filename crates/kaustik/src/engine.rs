@@ -4,7 +4,7 @@ use std::sync::atomic::AtomicBool;
 
 use kaustik_film::{Counters, Image};
 
-use crate::{Budget, ChainStatistics, RenderError, RenderSettings};
+use crate::{Budget, ChainStatistics, Place, RenderError, RenderSettings};
 
 /// A method at work: ladders that can be driven on, and films that can be developed.
 ///
@@ -37,8 +37,8 @@ pub(crate) trait Engine: Send + Sync {
         None
     }
 
-    /// Contributions left out because they were not finite.
-    fn nonfinite(&self) -> u64;
+    /// Contributions left out because they were not finite, and where the first arose.
+    fn nonfinite(&self) -> (u64, Option<Place>);
 
     /// What the films left out.
     fn film_counters(&self) -> Counters;
@@ -51,6 +51,35 @@ pub(crate) trait Engine: Send + Sync {
 
 /// Steps between two looks at the stop flag.
 pub(crate) const STRIDE: u64 = 1024;
+
+/// Counts contributions of one ladder that were not finite.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Nonfinite {
+    count: u64,
+    first_step: u64,
+}
+
+impl Nonfinite {
+    /// Takes what a step left out.
+    #[inline]
+    pub(crate) fn count(&mut self, found: u64, step: u64) {
+        if found > 0 {
+            if self.count == 0 {
+                self.first_step = step;
+            }
+            self.count += found;
+        }
+    }
+
+    /// All of several ladders, and the place of the first.
+    pub(crate) fn all(ladders: impl Iterator<Item = (u32, Self)>) -> (u64, Option<Place>) {
+        ladders.fold((0, None), |(sum, first), (ladder, nonfinite)| {
+            let step = nonfinite.first_step;
+            let here = (nonfinite.count > 0).then_some(Place { ladder, step });
+            (sum + nonfinite.count, first.or(here))
+        })
+    }
+}
 
 /// Sum of two films' counters.
 pub(crate) fn add_counters(a: Counters, b: Counters) -> Counters {

@@ -11,9 +11,9 @@ use kaustik_scene::Scene;
 use rayon::prelude::*;
 
 use crate::control::is_stopped;
-use crate::engine::{Engine, STRIDE};
+use crate::engine::{Engine, Nonfinite, STRIDE};
 use crate::render::builder_settings;
-use crate::{Budget, RenderError, RenderSettings};
+use crate::{Budget, Place, RenderError, RenderSettings};
 
 /// The pilot needs only the order of magnitude.
 const PILOT_SHARE: u64 = 100;
@@ -50,7 +50,7 @@ struct SampleStream {
     step: u64,
     generators: SampleGenerators,
     value: Contributions,
-    nonfinite: u64,
+    nonfinite: Nonfinite,
 }
 
 impl<'a> IndependentEngine<'a> {
@@ -89,7 +89,7 @@ impl<'a> IndependentEngine<'a> {
             step: 0,
             generators: SampleGenerators::new(settings.seed, u64::from(ladder)),
             value: Contributions::default(),
-            nonfinite: 0,
+            nonfinite: Nonfinite::default(),
         };
         Ok(Self {
             scene,
@@ -228,8 +228,12 @@ impl Engine for IndependentEngine<'_> {
         Ok(image)
     }
 
-    fn nonfinite(&self) -> u64 {
-        self.streams.iter().map(|stream| stream.nonfinite).sum()
+    fn nonfinite(&self) -> (u64, Option<Place>) {
+        Nonfinite::all(
+            self.streams
+                .iter()
+                .map(|stream| (stream.ladder, stream.nonfinite)),
+        )
     }
 
     fn film_counters(&self) -> Counters {
@@ -269,7 +273,8 @@ impl SampleStream {
                         .build(lab.scene, &mut coordinates, &mut self.value);
                 }
             }
-            self.nonfinite += u64::from(self.value.nonfinite());
+            self.nonfinite
+                .count(u64::from(self.value.nonfinite()), self.step);
             lab.scale.splat(lab.film, &self.value, 1.0);
             self.step += 1;
         }

@@ -40,7 +40,7 @@ pub use method::{KEYS, Key, Method, UnknownMethod};
 pub use options::{Builder, Normaliser, OptionError, Options, SmallStep};
 pub use render::{Outcome, Rendered, render};
 pub use settings::{Budget, RenderSettings};
-pub use statistics::{ChainStatistics, RenderStatistics};
+pub use statistics::{ChainStatistics, Place, RenderStatistics};
 
 pub use kaustik_estimate::Mis;
 

@@ -13,10 +13,10 @@ use kaustik_scene::Scene;
 use rayon::prelude::*;
 
 use crate::control::is_stopped;
-use crate::engine::{Engine, STRIDE, add_counters};
+use crate::engine::{Engine, Nonfinite, STRIDE, add_counters};
 use crate::render::builder_settings;
 use crate::{
-    Builder, ChainStatistics, Normaliser, Options, RenderError, RenderSettings, SmallStep,
+    Builder, ChainStatistics, Normaliser, Options, Place, RenderError, RenderSettings, SmallStep,
 };
 
 /// The pilot's samples come from a ladder that no render has.
@@ -77,11 +77,12 @@ pub(crate) struct PssmltEngine<'a> {
     scale: Scale,
     /// Raster area of the window in pixels.
     area: f64,
-    nonfinite: AtomicU64,
 }
 
-/// One ladder. Its chain is absent if the pilot saw no light.
+/// One ladder.
 struct Chain {
+    ladder: u32,
+    nonfinite: Nonfinite,
     draws: Pcg64Dxsm,
     metropolis: Metropolis<Point<Small>, Contributions, 1>,
 }
@@ -141,7 +142,6 @@ impl<'a> PssmltEngine<'a> {
                 height: f64::from(settings.height),
             },
             area: layout.extended_bounds().area(),
-            nonfinite,
             builder,
         })
     }
@@ -154,6 +154,32 @@ impl<'a> PssmltEngine<'a> {
             b0: self.b0,
             p_large: self.options.p_large,
             mis: self.options.mis,
+        }
+    }
+
+    /// Drives one chain on.
+    fn drive(&self, chain: &mut Chain, steps: u64, stop: Option<&AtomicBool>) {
+        let nonfinite = AtomicU64::new(0);
+        let target = PathTarget {
+            scene: self.scene,
+            builder: self.builder.as_ref(),
+            nonfinite: &nonfinite,
+        };
+        let kernel = PointKernel::new(target, self.options.p_large);
+        let mut deposit = self.deposit();
+        for done in 0..steps {
+            if done % STRIDE == 0 && is_stopped(stop) {
+                return;
+            }
+            let step = chain.metropolis.statistics().steps;
+            chain
+                .metropolis
+                .step(&kernel, &self.family, &mut chain.draws, &mut deposit);
+            let found = nonfinite.load(Ordering::Relaxed);
+            if found > 0 {
+                nonfinite.store(0, Ordering::Relaxed);
+                chain.nonfinite.count(found, step);
+            }
         }
     }
 
@@ -217,6 +243,8 @@ fn start_chains(
         let mut draws = sample_generator(settings.seed, PILOT_LADDER, start.index);
         let small = Small::new(settings.options.small_step);
         chains.push(Chain {
+            ladder,
+            nonfinite: Nonfinite::default(),
             metropolis: Metropolis::rebuild(&target, &family, 0, small, &start, &mut draws)?,
             draws: generator(settings.seed, u64::from(ladder)),
         });
@@ -228,27 +256,11 @@ impl Engine for PssmltEngine<'_> {
     fn advance(&mut self, plan: &[u64], stop: Option<&AtomicBool>) -> u64 {
         let before = self.statistics().steps;
         let mut chains = std::mem::take(&mut self.chains);
-        let target = PathTarget {
-            scene: self.scene,
-            builder: self.builder.as_ref(),
-            nonfinite: &self.nonfinite,
-        };
-        let kernel = PointKernel::new(target, self.options.p_large);
         chains
             .par_iter_mut()
             .zip(plan)
             .with_max_len(1)
-            .for_each(|(chain, &steps)| {
-                let mut deposit = self.deposit();
-                for done in 0..steps {
-                    if done % STRIDE == 0 && is_stopped(stop) {
-                        return;
-                    }
-                    chain
-                        .metropolis
-                        .step(&kernel, &self.family, &mut chain.draws, &mut deposit);
-                }
-            });
+            .for_each(|(chain, &steps)| self.drive(chain, steps, stop));
         self.chains = chains;
         self.statistics().steps - before
     }
@@ -282,8 +294,12 @@ impl Engine for PssmltEngine<'_> {
         ))
     }
 
-    fn nonfinite(&self) -> u64 {
-        self.nonfinite.load(Ordering::Relaxed)
+    fn nonfinite(&self) -> (u64, Option<Place>) {
+        Nonfinite::all(
+            self.chains
+                .iter()
+                .map(|chain| (chain.ladder, chain.nonfinite)),
+        )
     }
 
     fn film_counters(&self) -> Counters {

@@ -70,6 +70,7 @@ pub fn render(
     let outcome = work.run(engine.as_mut(), &pool, control);
     let seconds = (start.elapsed() - pilot).as_secs_f64();
     let mut image = engine.develop()?;
+    let (nonfinite, first_nonfinite) = engine.nonfinite();
     let statistics = RenderStatistics {
         method: settings.method.to_string(),
         seed: settings.seed,
@@ -78,7 +79,8 @@ pub fn render(
         per_pixel: work.steps as f64 / settings.pixels() as f64,
         seconds,
         pilot_seconds: pilot.as_secs_f64(),
-        nonfinite: engine.nonfinite(),
+        nonfinite,
+        first_nonfinite,
         film: engine.film_counters(),
         chain: engine.chain_statistics(),
     };

@@ -21,10 +21,21 @@ pub struct RenderStatistics {
     pub pilot_seconds: f64,
     /// Contributions that were not finite, left out.
     pub nonfinite: u64,
+    /// Where the first of them (by ladder) arose: with the seed all that a replay needs.
+    pub first_nonfinite: Option<Place>,
     /// What the films left out.
     pub film: Counters,
     /// Of a chain method.
     pub chain: Option<ChainStatistics>,
+}
+
+/// A sample or step among all of a render.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct Place {
+    /// Which chain or stream.
+    pub ladder: u32,
+    /// Its step, counted from 0.
+    pub step: u64,
 }
 
 /// What chains tell about themselves.
