@@ -91,12 +91,24 @@ fn builders_agree_on_the_last_third() {
     assert_scenes(2, FAST);
 }
 
+const LONG: (u32, f64) = (1_000_000, 0.012);
+
 #[test]
 #[ignore = "long"]
-fn builders_agree_to_half_a_percent() {
-    for part in 0..3 {
-        assert_scenes(part, (4_000_000, 0.005));
-    }
+fn builders_agree_to_a_percent_on_a_third() {
+    assert_scenes(0, LONG);
+}
+
+#[test]
+#[ignore = "long"]
+fn builders_agree_to_a_percent_on_another_third() {
+    assert_scenes(1, LONG);
+}
+
+#[test]
+#[ignore = "long"]
+fn builders_agree_to_a_percent_on_the_last_third() {
+    assert_scenes(2, LONG);
 }
 
 /// A filter that reaches over the edge draws from a larger window: all builders divide by it.

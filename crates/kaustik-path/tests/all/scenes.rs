@@ -52,13 +52,13 @@ fn under_water() -> Stage {
         .add(lamp(3.0), ceiling(Vec3::Y * 2.0, 2.5))
 }
 
-/// A lamp within water that shines to both sides, seen from within.
+/// An upright lamp within water that shines to both sides; its back is seen, from within.
 fn lamp_under_water() -> Stage {
     let both = MaterialDescription {
         double_sided: true,
         ..lamp(2.0)
     };
-    Stage::new(Vec3::new(0.2, 1.2, 1.2), Vec3::new(0.0, 0.2, 0.0), 0.8)
+    Stage::new(Vec3::new(-0.8, 1.2, 1.0), Vec3::new(0.0, 0.2, 0.0), 0.8)
         .add(diffuse(GREY), floor(0.0, 4.0))
         .add(
             solid(1.33, 0.0, TINTED),
@@ -66,7 +66,7 @@ fn lamp_under_water() -> Stage {
         )
         .add(
             both,
-            rectangle(Vec3::new(0.1, 0.6, 0.0), Vec3::X * 0.4, Vec3::Z * 0.3),
+            rectangle(Vec3::new(0.1, 0.6, 0.0), Vec3::Y * 0.3, Vec3::Z * 0.3),
         )
 }
 
