@@ -54,6 +54,7 @@ fn compare(case: &Case, seeds: u64, share: f64) -> Vec<(String, Verdict)> {
     verdicts
 }
 
+#[expect(clippy::print_stdout, reason = "figures for whoever runs it")]
 fn assert_agreement(case: &Case, seeds: u64, share: f64, uncertain: usize) {
     for (method, verdict) in compare(case, seeds, share) {
         assert!(
@@ -123,10 +124,10 @@ fn endpoint_walks_and_other_weights_agree() {
         ("mis=off", |o| o.mis = Mis::Off),
         ("implicit hits only", |o| o.next_event = false),
         ("uniform steps", |o| {
-            o.small_step = kaustik::SmallStep::Uniform(0.05)
+            o.small_step = kaustik::SmallStep::Uniform(0.05);
         }),
         ("luminance", |o| {
-            o.target = kaustik::estimate::ScalarTarget::Luminance
+            o.target = kaustik::estimate::ScalarTarget::Luminance;
         }),
     ] {
         let mut settings = settings(Method::Pssmlt, SIDE, 400);

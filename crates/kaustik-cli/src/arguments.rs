@@ -20,7 +20,7 @@ pub(crate) struct Arguments {
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
     /// Render a scene to an EXR and a PNG file
-    Render(RenderWords),
+    Render(Box<RenderWords>),
     /// List the built-in scenes, or export one as glTF
     Scenes(SceneWords),
     /// List the methods, or the settings of one

@@ -285,7 +285,7 @@ impl SampleStream {
         let [first, end] = cells.of_ladder(self.ladder);
         match end - first {
             0 => Some(u64::MAX),
-            count => (self.step % count == 0).then_some(self.step / count),
+            count => self.step.is_multiple_of(count).then_some(self.step / count),
         }
     }
 
