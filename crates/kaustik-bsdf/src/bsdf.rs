@@ -99,6 +99,16 @@ impl Bsdf {
         Self::Phong(Phong::new(diffuse, specular, exponent))
     }
 
+    /// Does [`sample`](Lobe::sample) read its `uc`? Where it does not, a walk need not ask for the
+    /// number.
+    #[inline]
+    pub fn has_choice(&self) -> bool {
+        !matches!(
+            self,
+            Self::Lambertian(_) | Self::Mirror(_) | Self::Conductor(_)
+        )
+    }
+
     /// glTF's metallic-roughness material, or the simpler variant that it amounts to: metallic 1
     /// is [`metal`](Self::metal) (at roughness 0 a [`mirror`](Self::mirror) of the base colour),
     /// transmission 1 is glass, and specular 0 is exactly [`lambertian`](Self::lambertian).

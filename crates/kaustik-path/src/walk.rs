@@ -89,7 +89,7 @@ impl Walk {
         (stream, head): (Stream, u32),
     ) -> Option<Sample> {
         let first = layout::bounce(head, self.edges);
-        let uc = if needs_choice(&scatter.bsdf) {
+        let uc = if scatter.bsdf.has_choice() {
             u.get(stream, first)
         } else {
             0.0
@@ -134,15 +134,6 @@ impl Walk {
         self.throughput /= survival;
         true
     }
-}
-
-/// Does sampling this function need a number for the choice of a lobe?
-#[inline]
-fn needs_choice(bsdf: &Bsdf) -> bool {
-    !matches!(
-        bsdf,
-        Bsdf::Lambertian(_) | Bsdf::Mirror(_) | Bsdf::Conductor(_)
-    )
 }
 
 /// Camera and light walks take turns in the stream of transparency.

@@ -4,7 +4,7 @@ use std::sync::atomic::AtomicBool;
 
 use kaustik_film::{Counters, Image};
 
-use crate::{Budget, ChainStatistics, Place, RenderError, RenderSettings};
+use crate::{ChainStatistics, Place, RenderError, RenderSettings};
 
 /// A method at work: ladders that can be driven on, and films that can be developed.
 ///
@@ -17,11 +17,7 @@ pub(crate) trait Engine: Send + Sync {
 
     /// Steps that a ladder is to take in all.
     fn planned(&self, ladder: u32, settings: &RenderSettings) -> u64 {
-        match settings.budget {
-            Budget::PerPixel(n) => settings.share(n.saturating_mul(settings.pixels()), ladder),
-            Budget::Total(n) => settings.share(n, ladder),
-            Budget::Time(_) => u64::MAX,
-        }
+        settings.planned(ladder)
     }
 
     /// The smallest number of steps of a ladder that leaves the picture even.

@@ -146,7 +146,7 @@ impl Engine for IndependentEngine<'_> {
             single_pixel,
             ..
         } = self;
-        let lab = Lab {
+        let job = Job {
             scene,
             builder: builder.as_ref(),
             film,
@@ -160,35 +160,23 @@ impl Engine for IndependentEngine<'_> {
             .par_iter_mut()
             .zip(plan)
             .with_max_len(1)
-            .for_each(|(stream, &steps)| stream.run(&lab, steps));
+            .for_each(|(stream, &steps)| stream.run(&job, steps));
         self.steps() - before
     }
 
     fn planned(&self, ladder: u32, settings: &RenderSettings) -> u64 {
         let Some(cells) = &self.cells else {
-            return match settings.budget {
-                Budget::PerPixel(n) => settings.share(n.saturating_mul(settings.pixels()), ladder),
-                Budget::Total(n) => settings.share(n, ladder),
-                Budget::Time(_) => u64::MAX,
-            };
+            return settings.planned(ladder);
         };
         let [first, end] = cells.of_ladder(ladder);
         match settings.budget {
             Budget::PerPixel(n) => n.saturating_mul(end - first),
-            Budget::Total(n) => {
-                let passes = n / cells.count();
-                let rest = if self.single_pixel {
-                    n % cells.count()
-                } else {
-                    0
-                };
-                let passes = if self.single_pixel {
-                    passes
-                } else {
-                    passes.max(1)
-                };
-                passes * (end - first) + cells.share(rest, [first, end])
+            // Samples of a last, broken pass go to the first cells of each ladder; a filter that
+            // spreads samples could not be made even again, and takes whole passes, at least one.
+            Budget::Total(n) if self.single_pixel => {
+                n / cells.count() * (end - first) + cells.share(n % cells.count(), [first, end])
             }
+            Budget::Total(n) => (n / cells.count()).max(1) * (end - first),
             Budget::Time(_) => u64::MAX,
         }
     }
@@ -246,7 +234,7 @@ impl Engine for IndependentEngine<'_> {
 }
 
 /// What a stream works with.
-struct Lab<'a> {
+struct Job<'a> {
     scene: &'a Scene,
     builder: &'a dyn PathBuilder,
     film: &'a Film,
@@ -256,26 +244,26 @@ struct Lab<'a> {
 }
 
 impl SampleStream {
-    fn run(&mut self, lab: &Lab<'_>, steps: u64) {
+    fn run(&mut self, job: &Job<'_>, steps: u64) {
         for done in 0..steps {
-            if done % STRIDE == 0 && is_stopped(lab.stop) {
+            if done % STRIDE == 0 && is_stopped(job.stop) {
                 return;
             }
             let draws = self.generators.at(self.step);
             let mut coordinates = Independent::new(draws);
-            match &lab.cells {
-                None => lab
+            match &job.cells {
+                None => job
                     .builder
-                    .build(lab.scene, &mut coordinates, &mut self.value),
+                    .build(job.scene, &mut coordinates, &mut self.value),
                 Some(cells) => {
                     let mut coordinates = cells.confine(self.ladder, self.step, coordinates);
-                    lab.builder
-                        .build(lab.scene, &mut coordinates, &mut self.value);
+                    job.builder
+                        .build(job.scene, &mut coordinates, &mut self.value);
                 }
             }
             self.nonfinite
                 .count(u64::from(self.value.nonfinite()), self.step);
-            lab.scale.splat(lab.film, &self.value, 1.0);
+            job.scale.splat(job.film, &self.value, 1.0);
             self.step += 1;
         }
     }

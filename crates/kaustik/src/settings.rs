@@ -84,8 +84,17 @@ impl RenderSettings {
         self.layout().crop.area()
     }
 
+    /// Steps of a ladder whose steps all count alike.
+    pub(crate) fn planned(&self, ladder: u32) -> u64 {
+        match self.budget {
+            Budget::PerPixel(n) => self.share(n.saturating_mul(self.pixels()), ladder),
+            Budget::Total(n) => self.share(n, ladder),
+            Budget::Time(_) => u64::MAX,
+        }
+    }
+
     /// How many of `total` steps fall to a ladder: as even as can be, the first ladders take one more.
-    pub(crate) fn share(&self, total: u64, ladder: u32) -> u64 {
+    fn share(&self, total: u64, ladder: u32) -> u64 {
         let ladders = u64::from(self.options.ladders);
         total / ladders + u64::from(u64::from(ladder) < total % ladders)
     }
