@@ -6,13 +6,14 @@ use kaustik_estimate::Scale;
 use kaustik_film::{Counters, Film, Image, Quantum, develop};
 use kaustik_mcmc::{Independent, Mean, SampleGenerators};
 use kaustik_path::{Contributions, LightTracing, PathBuilder, Unidirectional};
-use kaustik_pss::{Coordinates, Stream};
+use kaustik_pss::Coordinates;
 use kaustik_scene::Scene;
 use rayon::prelude::*;
 
 use crate::control::is_stopped;
 use crate::engine::{Engine, Nonfinite, STRIDE};
 use crate::render::builder_settings;
+use crate::stratified::{Stratified, mix};
 use crate::{Budget, Place, RenderError, RenderSettings};
 
 /// The pilot needs only the order of magnitude.
@@ -26,6 +27,7 @@ pub(crate) struct IndependentEngine<'a> {
     builder: Box<dyn PathBuilder + 'a>,
     film: Film,
     streams: Vec<SampleStream>,
+    seed: u64,
     scale: Scale,
     /// Raster area of the window in pixels.
     area: f64,
@@ -96,6 +98,7 @@ impl<'a> IndependentEngine<'a> {
             builder,
             film: Film::with_layout(&layout, Quantum::from_mean(mean / 3.0))?,
             streams: settings.ladder_range().map(stream).collect(),
+            seed: settings.seed,
             scale: Scale {
                 width: f64::from(settings.width),
                 height: f64::from(settings.height),
@@ -137,6 +140,7 @@ impl Engine for IndependentEngine<'_> {
     fn advance(&mut self, plan: &[u64], stop: Option<&AtomicBool>) -> u64 {
         let before = self.steps();
         let Self {
+            seed,
             scene,
             builder,
             film,
@@ -147,6 +151,7 @@ impl Engine for IndependentEngine<'_> {
             ..
         } = self;
         let job = Job {
+            seed: *seed,
             scene,
             builder: builder.as_ref(),
             film,
@@ -235,6 +240,7 @@ impl Engine for IndependentEngine<'_> {
 
 /// What a stream works with.
 struct Job<'a> {
+    seed: u64,
     scene: &'a Scene,
     builder: &'a dyn PathBuilder,
     film: &'a Film,
@@ -256,7 +262,8 @@ impl SampleStream {
                     .builder
                     .build(job.scene, &mut coordinates, &mut self.value),
                 Some(cells) => {
-                    let mut coordinates = cells.confine(self.ladder, self.step, coordinates);
+                    let mut coordinates =
+                        cells.confine(job.seed, self.ladder, self.step, coordinates);
                     job.builder
                         .build(job.scene, &mut coordinates, &mut self.value);
                 }
@@ -314,35 +321,18 @@ impl Cells {
         up_to(end) - up_to(first)
     }
 
-    /// Coordinates whose raster point lies in the cell of a ladder's step.
-    fn confine<C>(&self, ladder: u32, step: u64, inner: C) -> InCell<C> {
+    /// The coordinates of a ladder's step, whose raster point lies in the step's cell.
+    fn confine<C: Coordinates>(
+        &self,
+        seed: u64,
+        ladder: u32,
+        step: u64,
+        inner: C,
+    ) -> Stratified<C> {
         let [first, end] = self.of_ladder(ladder);
-        let cell = first + step % (end - first);
-        let (column, row) = (cell % self.columns, cell / self.columns);
-        InCell {
-            inner,
-            corner: [column as f64, row as f64],
-            size: [1.0 / self.columns as f64, 1.0 / self.rows as f64],
-        }
-    }
-}
-
-/// Coordinates with the raster point confined to one cell.
-struct InCell<C> {
-    inner: C,
-    corner: [f64; 2],
-    size: [f64; 2],
-}
-
-impl<C: Coordinates> Coordinates for InCell<C> {
-    #[inline]
-    fn get(&mut self, stream: Stream, index: u32) -> f64 {
-        let u = self.inner.get(stream, index);
-        if stream == Stream::Camera && index < 2 {
-            let axis = index as usize;
-            (self.corner[axis] + u) * self.size[axis]
-        } else {
-            u
-        }
+        let (pass, cell) = (step / (end - first), first + step % (end - first));
+        let corner = [(cell % self.columns) as f64, (cell / self.columns) as f64];
+        let size = [1.0 / self.columns as f64, 1.0 / self.rows as f64];
+        Stratified::new(inner, corner, size, pass, mix(seed) ^ cell)
     }
 }

@@ -33,6 +33,7 @@ mod pssmlt;
 mod render;
 mod settings;
 mod statistics;
+mod stratified;
 
 pub use control::{Control, Progress};
 pub use error::RenderError;
