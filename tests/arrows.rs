@@ -60,7 +60,7 @@ const TABLE: &[(u8, &str, &str, &str, &str)] = &[
         5,
         "kaustik",
         "bsdf estimate film geometry mcmc path pss scene spectrum",
-        "glam rayon serde serde_json thiserror",
+        "glam rayon serde serde_json sobol_burley thiserror",
         "",
     ),
     (
