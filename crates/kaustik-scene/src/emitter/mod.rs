@@ -9,12 +9,13 @@
 mod alias;
 mod punctual;
 mod sample;
+mod triangle;
 
 use std::f64::consts::PI;
 
-use glam::{DVec3, Vec3};
+use glam::DVec3;
 use kaustik_bsdf::{Frame, warp};
-use kaustik_geometry::{Ray, Surface};
+use kaustik_geometry::Ray;
 use kaustik_spectrum::Wavelengths;
 
 use crate::Interior;
@@ -22,6 +23,8 @@ use crate::environment::Environment;
 use crate::matter::Matter;
 use alias::AliasTable;
 pub(crate) use punctual::Punctual;
+use triangle::{Plane, TriangleEmitter, interiors_around};
+
 pub use sample::{AreaSample, DirectSample, EmissionSample, Reach};
 
 /// Marks an instance that emits nothing.
@@ -36,59 +39,6 @@ enum Emitter {
     Triangle(TriangleEmitter),
     Punctual(u32),
     Environment,
-}
-
-#[derive(Clone, Copy, Debug)]
-struct TriangleEmitter {
-    instance: u32,
-    primitive: u32,
-    material: u32,
-    /// Index into `Emitters::interiors`.
-    interior: u32,
-    /// One over the area in the world.
-    inverse_area: f64,
-    /// What a look-up needs when the emission does not vary: no attributes are interpolated.
-    plain: Option<Plane>,
-}
-
-/// A triangle in the world: a corner, the edges from it, the unit front normal.
-#[derive(Clone, Copy, Debug)]
-struct Plane {
-    corner: DVec3,
-    edges: [DVec3; 2],
-    normal: Vec3,
-}
-
-impl Plane {
-    fn of(matter: &Matter, instance: u32, primitive: u32) -> Self {
-        let [a, b, c] = matter
-            .world
-            .triangle(instance, primitive)
-            .map(Vec3::as_dvec3);
-        let middle = matter.world.surface_at(instance, primitive, 0.3, 0.3);
-        Self {
-            corner: a,
-            edges: [b - a, c - a],
-            normal: middle.geometric_normal,
-        }
-    }
-}
-
-impl TriangleEmitter {
-    /// The surface at barycentric weights of the second and third corner.
-    #[inline]
-    fn surface(&self, matter: &Matter, [a, b]: [f64; 2]) -> Surface {
-        match &self.plain {
-            Some(plane) => {
-                let position = plane.corner + plane.edges[0] * a + plane.edges[1] * b;
-                Surface::bare(position.as_vec3(), plane.normal)
-            }
-            None => {
-                let world = &matter.world;
-                world.surface_at(self.instance, self.primitive, a as f32, b as f32)
-            }
-        }
-    }
 }
 
 /// All emitters of a scene.
@@ -106,17 +56,6 @@ pub(crate) struct Emitters {
     /// Sphere around all geometry.
     center: DVec3,
     radius: f64,
-}
-
-/// The solids in front of a triangle and behind it.
-fn interiors_around(matter: &Matter, instance: u32, primitive: u32, area: f64) -> [Interior; 2] {
-    if !matter.has_solids {
-        return [Interior::VACUUM; 2];
-    }
-    let middle = (matter.world).surface_at(instance, primitive, 1.0 / 3.0, 1.0 / 3.0);
-    let off = middle.geometric_normal.as_dvec3() * (1e-4 * area.sqrt());
-    let position = middle.position.as_dvec3();
-    [position + off, position - off].map(|point| matter.interior_at(point))
 }
 
 /// Emitters that are not surfaces, and the sphere around all geometry.

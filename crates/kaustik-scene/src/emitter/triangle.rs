@@ -1,0 +1,76 @@
+//! One emissive triangle.
+
+use glam::{DVec3, Vec3};
+use kaustik_geometry::Surface;
+
+use crate::Interior;
+use crate::matter::Matter;
+
+#[derive(Clone, Copy, Debug)]
+pub(super) struct TriangleEmitter {
+    pub(super) instance: u32,
+    pub(super) primitive: u32,
+    pub(super) material: u32,
+    /// Index into `Emitters::interiors`.
+    pub(super) interior: u32,
+    /// One over the area in the world.
+    pub(super) inverse_area: f64,
+    /// What a look-up needs when the emission does not vary: no attributes are interpolated.
+    pub(super) plain: Option<Plane>,
+}
+
+/// A triangle in the world: a corner, the edges from it, the unit front normal.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Plane {
+    corner: DVec3,
+    edges: [DVec3; 2],
+    normal: Vec3,
+}
+
+impl Plane {
+    pub(super) fn of(matter: &Matter, instance: u32, primitive: u32) -> Self {
+        let [a, b, c] = matter
+            .world
+            .triangle(instance, primitive)
+            .map(Vec3::as_dvec3);
+        let middle = matter.world.surface_at(instance, primitive, 0.3, 0.3);
+        Self {
+            corner: a,
+            edges: [b - a, c - a],
+            normal: middle.geometric_normal,
+        }
+    }
+}
+
+impl TriangleEmitter {
+    /// The surface at barycentric weights of the second and third corner.
+    #[inline]
+    pub(super) fn surface(&self, matter: &Matter, [a, b]: [f64; 2]) -> Surface {
+        match &self.plain {
+            Some(plane) => {
+                let position = plane.corner + plane.edges[0] * a + plane.edges[1] * b;
+                Surface::bare(position.as_vec3(), plane.normal)
+            }
+            None => {
+                let world = &matter.world;
+                world.surface_at(self.instance, self.primitive, a as f32, b as f32)
+            }
+        }
+    }
+}
+
+/// The solids in front of a triangle and behind it.
+pub(super) fn interiors_around(
+    matter: &Matter,
+    instance: u32,
+    primitive: u32,
+    area: f64,
+) -> [Interior; 2] {
+    if !matter.has_solids {
+        return [Interior::VACUUM; 2];
+    }
+    let middle = (matter.world).surface_at(instance, primitive, 1.0 / 3.0, 1.0 / 3.0);
+    let off = middle.geometric_normal.as_dvec3() * (1e-4 * area.sqrt());
+    let position = middle.position.as_dvec3();
+    [position + off, position - off].map(|point| matter.interior_at(point))
+}
