@@ -39,7 +39,7 @@ const TABLE: &[(u8, &str, &str, &str, &str)] = &[
         2,
         "kaustik-scene",
         "bsdf geometry spectrum",
-        "base64 glam gltf image libm serde serde_json thiserror",
+        "base64 glam image libm serde serde_json thiserror",
         "",
     ),
     (
