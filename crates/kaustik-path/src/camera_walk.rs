@@ -1,4 +1,4 @@
-//! The start of a walk from the camera.
+//! A walk from the camera, from its start to the splat that it ends in.
 
 use glam::DVec2;
 use kaustik_bsdf::Mode;
@@ -7,16 +7,29 @@ use kaustik_pss::{Coordinates, Stream};
 use kaustik_scene::Scene;
 use kaustik_spectrum::{Spectrum, Wavelengths};
 
-use crate::BuilderSettings;
+use crate::contributions::Gathered;
 use crate::walk::Walk;
+use crate::{BuilderSettings, Contributions};
 
-/// A walk at the lens, and the raster point that it serves.
+/// Starts a walk, has light gathered along it, and splats the sum.
 #[inline]
-pub(crate) fn start(
+pub(crate) fn trace(
     settings: &BuilderSettings,
     scene: &Scene,
     u: &mut dyn Coordinates,
-) -> (Walk, DVec2) {
+    out: &mut Contributions,
+    gather: impl FnOnce(&mut Walk, &mut dyn Coordinates, &mut Gathered),
+) {
+    out.clear();
+    let (mut walk, raster) = start(settings, scene, u);
+    let mut gathered = Gathered::default();
+    gather(&mut walk, u, &mut gathered);
+    out.push(raster, gathered.to_xyz(&walk.wavelengths));
+}
+
+/// A walk at the lens, and the raster point that it serves.
+#[inline]
+fn start(settings: &BuilderSettings, scene: &Scene, u: &mut dyn Coordinates) -> (Walk, DVec2) {
     let wavelengths = Wavelengths::sample(u.get(Stream::Wavelength, 0), settings.wavelengths);
     let raster = settings.raster(DVec2::new(
         u.get(Stream::Camera, 0),

@@ -38,11 +38,9 @@ impl Origin {
 
 impl PathBuilder for Unidirectional {
     fn build(&self, scene: &Scene, u: &mut dyn Coordinates, out: &mut Contributions) {
-        out.clear();
-        let (mut walk, raster) = camera_walk::start(&self.settings, scene, u);
-        let mut gathered = Gathered::default();
-        self.gather(scene, &mut walk, u, &mut gathered);
-        out.push(raster, gathered.to_xyz(&walk.wavelengths));
+        camera_walk::trace(&self.settings, scene, u, out, |walk, u, gathered| {
+            self.gather(scene, walk, u, gathered);
+        });
     }
 }
 

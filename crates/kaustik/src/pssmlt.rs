@@ -116,9 +116,10 @@ impl<'a> PssmltEngine<'a> {
             .into_iter()
             .filter(|density| density.is_finite())
             .collect();
-        // Where the rough pilot saw nothing there is no better constant than the pool's own.
+        // The printed weights want b itself; and where the rough pilot saw nothing there is no better
+        // constant than the pool's own.
         let b0 = match rough.mean() {
-            mean if mean > 0.0 => mean,
+            mean if mean > 0.0 && options.mis != Mis::Printed => mean,
             _ => pool.normaliser().mean(),
         };
         let chains = start_chains(target, family, &pool, settings)?;
