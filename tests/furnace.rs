@@ -2,7 +2,7 @@
 
 use kaustik::{Method, RenderSettings};
 
-use crate::support::{means, picture, scene, settings};
+use crate::support::{means, picture, pixels_of_light, scene, settings};
 
 /// Mean of a furnace over its picture; each must be 1.
 fn mean(words: &str, method: Method, spp: u64) -> f64 {
@@ -30,6 +30,40 @@ fn closed_sphere() {
 fn glass_disappears() {
     assert_one("furnace?kind=glass", Method::Path, 256, 0.01);
     assert_one("furnace?kind=rough", Method::Path, 256, 0.01);
+}
+
+/// A white plate under a glass sphere in uniform light, where `method` can show it: the pixels
+/// whose first surface is the plate.
+fn assert_plate_is_one(method: Method, spp: u64, tolerance: f64) {
+    const SIDE: u32 = 32;
+    let scene = scene("furnace?kind=plate", SIDE);
+    let settings = RenderSettings {
+        max_depth: 128,
+        ..settings(method, SIDE, spp)
+    };
+    let image = picture(&scene, &settings);
+    let shown = pixels_of_light(&scene, SIDE);
+    let plate: Vec<usize> = (0..shown.len()).filter(|&pixel| shown[pixel]).collect();
+    assert!(plate.len() > 150, "{} pixels show the plate", plate.len());
+    for plane in image.rgb() {
+        let sum: f64 = plate.iter().map(|&pixel| f64::from(plane[pixel])).sum();
+        let mean = sum / plate.len() as f64;
+        assert!((mean - 1.0).abs() <= tolerance, "{method}: {mean}");
+    }
+}
+
+#[test]
+fn plate_under_glass() {
+    assert_plate_is_one(Method::Light, 256, 0.02);
+    assert_plate_is_one(Method::Path, 64, 0.02);
+}
+
+#[test]
+#[ignore = "long"]
+fn plate_under_glass_to_half_a_percent() {
+    for method in [Method::Light, Method::Path, Method::Pssmlt] {
+        assert_plate_is_one(method, 8_192, 0.005);
+    }
 }
 
 #[test]

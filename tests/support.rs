@@ -1,6 +1,7 @@
 //! What the tests of whole renders share: scenes, renders, tiles, Welch's test.
 
 use kaustik::film::Image;
+use kaustik::path::features;
 use kaustik::scene::{Description, Scene, SceneOptions, builtin};
 use kaustik::{Budget, Control, Method, RenderSettings, render};
 
@@ -46,6 +47,22 @@ pub(crate) fn means(image: &Image) -> [f64; 3] {
     image
         .rgb()
         .map(|plane| plane.iter().map(|&v| f64::from(v)).sum::<f64>() / plane.len() as f64)
+}
+
+/// Pixels, row by row, that a light tracer shows in full: what they see first is neither Dirac
+/// nor the environment.
+pub(crate) fn pixels_of_light(scene: &Scene, side: u32) -> Vec<bool> {
+    let mut shown = vec![true; (side * side) as usize];
+    // A few points a pixel; edges of Dirac surfaces are thinner than nothing.
+    let points = side * 4;
+    for y in 0..points {
+        for x in 0..points {
+            let raster = [x, y].map(|i| (f64::from(i) + 0.5) / f64::from(points));
+            let beyond = features(scene, raster.into(), 0.5).beyond_light_tracing;
+            shown[(y / 4 * side + x / 4) as usize] &= !beyond;
+        }
+    }
+    shown
 }
 
 /// Side of a tile in pixels.
@@ -123,17 +140,20 @@ pub(crate) fn tiles_of_seeds(
     settings: &RenderSettings,
     seeds: std::ops::Range<u64>,
 ) -> Vec<[Runs; 3]> {
-    let runs: Vec<Vec<[f64; 3]>> = seeds
-        .map(|seed| {
-            tile_means(&picture(
-                scene,
-                &RenderSettings {
-                    seed,
-                    ..settings.clone()
-                },
-            ))
-        })
-        .collect();
+    tiles_of(seeds.map(|seed| {
+        picture(
+            scene,
+            &RenderSettings {
+                seed,
+                ..settings.clone()
+            },
+        )
+    }))
+}
+
+/// Tile means of independent pictures: `[tile][channel]` of [`Runs`].
+pub(crate) fn tiles_of(pictures: impl Iterator<Item = Image>) -> Vec<[Runs; 3]> {
+    let runs: Vec<_> = pictures.map(|image| tile_means(&image)).collect();
     (0..runs[0].len())
         .map(|tile| {
             [0, 1, 2].map(|channel| {

@@ -45,9 +45,12 @@ pub use statistics::{ChainStatistics, Place, RenderStatistics};
 
 pub use kaustik_estimate::Mis;
 
+pub use kaustik_bsdf as bsdf;
 pub use kaustik_estimate as estimate;
 pub use kaustik_film as film;
+pub use kaustik_geometry as geometry;
 pub use kaustik_mcmc as mcmc;
 pub use kaustik_path as path;
+pub use kaustik_pss as pss;
 pub use kaustik_scene as scene;
 pub use kaustik_spectrum as spectrum;

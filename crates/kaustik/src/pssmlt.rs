@@ -1,5 +1,6 @@
 //! Primary sample space Metropolis light transport (Kelemen et al. 2002; spec: pss-and-pssmlt.md).
 
+use std::ops::Range;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use kaustik_estimate::{KelemenDeposit, Mis, PathTarget, ScalarContribution, Scale};
@@ -110,17 +111,18 @@ impl<'a> PssmltEngine<'a> {
             builder: builder.as_ref(),
             nonfinite: &nonfinite,
         };
-        let pool = Pool::new(pilot(target, family, settings, PILOT_LADDER, options.pilot));
-        let rough = (options.pilot / CONSTANT_SHARE).max(1);
-        let rough: Mean = pilot(target, family, settings, CONSTANT_LADDER, rough)
-            .into_iter()
-            .filter(|density| density.is_finite())
-            .collect();
-        // The printed weights want b itself; and where the rough pilot saw nothing there is no better
-        // constant than the pool's own.
-        let b0 = match rough.mean() {
-            mean if mean > 0.0 && options.mis != Mis::Printed => mean,
-            _ => pool.normaliser().mean(),
+        let pool = Pool::new(pilot(
+            target,
+            family,
+            settings,
+            PILOT_LADDER,
+            0..options.pilot,
+        ));
+        let b0 = match options.mis {
+            Mis::Printed => pool.normaliser().mean(), // these weights want b itself
+            Mis::Split | Mis::Off => {
+                rough_constant(target, family, settings).unwrap_or_else(|| pool.normaliser().mean())
+            }
         };
         let chains = start_chains(target, family, &pool, settings)?;
         let layout = settings.layout();
@@ -210,10 +212,10 @@ fn pilot(
     family: ScalarContribution,
     settings: &RenderSettings,
     ladder: u64,
-    samples: u64,
+    samples: Range<u64>,
 ) -> Vec<f64> {
     let generators = SampleGenerators::new(settings.seed, ladder);
-    (0..samples as usize)
+    (samples.start as usize..samples.end as usize)
         .into_par_iter()
         .with_min_len(256)
         .map_init(Contributions::default, |value, index| {
@@ -221,6 +223,28 @@ fn pilot(
             sample(&target, &family, draws, value).map_or(f64::NAN, |[density]| density)
         })
         .collect()
+}
+
+/// A rough estimate of b that knows nothing of the pool: samples of its own, a share of the pool's
+/// number, and more until some see light. `None` if as many as the pool's see none.
+fn rough_constant(
+    target: PathTarget<'_>,
+    family: ScalarContribution,
+    settings: &RenderSettings,
+) -> Option<f64> {
+    let share = (settings.options.pilot / CONSTANT_SHARE).max(1);
+    let mut mean = Mean::new();
+    for round in 0..CONSTANT_SHARE {
+        let samples = round * share..(round + 1) * share;
+        pilot(target, family, settings, CONSTANT_LADDER, samples)
+            .into_iter()
+            .filter(|density| density.is_finite())
+            .for_each(|density| mean.push(density));
+        if mean.mean() > 0.0 {
+            return Some(mean.mean());
+        }
+    }
+    None
 }
 
 /// A chain for every ladder of this process; none if the pool saw nothing. All ladders choose, so that

@@ -13,7 +13,7 @@ pub(super) const SCENE: BuiltinScene = BuiltinScene {
         key: "kind",
         values: "diffuse, glass, rough or plate",
         default: "diffuse",
-        meaning: "a closed diffuse sphere from inside; smooth or rough glass, or a white plate, in uniform light",
+        meaning: "a closed diffuse sphere from inside; smooth or rough glass, or a white plate under glass, in uniform light",
     }],
     build,
 };
@@ -51,6 +51,7 @@ fn glass(roughness: f32) -> Description {
     uniform(stage)
 }
 
+/// A white plate under a glass sphere.
 fn plate() -> Description {
     let mut stage = Stage::new();
     let white = stage.material(materials::diffuse("white", [1.0; 3]));
@@ -62,6 +63,13 @@ fn plate() -> Description {
         corner(-1.0, 1.0),
     ];
     stage.place("plate", white, shapes::quad(corners, Vec3::Z));
+    // Light tracing must bring to the plate, through the glass, just what it takes away.
+    let glass = stage.material(materials::solid("glass", 1.5, 0.0));
+    let mut sphere = spheres::polyhedron(0.4, 5, false);
+    for position in &mut sphere.positions {
+        position.z += 0.6;
+    }
+    stage.place("sphere", glass, sphere);
     stage.camera(DVec3::new(1.0, 0.7, 3.5), DVec3::ZERO, 0.7);
     uniform(stage)
 }
