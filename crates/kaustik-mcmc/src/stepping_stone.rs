@@ -231,6 +231,13 @@ impl<const K: usize> SteppingStone<K> {
         self.defects
     }
 
+    /// The sums of weighted ratios and of weights, by upper level.
+    #[cfg(test)]
+    pub(crate) fn sums(&self) -> [(f64, f64); K] {
+        let sum = self.moments().sum;
+        from_fn(|k| (sum.ratio[k], sum.weight[k]))
+    }
+
     fn standard_error(&self, level: usize, value: f64, moments: &Moments<K>) -> f64 {
         if level == 0 {
             return 0.0;
