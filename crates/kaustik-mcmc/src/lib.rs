@@ -76,6 +76,8 @@
 //! | [`Kernel`] | how a chain proposes, for any state: [`PointKernel`] for points |
 //! | [`Metropolis`] | a chain: current value, the decision, what is yet to be reported |
 //! | [`Ladder`] | chains at all levels that exchange states: by a [`Schedule`], on a [`SwapGraph`] |
+//! | [`Population`], [`anneal`](fn@anneal) | particles that climb the levels: starts and rough normalisers |
+//! | [`RoughNormalisers`], [`SteppingStone`] | integrals of the densities: fixed ones for weights, running ones for scales |
 //! | [`Visit`], [`Recorder`] | what a chain tells, and who listens |
 //! | [`Pool`], [`Start`] | independent samples, and the one a chain begins at |
 //! | [`Draws`] | every decision: a generator, or the [enumerator](testing::Enumerator) |
@@ -124,6 +126,7 @@
 //! ([`Statistics::defects`]), treated as zero, and neither enters a state nor reaches a
 //! recorder. Only a start can fail: [`StartError`].
 
+mod anneal;
 mod decide;
 mod draws;
 mod family;
@@ -141,7 +144,9 @@ mod normalisers;
 mod permutation;
 mod point;
 mod pool;
+mod population;
 mod proposal;
+mod resample;
 mod schedule;
 mod statistics;
 mod stepping_stone;
@@ -150,6 +155,7 @@ mod target;
 pub mod testing;
 mod visit;
 
+pub use anneal::{Annealed, anneal};
 pub use decide::{acceptance, decide, exchange_acceptance};
 pub use draws::Draws;
 pub use family::{Family, checked_densities};
@@ -166,7 +172,9 @@ pub use mutation::{Exponential, Mutation, Uniform};
 pub use normalisers::{Estimate, RoughNormalisers, RunningNormalisers};
 pub use point::{Current, Point, Step};
 pub use pool::{Pool, Start, StartError, sample};
+pub use population::{Extinct, Population, Stage};
 pub use proposal::Proposal;
+pub use resample::Resampling;
 pub use schedule::Schedule;
 pub use statistics::{Acceptance, Statistics};
 pub use stepping_stone::SteppingStone;
