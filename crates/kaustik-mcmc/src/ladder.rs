@@ -240,8 +240,8 @@ impl<S, V, const K: usize> Ladder<S, V, K> {
         self.statistics.permutations.push(change, index > 0);
         let wanted = Permutations::get(K, index);
         let mut at: [usize; K] = std::array::from_fn(|level| level);
-        for level in 0..K {
-            let found = at.iter().position(|&state| state == wanted[level]);
+        for (level, wanted) in wanted.iter().enumerate().take(K) {
+            let found = at.iter().position(|state| state == wanted);
             if let Some(other) = found.filter(|&other| other != level) {
                 self.swap(level, other, kernels, draws, recorder);
                 at.swap(level, other);
