@@ -384,4 +384,6 @@ where
 }
 
 #[cfg(test)]
+mod lazy_tests;
+#[cfg(test)]
 mod tests;
