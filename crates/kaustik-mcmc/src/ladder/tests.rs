@@ -403,6 +403,41 @@ fn no_weight_is_lost_in_an_exchange() {
     }
 }
 
+#[test]
+fn schedules_try_the_pairs_they_say() {
+    let table: Table<4> = [[1.0; 4]; STATES];
+    let tried = |schedule, graph: SwapGraph<4>| {
+        let mut ladder = ladder(&table, [0; 4])
+            .with_graph(graph)
+            .with_schedule(schedule);
+        let mut rng = generator(13, 0);
+        for _ in 0..6000 {
+            ladder.exchange(&kernels(), &mut rng, &mut Ignore);
+        }
+        let statistics = ladder.statistics().clone();
+        assert_eq!(statistics.rounds, 6000);
+        move |a: usize, b: usize| statistics.swaps[a][b].proposed
+    };
+    let line = |schedule| {
+        let tried = tried(schedule, SwapGraph::line());
+        assert_eq!(tried(0, 2) + tried(0, 3) + tried(1, 3), 0);
+        [tried(0, 1), tried(1, 2), tried(2, 3)]
+    };
+    let near = |n: u64, expected: u64| n.abs_diff(expected) < 200;
+    assert_eq!(line(Schedule::Off), [0; 3]);
+    assert_eq!(line(Schedule::Permutation), [0; 3]);
+    assert_eq!(line(Schedule::Full), [6000; 3]);
+    assert_eq!(line(Schedule::Alternating), [3000; 3]);
+    let pairs = line(Schedule::RandomPair);
+    assert!(pairs.iter().all(|n| near(*n, 2000)) && pairs.iter().sum::<u64>() == 6000);
+    let [even, odd, also] = line(Schedule::RandomMatching);
+    assert!(even == also && even + odd == 6000 && near(even, 3000));
+    // a star has a matching for each of its three pairs
+    let star = SwapGraph::new(&[(1, 0), (1, 2), (1, 3)]).expect("a graph");
+    let star = tried(Schedule::Alternating, star);
+    assert_eq!([star(0, 1), star(1, 2), star(1, 3)], [2000; 3]);
+}
+
 /// Levels may share one kernel by reference: the same bits.
 #[test]
 fn references_to_kernels_are_kernels() {
