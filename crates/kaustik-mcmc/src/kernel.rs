@@ -33,6 +33,57 @@ pub trait Kernel<S> {
     fn reject(&self, state: &mut S) {
         let _ = state;
     }
+
+    /// The state comes to this kernel from another one: that of another level of an
+    /// annealing, or with other step sizes.
+    ///
+    /// What the state still owes to the kernel it comes from is paid here (a lazy [`Point`]
+    /// does: see "The debt belongs to a mutation" there). States that owe nothing need
+    /// nothing, which is the default.
+    fn enter<D: Draws + ?Sized>(&self, state: &mut S, draws: &mut D) {
+        let _ = (state, draws);
+    }
+
+    /// Two states change places: `a` goes to the level of `b` and the other way round.
+    ///
+    /// Each pays first what it owes at the level that it leaves; what belongs to a level
+    /// (step sizes) stays. Asked of the kernel of the level of `a`. The default swaps, which
+    /// is right for states that owe nothing.
+    fn exchange<D: Draws + ?Sized>(&self, a: &mut S, b: &mut S, draws: &mut D) {
+        let _ = draws;
+        std::mem::swap(a, b);
+    }
+}
+
+/// A reference to a kernel is one: K levels may share it.
+impl<S, N: Kernel<S>> Kernel<S> for &N {
+    type Value = N::Value;
+
+    fn propose<D: Draws + ?Sized>(
+        &self,
+        state: &mut S,
+        current: &N::Value,
+        proposed: &mut N::Value,
+        draws: &mut D,
+    ) -> Move {
+        (**self).propose(state, current, proposed, draws)
+    }
+
+    fn accept(&self, state: &mut S) {
+        (**self).accept(state);
+    }
+
+    fn reject(&self, state: &mut S) {
+        (**self).reject(state);
+    }
+
+    fn enter<D: Draws + ?Sized>(&self, state: &mut S, draws: &mut D) {
+        (**self).enter(state, draws);
+    }
+
+    fn exchange<D: Draws + ?Sized>(&self, a: &mut S, b: &mut S, draws: &mut D) {
+        (**self).exchange(a, b, draws);
+    }
 }
 
 /// How a proposal came about.
@@ -129,5 +180,13 @@ impl<T: Target, M: Mutation> Kernel<Point<M>> for PointKernel<T> {
 
     fn reject(&self, point: &mut Point<M>) {
         point.roll_back();
+    }
+
+    fn enter<D: Draws + ?Sized>(&self, point: &mut Point<M>, draws: &mut D) {
+        point.settle(draws);
+    }
+
+    fn exchange<D: Draws + ?Sized>(&self, a: &mut Point<M>, b: &mut Point<M>, draws: &mut D) {
+        a.exchange(b, draws);
     }
 }

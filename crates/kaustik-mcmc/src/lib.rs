@@ -75,6 +75,9 @@
 //! | [`Proposal`] | a guard: a point one step on, until decided; dropped, it never was |
 //! | [`Kernel`] | how a chain proposes, for any state: [`PointKernel`] for points |
 //! | [`Metropolis`] | a chain: current value, the decision, what is yet to be reported |
+//! | [`Ladder`] | chains at all levels that exchange states: by a [`Schedule`], on a [`SwapGraph`] |
+//! | [`Population`], [`anneal`](fn@anneal) | particles that climb the levels: starts and rough normalisers |
+//! | [`RoughNormalisers`], [`SteppingStone`] | integrals of the densities: fixed ones for weights, running ones for scales |
 //! | [`Visit`], [`Recorder`] | what a chain tells, and who listens |
 //! | [`Pool`], [`Start`] | independent samples, and the one a chain begins at |
 //! | [`Draws`] | every decision: a generator, or the [enumerator](testing::Enumerator) |
@@ -123,36 +126,59 @@
 //! ([`Statistics::defects`]), treated as zero, and neither enters a state nor reaches a
 //! recorder. Only a start can fail: [`StartError`].
 
+mod anneal;
 mod decide;
 mod draws;
 mod family;
 mod generator;
 mod independent;
+mod index_process;
 mod kernel;
+mod ladder;
+mod ladder_statistics;
+mod level_kernel;
 mod mean;
 mod metropolis;
 mod mutation;
+mod normalisers;
+mod permutation;
 mod point;
 mod pool;
+mod population;
 mod proposal;
+mod resample;
+mod schedule;
 mod statistics;
+mod stepping_stone;
+mod swap_graph;
 mod target;
 pub mod testing;
 mod visit;
 
-pub use decide::{acceptance, decide};
+pub use anneal::{Annealed, anneal};
+pub use decide::{acceptance, decide, exchange_acceptance};
 pub use draws::Draws;
 pub use family::{Family, checked_densities};
 pub use generator::{SampleGenerators, generator, sample_generator};
 pub use independent::Independent;
+pub use index_process::IndexProcess;
 pub use kernel::{Kernel, Move, PointKernel};
+pub use ladder::Ladder;
+pub use ladder_statistics::LadderStatistics;
+pub use level_kernel::LevelKernel;
 pub use mean::Mean;
 pub use metropolis::Metropolis;
 pub use mutation::{Exponential, Mutation, Uniform};
+pub use normalisers::{Estimate, RoughNormalisers, RunningNormalisers};
 pub use point::{Current, Point, Step};
 pub use pool::{Pool, Start, StartError, sample};
+pub use population::{Extinct, Population, Stage};
 pub use proposal::Proposal;
+pub use resample::Resampling;
+pub use schedule::Schedule;
 pub use statistics::{Acceptance, Statistics};
+pub use stepping_stone::SteppingStone;
+pub use swap_graph::{SwapGraph, SwapGraphError};
 pub use target::{FnTarget, Target, target};
 pub use visit::{Ignore, Recorder, Visit};
 

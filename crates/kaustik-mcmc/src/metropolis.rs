@@ -117,6 +117,57 @@ impl<S, V, const K: usize> Metropolis<S, V, K> {
         self.densities = checked_densities(family, &self.value).unwrap_or([0.0; K]);
     }
 
+    /// Changes states with a chain at another level: what both have gathered is reported at
+    /// the level where it was gathered, debts are paid by [`Kernel::exchange`], values and
+    /// densities are swapped, not copied.
+    ///
+    /// This is what is done, not whether: see
+    /// [`exchange_acceptance`](crate::exchange_acceptance) and [`Ladder`](crate::Ladder).
+    pub fn exchange<N, D, R>(
+        &mut self,
+        other: &mut Self,
+        kernel: &N,
+        draws: &mut D,
+        recorder: &mut R,
+    ) where
+        N: Kernel<S, Value = V>,
+        D: Draws + ?Sized,
+        R: Recorder<V, K> + ?Sized,
+    {
+        self.flush(recorder); // RELT spec sec. 6.4
+        other.flush(recorder);
+        kernel.exchange(&mut self.state, &mut other.state, draws);
+        std::mem::swap(&mut self.value, &mut other.value);
+        std::mem::swap(&mut self.densities, &mut other.densities);
+        (self.stay, other.stay) = (0, 0);
+    }
+
+    /// Takes over where another chain is, in the memory that is there. What was gathered
+    /// here is forgotten, statistics go on.
+    pub(crate) fn copy_from(&mut self, other: &Self)
+    where
+        S: Clone,
+        V: Clone,
+    {
+        self.state.clone_from(&other.state);
+        self.value.clone_from(&other.value);
+        self.densities = other.densities;
+        self.pending = Pending::default();
+        self.stay = 0;
+    }
+
+    /// Brings the chain to another level and under its kernel. What was gathered and not
+    /// flushed is forgotten: it belongs to the level that is left.
+    pub(crate) fn enter<N, D>(&mut self, level: usize, kernel: &N, draws: &mut D)
+    where
+        N: Kernel<S, Value = V>,
+        D: Draws + ?Sized,
+    {
+        kernel.enter(&mut self.state, draws);
+        self.pending = Pending::default();
+        self.set_level(level);
+    }
+
     /// Moves the chain to another target of the family. Flush before; for a lazy point
     /// see [`Point`] on what must be settled if its mutation changes as well.
     ///

@@ -39,12 +39,31 @@ pub enum Step {
 ///
 /// Coordinates are stored densely per stream, up to the largest index that was ever read.
 /// Once the largest index has been met, a step allocates nothing.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub struct Point<M> {
     pub(crate) mutation: M,
     pub(crate) streams: [Vec<Coordinate>; Stream::COUNT],
     pub(crate) undo: Vec<Undo>,
     pub(crate) clock: Clock,
+}
+
+/// By hand for `clone_from`, which takes over a state in the memory that is there.
+impl<M: Clone> Clone for Point<M> {
+    fn clone(&self) -> Self {
+        Self {
+            mutation: self.mutation.clone(),
+            streams: self.streams.clone(),
+            undo: self.undo.clone(),
+            clock: self.clock,
+        }
+    }
+
+    fn clone_from(&mut self, other: &Self) {
+        self.mutation.clone_from(&other.mutation);
+        self.streams.clone_from(&other.streams);
+        self.undo.clone_from(&other.undo);
+        self.clock = other.clock;
+    }
 }
 
 /// The clock of a point. It goes wherever the coordinates go.

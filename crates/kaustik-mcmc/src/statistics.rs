@@ -20,7 +20,14 @@ impl Acceptance {
         }
     }
 
-    fn merge(&mut self, other: &Self) {
+    /// Takes one proposal that was to be accepted with the given probability.
+    pub(crate) fn push(&mut self, acceptance: f64, accepted: bool) {
+        self.proposed += 1;
+        self.accepted += u64::from(accepted);
+        self.expected += acceptance;
+    }
+
+    pub(crate) fn merge(&mut self, other: &Self) {
         self.proposed += other.proposed;
         self.accepted += other.accepted;
         self.expected += other.expected;

@@ -3,7 +3,10 @@
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 
-use kaustik_mcmc::{Exponential, Metropolis, PointKernel, Target, Visit, generator};
+use kaustik_mcmc::{
+    Exponential, Ignore, Ladder, LevelKernel, Metropolis, PointKernel, Population, Resampling,
+    Schedule, Target, Visit, generator,
+};
 use kaustik_pss::{Coordinates, Stream};
 
 /// The system's allocator, counting what each thread asks for.
@@ -82,4 +85,62 @@ fn a_step_allocates_nothing_after_warm_up() {
     assert_eq!(allocations() - before, 0);
     let probe = Box::new(sum); // the counter does count
     assert_eq!(allocations() - before, 1, "{probe}");
+}
+
+fn sizes() -> [Exponential; 2] {
+    [
+        Exponential::default(),
+        Exponential::new(1.0 / 96.0, 1.0 / 6.0),
+    ]
+}
+
+#[test]
+fn a_sweep_allocates_nothing_after_warm_up() {
+    for schedule in [
+        Schedule::RandomPair,
+        Schedule::RandomMatching,
+        Schedule::Alternating,
+        Schedule::Full,
+        Schedule::Permutation,
+    ] {
+        let mut rng = generator(2, 0);
+        let kernels = [1.0, 0.1].map(|large| PointKernel::new(Walk, large));
+        let mut sum = 0.0;
+        let mut record = |visit: Visit<'_, Vec<f64>, 2>| sum += visit.weight;
+        let mut ladder = Ladder::start(&Walk, &family, sizes(), &mut rng).with_schedule(schedule);
+        for _ in 0..1000 {
+            ladder.sweep(&kernels, &family, &mut rng, &mut record);
+        }
+        let before = allocations();
+        for _ in 0..10_000 {
+            ladder.sweep(&kernels, &family, &mut rng, &mut record);
+        }
+        assert_eq!(allocations() - before, 0, "{schedule:?}");
+        assert!(ladder.statistics().round_trips > 100, "states did travel");
+    }
+}
+
+#[test]
+fn annealing_allocates_nothing_after_warm_up() {
+    for scheme in [Resampling::Systematic, Resampling::Multinomial] {
+        let mut rng = generator(3, 0);
+        let kernels = sizes().map(|mutation| LevelKernel::new(Walk, 0.3, mutation));
+        let first = Exponential::default();
+        let mut population = Population::start(20, &Walk, &family, &first, scheme, &mut rng);
+        let mut resampled = 0;
+        let mut before = 0;
+        for round in 0..400 {
+            if round == 200 {
+                before = allocations();
+            }
+            for (level, kernel) in kernels.iter().enumerate() {
+                let stage = population.advance(level, kernel, &mut rng).expect("alive");
+                resampled += u32::from(stage.resampled);
+                population.step(kernel, &family, &mut rng, &mut Ignore);
+                population.step(kernel, &family, &mut rng, &mut Ignore);
+            }
+        }
+        assert_eq!(allocations() - before, 0, "{scheme:?}");
+        assert!(resampled > 300);
+    }
 }
