@@ -33,13 +33,59 @@ pub trait Kernel<S> {
     fn reject(&self, state: &mut S) {
         let _ = state;
     }
+
+    /// What chains call to accept: [`accept`](Self::accept), told which move it was. A
+    /// kernel made of several, such as a [`Mixture`](crate::Mixture), finds the one by the
+    /// move's kind.
+    #[inline]
+    fn accept_move(&self, state: &mut S, proposal: &Move) {
+        let _ = proposal;
+        self.accept(state);
+    }
+
+    /// What chains call to reject: [`reject`](Self::reject), told which move it was.
+    #[inline]
+    fn reject_move(&self, state: &mut S, proposal: &Move) {
+        let _ = proposal;
+        self.reject(state);
+    }
+}
+
+impl<S, N: Kernel<S>> Kernel<S> for &N {
+    type Value = N::Value;
+
+    fn propose<D: Draws + ?Sized>(
+        &self,
+        state: &mut S,
+        current: &Self::Value,
+        proposed: &mut Self::Value,
+        draws: &mut D,
+    ) -> Move {
+        (**self).propose(state, current, proposed, draws)
+    }
+
+    fn accept(&self, state: &mut S) {
+        (**self).accept(state);
+    }
+
+    fn reject(&self, state: &mut S) {
+        (**self).reject(state);
+    }
+
+    fn accept_move(&self, state: &mut S, proposal: &Move) {
+        (**self).accept_move(state, proposal);
+    }
+
+    fn reject_move(&self, state: &mut S, proposal: &Move) {
+        (**self).reject_move(state, proposal);
+    }
 }
 
 /// How a proposal came about.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Move {
-    /// What sort of move it was, for the statistics: below [`Move::KINDS`].
-    /// [`Move::SMALL`] and [`Move::LARGE`] are taken.
+    /// What sort of move it was, for the statistics: below [`Move::KINDS`], or it counts as
+    /// the last. [`Move::SMALL`], [`Move::LARGE`] and [`Move::SECOND`] are taken.
     pub kind: usize,
     /// T(v -> u) / T(u -> v), the chance of proposing the way back over that of the way
     /// there: finite, at least 0; 1 for symmetric proposals, 0 if the proposal is
@@ -57,6 +103,9 @@ impl Move {
     pub const SMALL: usize = 0;
     /// The kind of a large step.
     pub const LARGE: usize = 1;
+    /// The kind of a second try, after a rejected large step: see
+    /// [`SecondStage`](crate::SecondStage).
+    pub const SECOND: usize = 2;
 
     /// A symmetric small step.
     pub const fn small() -> Self {

@@ -132,6 +132,7 @@ mod kernel;
 mod mean;
 mod metropolis;
 mod mutation;
+mod normal;
 mod point;
 mod pool;
 mod proposal;
@@ -148,7 +149,9 @@ pub use independent::Independent;
 pub use kernel::{Kernel, Move, PointKernel};
 pub use mean::Mean;
 pub use metropolis::Metropolis;
-pub use mutation::{Exponential, Mutation, Uniform};
+pub use mutation::{
+    Exponential, Mutation, PerCoordinate, Power, Scalable, Uniform, WrappedCauchy, WrappedNormal,
+};
 pub use point::{Current, Point, Step};
 pub use pool::{Pool, Start, StartError, sample};
 pub use proposal::Proposal;
