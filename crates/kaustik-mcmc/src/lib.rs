@@ -124,6 +124,7 @@
 //! recorder. Only a start can fail: [`StartError`].
 
 mod decide;
+mod delayed_rejection;
 mod draws;
 mod family;
 mod generator;
@@ -131,6 +132,7 @@ mod independent;
 mod kernel;
 mod mean;
 mod metropolis;
+mod mixture;
 mod mutation;
 mod normal;
 mod point;
@@ -142,6 +144,7 @@ pub mod testing;
 mod visit;
 
 pub use decide::{acceptance, decide};
+pub use delayed_rejection::{SecondStage, second_acceptance};
 pub use draws::Draws;
 pub use family::{Family, checked_densities};
 pub use generator::{SampleGenerators, generator, sample_generator};
@@ -149,6 +152,7 @@ pub use independent::Independent;
 pub use kernel::{Kernel, Move, PointKernel};
 pub use mean::Mean;
 pub use metropolis::Metropolis;
+pub use mixture::{Components, Mixture, Suitability};
 pub use mutation::{
     Exponential, Mutation, PerCoordinate, Power, Scalable, Uniform, WrappedCauchy, WrappedNormal,
 };

@@ -3,8 +3,8 @@ use kaustik_pss::{Coordinates, Recording};
 use crate::decide::{acceptance, decide};
 use crate::family::checked_densities;
 use crate::{
-    Draws, Family, Kernel, Mutation, Point, Recorder, Start, StartError, Statistics, Step, Target,
-    Visit,
+    Draws, Family, Kernel, Move, Mutation, Point, Recorder, Start, StartError, Statistics, Step,
+    Target, Visit,
 };
 
 /// A Metropolis-Hastings chain at one level of a family of targets.
@@ -35,6 +35,15 @@ pub struct Metropolis<S, V, const K: usize> {
 pub(crate) struct Pending {
     pub(crate) weight: f64,
     pub(crate) independent: f64,
+}
+
+/// A proposal and what was decided.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Decided<const K: usize> {
+    pub(crate) proposal: Move,
+    /// `None` if the proposal must not be used.
+    pub(crate) densities: Option<[f64; K]>,
+    pub(crate) accepted: bool,
 }
 
 impl<S, V: Default, const K: usize> Metropolis<S, V, K> {
@@ -94,19 +103,40 @@ impl<S, V, const K: usize> Metropolis<S, V, K> {
             weight: a,
             independent: f64::from(u8::from(proposal.independent)),
         };
-        if let (true, Some(densities)) = (accepted, densities) {
+        let decided = Decided {
+            proposal,
+            densities,
+            accepted,
+        };
+        self.conclude(kernel, &decided, visit, recorder);
+        accepted
+    }
+
+    /// Carries out what was decided: the proposal becomes the state, or is reported with
+    /// its share at once and undone.
+    #[inline]
+    pub(crate) fn conclude<N, R>(
+        &mut self,
+        kernel: &N,
+        decided: &Decided<K>,
+        visit: Pending,
+        recorder: &mut R,
+    ) where
+        N: Kernel<S, Value = V>,
+        R: Recorder<V, K> + ?Sized,
+    {
+        if let (true, Some(densities)) = (decided.accepted, decided.densities) {
             self.flush(recorder);
             std::mem::swap(&mut self.value, &mut self.proposed);
             self.densities = densities;
             self.pending = visit;
-            kernel.accept_move(&mut self.state, &proposal);
+            kernel.accept_move(&mut self.state, &decided.proposal);
         } else {
-            if let Some(densities) = densities {
-                visit.report(self.level, &self.proposed, &densities, recorder);
+            if let Some(densities) = &decided.densities {
+                visit.report(self.level, &self.proposed, densities, recorder);
             }
-            kernel.reject_move(&mut self.state, &proposal);
+            kernel.reject_move(&mut self.state, &decided.proposal);
         }
-        accepted
     }
 
     /// Reports what the current state has gathered so far, and begins to gather anew.
