@@ -138,6 +138,7 @@ mod normal;
 mod point;
 mod pool;
 mod proposal;
+mod redistribute;
 mod statistics;
 mod target;
 pub mod testing;
@@ -159,6 +160,10 @@ pub use mutation::{
 pub use point::{Current, Point, Step};
 pub use pool::{Pool, Start, StartError, sample};
 pub use proposal::Proposal;
+pub use redistribute::{
+    Deposit, Depositor, Redistribution, RedistributionError, RedistributionStatistics,
+    Redistributor,
+};
 pub use statistics::{Acceptance, Statistics};
 pub use target::{FnTarget, Target, target};
 pub use visit::{Ignore, Recorder, Visit};
