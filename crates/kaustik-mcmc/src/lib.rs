@@ -123,8 +123,10 @@
 //! ([`Statistics::defects`]), treated as zero, and neither enters a state nor reaches a
 //! recorder. Only a start can fail: [`StartError`].
 
+mod adapt;
 mod decide;
 mod delayed_rejection;
+mod diagnostics;
 mod draws;
 mod family;
 mod generator;
@@ -139,13 +141,17 @@ mod point;
 mod pool;
 mod proposal;
 mod redistribute;
+mod sobol;
 mod statistics;
+mod stratified;
 mod target;
 pub mod testing;
 mod visit;
 
+pub use adapt::{AcceptanceAdaptation, DiminishingAdaptation, JumpAdaptation};
 pub use decide::{acceptance, decide};
 pub use delayed_rejection::{SecondStage, second_acceptance};
+pub use diagnostics::{Autocorrelation, Halves, Jumps, r_hat, rank_split_r_hat, split_r_hat};
 pub use draws::Draws;
 pub use family::{Family, checked_densities};
 pub use generator::{SampleGenerators, generator, sample_generator};
@@ -165,6 +171,7 @@ pub use redistribute::{
     Redistributor,
 };
 pub use statistics::{Acceptance, Statistics};
+pub use stratified::{Stratification, Stratified};
 pub use target::{FnTarget, Target, target};
 pub use visit::{Ignore, Recorder, Visit};
 
