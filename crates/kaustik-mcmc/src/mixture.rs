@@ -17,6 +17,10 @@ use crate::{Draws, Kernel, Move};
 /// Either way each component keeps the target by itself, so that the mixture does; if all
 /// are reversible, so is the mixture. The mixture moves everywhere if together they do.
 ///
+/// With chosen suitability the probability of an independent proposal depends on the state,
+/// so that estimators which need it constant (Kelemen's combination, (4.4)) do not apply;
+/// expected values do.
+///
 /// Weights need not sum to one; a weight of zero forbids. Where no kernel suits, the step
 /// leads nowhere; weights that are NaN, infinite or negative count as a defect.
 ///
@@ -54,11 +58,7 @@ pub struct Mixture<C, W, const N: usize> {
 
 impl<C, W, const N: usize> Mixture<C, W, N> {
     /// Of kernels and the way to choose among them.
-    pub fn new<S, V>(kernels: C, weights: W) -> Self
-    where
-        C: Components<S, N, Value = V>,
-        W: Suitability<V, N>,
-    {
+    pub fn new(kernels: C, weights: W) -> Self {
         Self { kernels, weights }
     }
 

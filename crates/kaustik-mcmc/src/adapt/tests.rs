@@ -136,7 +136,7 @@ fn diminishing_adaptation_is_hachisuka_and_jensens() {
 fn diminishing_adaptation_reaches_its_target() {
     // theirs: where photons are seen, or not
     let toy = target(|u: &mut dyn Coordinates| [0, 1].map(|i| u.get(Stream::Camera, i)));
-    let density = |x: &[f64; 2]| [f64::from(u8::from(x.iter().all(|x| (x - 0.5).abs() < 0.25)))];
+    let density = |x: &[f64; 2]| [f64::from(u8::from(x.iter().all(|x| (x - 0.5).abs() < 0.2)))];
     let mut adaptation = DiminishingAdaptation::new();
     let mut rng = generator(64, 0);
     let mut chain = Metropolis::start(&&toy, &density, 0, adaptation.mutation(), &mut rng);

@@ -73,8 +73,8 @@ fn mixture<W: Suitability<usize, 3> + Copy>(
         up,
         mark,
     };
-    let inner = Mixture::new::<State, usize>([ring(1, 0.3, 12), ring(2, up, 13)], [0.25, 0.75]);
-    Mixture::new::<State, usize>((ring(1, up, 10), ring(2, 0.5, 11), inner), weights)
+    let inner = Mixture::new([ring(1, 0.3, 12), ring(2, up, 13)], [0.25, 0.75]);
+    Mixture::new((ring(1, up, 10), ring(2, 0.5, 11), inner), weights)
 }
 
 const TOLERANCE: f64 = 1e-14;
