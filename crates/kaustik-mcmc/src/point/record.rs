@@ -2,6 +2,7 @@
 
 use kaustik_pss::{Recorded, Stream};
 
+use crate::mutation::BELOW_ONE;
 use crate::point::{Clock, Coordinate, Point};
 
 impl<M> Point<M> {
@@ -59,7 +60,7 @@ impl<M> Point<M> {
                 stored.resize(index + 1, Coordinate::NEW);
             }
             stored[index] = Coordinate {
-                value: value.max(0.0).min(crate::mutation::BELOW_ONE),
+                value: on_circle(value),
                 modify: 0,
                 seen: 0,
             };
@@ -96,5 +97,14 @@ impl<M: Clone> Clone for Point<M> {
         }
         self.undo.clone_from(&other.undo);
         self.clock = other.clock;
+    }
+}
+
+/// The nearest number of [0, 1); 0 for NaN.
+fn on_circle(x: f64) -> f64 {
+    if x.is_nan() {
+        0.0
+    } else {
+        x.clamp(0.0, BELOW_ONE)
     }
 }
