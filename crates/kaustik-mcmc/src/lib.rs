@@ -71,12 +71,18 @@
 //! | [`Target`] | dear: evaluates a point into a value |
 //! | [`Family`] | cheap: reads K densities off a value, one a level |
 //! | [`Point`] | lazily made coordinates with their clock (Kelemen sec. 4 and 6) |
-//! | [`Mutation`] | how one coordinate takes a small step: [`Exponential`], [`Uniform`] |
+//! | [`Mutation`] | how one coordinate takes a small step: [`Exponential`], [`Uniform`], [`WrappedNormal`], [`WrappedCauchy`], [`Power`]; [`PerCoordinate`] |
 //! | [`Proposal`] | a guard: a point one step on, until decided; dropped, it never was |
 //! | [`Kernel`] | how a chain proposes, for any state: [`PointKernel`] for points |
+//! | [`Mixture`] | several kernels in one, by fixed chances or by [`Suitability`] |
+//! | [`SecondStage`] | a second try after a rejected large step: [`Metropolis::step_delayed`] |
 //! | [`Metropolis`] | a chain: current value, the decision, what is yet to be reported |
 //! | [`Visit`], [`Recorder`] | what a chain tells, and who listens |
 //! | [`Pool`], [`Start`] | independent samples, and the one a chain begins at |
+//! | [`Stratification`] | a pool whose samples share the cube among them |
+//! | [`Redistribution`], [`Redistributor`], [`Deposit`] | many short chains from Monte Carlo samples |
+//! | [`AcceptanceAdaptation`], [`JumpAdaptation`], [`DiminishingAdaptation`] | step sizes that learn, between rounds |
+//! | [`Autocorrelation`], [`Halves`], [`split_r_hat`], [`Jumps`] | how far a chain's estimates can be trusted |
 //! | [`Draws`] | every decision: a generator, or the [enumerator](testing::Enumerator) |
 //!
 //! Dear and cheap are apart so that a value that was paid for can be judged under any

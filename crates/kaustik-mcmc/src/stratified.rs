@@ -161,6 +161,21 @@ mod tests {
         assert_eq!(even, [true, true, false, false, false]);
     }
 
+    #[test]
+    fn naming_a_coordinate_twice_takes_no_dimension() {
+        let all = (0..40).fold(plan(2), |plan, _| plan.with(Stream::Camera, 5));
+        let all = (0..20).fold(all, |plan, index| plan.with(Stream::Light, index));
+        let even = |index| {
+            let mut cells = [0u32; 64];
+            for step in 0..64 {
+                cells[(all.at(step).get(Stream::Light, index) * 64.0) as usize] += 1;
+            }
+            cells.iter().all(|n| *n == 1)
+        };
+        let stratified = (0..20).filter(|index| even(*index)).count();
+        assert_eq!(stratified, Stratification::DIMENSIONS - 2);
+    }
+
     /// The mean of a smooth function of two coordinates over a pool of 256, over seeds:
     /// right, and with a hundred times less variance than of independent samples.
     #[test]

@@ -61,7 +61,7 @@ fn matrix(pi: &[f64], kernel: &impl Kernel<State, Value = usize>) -> TransitionM
     })
 }
 
-/// Three kernels on a ring of `states`, the last an inner mixture.
+/// Three kernels on a ring of `states`, the middle one an inner mixture.
 fn mixture<W: Suitability<usize, 3> + Copy>(
     states: usize,
     up: f64,
@@ -74,7 +74,7 @@ fn mixture<W: Suitability<usize, 3> + Copy>(
         mark,
     };
     let inner = Mixture::new([ring(1, 0.3, 12), ring(2, up, 13)], [0.25, 0.75]);
-    Mixture::new((ring(1, up, 10), ring(2, 0.5, 11), inner), weights)
+    Mixture::new((ring(1, up, 10), inner, ring(2, 0.5, 11)), weights)
 }
 
 const TOLERANCE: f64 = 1e-14;

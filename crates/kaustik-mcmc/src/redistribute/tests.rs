@@ -221,6 +221,53 @@ fn impatience_drops_what_stays_too_long() {
     assert!((sum - 3.0).abs() < 1e-12 && proposals == 6);
 }
 
+/// What is not deposited is what was dropped, and no more.
+#[test]
+fn dropped_weight_is_accounted_for() {
+    let family = |state: &usize| [[2.0, 1.0, 0.0, 0.5][*state]];
+    let mut rng = crate::generator(3, 0);
+    let mut redistributor = Redistributor::new();
+    let plan = Redistribution::new(50, 0.1).unwrap().patience(0);
+    let mut sum = 0.0;
+    let mut deposit = |d: Deposit<'_, usize>| sum += d.weight();
+    let begin = (&[0, 0], &0, 100.0);
+    redistributor.run(&plan, begin, &Ring(4), &family, &mut rng, &mut deposit);
+    let dropped = redistributor.statistics().dropped;
+    assert!(
+        (sum + dropped - 100.0).abs() < 1e-9 && dropped > 10.0,
+        "{sum} {dropped}"
+    );
+}
+
+/// The plain form deposits after the step: the start gets nothing if the chain leaves it.
+#[test]
+fn plain_deposits_fall_where_the_step_ends() {
+    let flat = |_: &usize| [1.0];
+    let mut rng = crate::generator(4, 0);
+    let mut deposits = Vec::new();
+    let mut deposit = |d: Deposit<'_, usize>| deposits.push((*d.value, d.proposed, d.stayed));
+    let plan = Redistribution::new(1, 0.5).unwrap().plain();
+    struct Next;
+    impl Kernel<()> for Next {
+        type Value = usize;
+        fn propose<D: Draws + ?Sized>(
+            &self,
+            (): &mut (),
+            current: &usize,
+            proposed: &mut usize,
+            _: &mut D,
+        ) -> Move {
+            *proposed = current + 1;
+            Move::small()
+        }
+    }
+    let begin = (&(), &1, 0.5);
+    Redistributor::new().run(&plan, begin, &Next, &flat, &mut rng, &mut deposit);
+    assert_eq!(deposits.len(), 1);
+    let (value, proposed, stayed) = deposits[0];
+    assert!(value == 2 && (proposed - 0.5).abs() < 1e-15 && stayed <= 0.0);
+}
+
 #[test]
 fn bad_starts_and_plans_are_refused_and_counted() {
     assert_eq!(Redistribution::new(0, 1.0), Err(RedistributionError::Steps));
