@@ -13,10 +13,16 @@ const CRATE: &str = "kaustik-mcmc";
 const DECISION: &str = "crates/kaustik-mcmc/src/decide.rs";
 
 /// Files in which something else is decided by a coin.
-const OTHER_COINS: &[(&str, &str)] = &[(
-    "crates/kaustik-mcmc/src/kernel.rs",
-    "whether a point takes a large step",
-)];
+const OTHER_COINS: &[(&str, &str)] = &[
+    (
+        "crates/kaustik-mcmc/src/kernel.rs",
+        "whether a point takes a large step",
+    ),
+    (
+        "crates/kaustik-mcmc/src/redistribute.rs",
+        "whether a start has one chain more",
+    ),
+];
 
 /// How a coin is thrown. The second is a coin in disguise: a known probability must go
 /// through `bernoulli`, or the exact transition matrix of a kernel cannot be had.

@@ -5,7 +5,8 @@
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use kaustik_mcmc::{
-    Exponential, Ignore, Independent, Metropolis, Mutation, PointKernel, generator, target,
+    Exponential, Ignore, Independent, Metropolis, Mutation, PerCoordinate, PointKernel, Power,
+    Uniform, WrappedCauchy, WrappedNormal, generator, target,
 };
 use kaustik_pss::{Coordinates, Stream};
 use std::hint::black_box;
@@ -49,6 +50,39 @@ fn floor(c: &mut Criterion) {
     group.finish();
 }
 
+/// A lazy small step that is always accepted, with each mutation.
+fn mutations(c: &mut Criterion) {
+    let mut group = c.benchmark_group("mutation");
+    group.throughput(Throughput::Elements(COORDINATES.into()));
+    small(&mut group, "exponential", Exponential::default());
+    small(&mut group, "uniform", Uniform::new(0.01));
+    small(&mut group, "wrapped normal", WrappedNormal::new(0.01));
+    small(&mut group, "wrapped Cauchy", WrappedCauchy::new(0.01));
+    small(&mut group, "power", Power::new(0.1));
+    let every_other = PerCoordinate::new(Exponential::default()).with(
+        Stream::Camera,
+        (0..COORDINATES).step_by(2),
+        Exponential::new(0.01, 0.1),
+    );
+    small(&mut group, "exponential, per coordinate", every_other);
+    group.finish();
+}
+
+fn small<M: Mutation>(
+    group: &mut criterion::BenchmarkGroup<'_, criterion::measurement::WallTime>,
+    name: &str,
+    mutation: M,
+) {
+    let target = target(|u: &mut dyn Coordinates| read(u));
+    let flat = |_: &f64| [1.0];
+    let kernel = PointKernel::new(&target, 0.0);
+    let mut rng = generator(4, 0);
+    let mut chain = Metropolis::start(&target, &flat, 0, mutation, &mut rng);
+    group.bench_function(name, |b| {
+        b.iter(|| chain.step(&kernel, &flat, &mut rng, &mut Ignore));
+    });
+}
+
 fn steps(c: &mut Criterion) {
     let mut group = c.benchmark_group("step");
     group.throughput(Throughput::Elements(COORDINATES.into()));
@@ -77,5 +111,5 @@ fn steps(c: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, floor, steps);
+criterion_group!(benches, floor, mutations, steps);
 criterion_main!(benches);

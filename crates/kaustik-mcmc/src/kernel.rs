@@ -53,6 +53,22 @@ pub trait Kernel<S> {
         let _ = draws;
         std::mem::swap(a, b);
     }
+
+    /// What chains call to accept: [`accept`](Self::accept), told which move it was. A
+    /// kernel made of several, such as a [`Mixture`](crate::Mixture), finds the one by the
+    /// move's kind.
+    #[inline]
+    fn accept_move(&self, state: &mut S, proposal: &Move) {
+        let _ = proposal;
+        self.accept(state);
+    }
+
+    /// What chains call to reject: [`reject`](Self::reject), told which move it was.
+    #[inline]
+    fn reject_move(&self, state: &mut S, proposal: &Move) {
+        let _ = proposal;
+        self.reject(state);
+    }
 }
 
 /// A reference to a kernel is one: K levels may share it.
@@ -62,8 +78,8 @@ impl<S, N: Kernel<S>> Kernel<S> for &N {
     fn propose<D: Draws + ?Sized>(
         &self,
         state: &mut S,
-        current: &N::Value,
-        proposed: &mut N::Value,
+        current: &Self::Value,
+        proposed: &mut Self::Value,
         draws: &mut D,
     ) -> Move {
         (**self).propose(state, current, proposed, draws)
@@ -84,13 +100,21 @@ impl<S, N: Kernel<S>> Kernel<S> for &N {
     fn exchange<D: Draws + ?Sized>(&self, a: &mut S, b: &mut S, draws: &mut D) {
         (**self).exchange(a, b, draws);
     }
+
+    fn accept_move(&self, state: &mut S, proposal: &Move) {
+        (**self).accept_move(state, proposal);
+    }
+
+    fn reject_move(&self, state: &mut S, proposal: &Move) {
+        (**self).reject_move(state, proposal);
+    }
 }
 
 /// How a proposal came about.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Move {
-    /// What sort of move it was, for the statistics: below [`Move::KINDS`].
-    /// [`Move::SMALL`] and [`Move::LARGE`] are taken.
+    /// What sort of move it was, for the statistics: below [`Move::KINDS`], or it counts as
+    /// the last. [`Move::SMALL`], [`Move::LARGE`] and [`Move::SECOND`] are taken.
     pub kind: usize,
     /// T(v -> u) / T(u -> v), the chance of proposing the way back over that of the way
     /// there: finite, at least 0; 1 for symmetric proposals, 0 if the proposal is
@@ -108,6 +132,9 @@ impl Move {
     pub const SMALL: usize = 0;
     /// The kind of a large step.
     pub const LARGE: usize = 1;
+    /// The kind of a second try, after a rejected large step: see
+    /// [`SecondStage`](crate::SecondStage).
+    pub const SECOND: usize = 2;
 
     /// A symmetric small step.
     pub const fn small() -> Self {

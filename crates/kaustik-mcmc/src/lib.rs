@@ -71,15 +71,21 @@
 //! | [`Target`] | dear: evaluates a point into a value |
 //! | [`Family`] | cheap: reads K densities off a value, one a level |
 //! | [`Point`] | lazily made coordinates with their clock (Kelemen sec. 4 and 6) |
-//! | [`Mutation`] | how one coordinate takes a small step: [`Exponential`], [`Uniform`] |
+//! | [`Mutation`] | how one coordinate takes a small step: [`Exponential`], [`Uniform`], [`WrappedNormal`], [`WrappedCauchy`], [`Power`]; [`PerCoordinate`] |
 //! | [`Proposal`] | a guard: a point one step on, until decided; dropped, it never was |
 //! | [`Kernel`] | how a chain proposes, for any state: [`PointKernel`] for points |
+//! | [`Mixture`] | several kernels in one, by fixed chances or by [`Suitability`] |
+//! | [`SecondStage`] | a second try after a rejected large step: [`Metropolis::step_delayed`] |
 //! | [`Metropolis`] | a chain: current value, the decision, what is yet to be reported |
 //! | [`Ladder`] | chains at all levels that exchange states: by a [`Schedule`], on a [`SwapGraph`] |
 //! | [`Population`], [`anneal`](fn@anneal) | particles that climb the levels: starts and rough normalisers |
 //! | [`RoughNormalisers`], [`SteppingStone`] | integrals of the densities: fixed ones for weights, running ones for scales |
 //! | [`Visit`], [`Recorder`] | what a chain tells, and who listens |
 //! | [`Pool`], [`Start`] | independent samples, and the one a chain begins at |
+//! | [`Stratification`] | a pool whose samples share the cube among them |
+//! | [`Redistribution`], [`Redistributor`], [`Deposit`] | many short chains from Monte Carlo samples |
+//! | [`AcceptanceAdaptation`], [`JumpAdaptation`], [`DiminishingAdaptation`] | step sizes that learn, between rounds |
+//! | [`Autocorrelation`], [`Halves`], [`split_r_hat`], [`Jumps`] | how far a chain's estimates can be trusted |
 //! | [`Draws`] | every decision: a generator, or the [enumerator](testing::Enumerator) |
 //!
 //! Dear and cheap are apart so that a value that was paid for can be judged under any
@@ -126,8 +132,11 @@
 //! ([`Statistics::defects`]), treated as zero, and neither enters a state nor reaches a
 //! recorder. Only a start can fail: [`StartError`].
 
+mod adapt;
 mod anneal;
 mod decide;
+mod delayed_rejection;
+mod diagnostics;
 mod draws;
 mod family;
 mod generator;
@@ -139,24 +148,32 @@ mod ladder_statistics;
 mod level_kernel;
 mod mean;
 mod metropolis;
+mod mixture;
 mod mutation;
+mod normal;
 mod normalisers;
 mod permutation;
 mod point;
 mod pool;
 mod population;
 mod proposal;
+mod redistribute;
 mod resample;
 mod schedule;
+mod sobol;
 mod statistics;
 mod stepping_stone;
+mod stratified;
 mod swap_graph;
 mod target;
 pub mod testing;
 mod visit;
 
+pub use adapt::{AcceptanceAdaptation, DiminishingAdaptation, JumpAdaptation};
 pub use anneal::{Annealed, anneal};
 pub use decide::{acceptance, decide, exchange_acceptance};
+pub use delayed_rejection::{SecondStage, second_acceptance};
+pub use diagnostics::{Autocorrelation, Halves, Jumps, r_hat, rank_split_r_hat, split_r_hat};
 pub use draws::Draws;
 pub use family::{Family, checked_densities};
 pub use generator::{SampleGenerators, generator, sample_generator};
@@ -168,16 +185,24 @@ pub use ladder_statistics::LadderStatistics;
 pub use level_kernel::LevelKernel;
 pub use mean::Mean;
 pub use metropolis::Metropolis;
-pub use mutation::{Exponential, Mutation, Uniform};
+pub use mixture::{Components, Mixture, Suitability};
+pub use mutation::{
+    Exponential, Mutation, PerCoordinate, Power, Scalable, Uniform, WrappedCauchy, WrappedNormal,
+};
 pub use normalisers::{Estimate, RoughNormalisers, RunningNormalisers};
 pub use point::{Current, Point, Step};
 pub use pool::{Pool, Start, StartError, sample};
 pub use population::{Extinct, Population, Stage};
 pub use proposal::Proposal;
+pub use redistribute::{
+    Deposit, Depositor, Redistribution, RedistributionError, RedistributionStatistics,
+    Redistributor,
+};
 pub use resample::Resampling;
 pub use schedule::Schedule;
 pub use statistics::{Acceptance, Statistics};
 pub use stepping_stone::SteppingStone;
+pub use stratified::{Stratification, Stratified};
 pub use swap_graph::{SwapGraph, SwapGraphError};
 pub use target::{FnTarget, Target, target};
 pub use visit::{Ignore, Recorder, Visit};

@@ -1,3 +1,5 @@
+use kaustik_pss::{Coordinates, Recording};
+
 use crate::decide::{acceptance, decide};
 use crate::family::checked_densities;
 use crate::{
@@ -22,10 +24,10 @@ pub struct Metropolis<S, V, const K: usize> {
     pub(crate) densities: [f64; K],
     pub(crate) pending: Pending,
     /// The value of the next proposal.
-    proposed: V,
-    statistics: Statistics<K>,
+    pub(crate) proposed: V,
+    pub(crate) statistics: Statistics<K>,
     /// Steps since the state was entered.
-    stay: u64,
+    pub(crate) stay: u64,
 }
 
 /// What the current state has to report when it dies.
@@ -33,6 +35,15 @@ pub struct Metropolis<S, V, const K: usize> {
 pub(crate) struct Pending {
     pub(crate) weight: f64,
     pub(crate) independent: f64,
+}
+
+/// A proposal and what was decided.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Decided<const K: usize> {
+    pub(crate) proposal: Move,
+    /// `None` if the proposal must not be used.
+    pub(crate) densities: Option<[f64; K]>,
+    pub(crate) accepted: bool,
 }
 
 impl<S, V: Default, const K: usize> Metropolis<S, V, K> {
@@ -77,33 +88,55 @@ impl<S, V, const K: usize> Metropolis<S, V, K> {
         R: Recorder<V, K> + ?Sized,
     {
         let proposal = kernel.propose(&mut self.state, &self.value, &mut self.proposed, draws);
-        let densities = self.judge(&proposal, family);
+        let densities = self.statistics.judge(&proposal, family, &self.proposed);
         let target = densities.map_or(0.0, |d| d[self.level]);
         let a = match densities {
             Some(_) => acceptance(self.density(), target, proposal.ratio),
             None => 0.0,
         };
         let accepted = decide(a, draws);
-        self.count(&proposal, densities, a, accepted);
+        self.statistics.count(&proposal, densities, a, accepted);
+        self.statistics.count_step(accepted, &mut self.stay);
 
         self.pending.weight += 1.0 - a; // spec (4.1), (4.4)
         let visit = Pending {
             weight: a,
             independent: f64::from(u8::from(proposal.independent)),
         };
-        if let (true, Some(densities)) = (accepted, densities) {
+        let decided = Decided {
+            proposal,
+            densities,
+            accepted,
+        };
+        self.conclude(kernel, &decided, visit, recorder);
+        accepted
+    }
+
+    /// Carries out what was decided: the proposal becomes the state, or is reported with
+    /// its share at once and undone.
+    #[inline]
+    pub(crate) fn conclude<N, R>(
+        &mut self,
+        kernel: &N,
+        decided: &Decided<K>,
+        visit: Pending,
+        recorder: &mut R,
+    ) where
+        N: Kernel<S, Value = V>,
+        R: Recorder<V, K> + ?Sized,
+    {
+        if let (true, Some(densities)) = (decided.accepted, decided.densities) {
             self.flush(recorder);
             std::mem::swap(&mut self.value, &mut self.proposed);
             self.densities = densities;
             self.pending = visit;
-            kernel.accept(&mut self.state);
+            kernel.accept_move(&mut self.state, &decided.proposal);
         } else {
-            if let Some(densities) = densities {
-                visit.report(self.level, &self.proposed, &densities, recorder);
+            if let Some(densities) = &decided.densities {
+                visit.report(self.level, &self.proposed, densities, recorder);
             }
-            kernel.reject(&mut self.state);
+            kernel.reject_move(&mut self.state, &decided.proposal);
         }
-        accepted
     }
 
     /// Reports what the current state has gathered so far, and begins to gather anew.
@@ -208,45 +241,10 @@ impl<S, V, const K: usize> Metropolis<S, V, K> {
     pub fn statistics(&self) -> &Statistics<K> {
         &self.statistics
     }
-
-    /// The densities of the proposal, or `None` if it must not be used.
-    fn judge<F: Family<V, K> + ?Sized>(&mut self, proposal: &Move, family: &F) -> Option<[f64; K]> {
-        let possible = proposal.ratio.is_finite() && proposal.ratio >= 0.0;
-        if possible && proposal.ratio <= 0.0 {
-            return None; // leads nowhere, and says so: no defect
-        }
-        let densities = possible
-            .then(|| checked_densities(family, &self.proposed))
-            .flatten();
-        if densities.is_none() {
-            self.statistics.defects += 1;
-            self.statistics
-                .first_defect
-                .get_or_insert(self.statistics.steps);
-        }
-        densities
-    }
-
-    fn count(&mut self, proposal: &Move, densities: Option<[f64; K]>, a: f64, accepted: bool) {
-        let statistics = &mut self.statistics;
-        statistics.steps += 1;
-        let kind = &mut statistics.moves[proposal.kind.min(Move::KINDS - 1)];
-        kind.proposed += 1;
-        kind.accepted += u64::from(accepted);
-        kind.expected += a;
-        if proposal.independent {
-            let densities = densities.unwrap_or([0.0; K]);
-            for (mean, density) in statistics.independent.iter_mut().zip(densities) {
-                mean.push(density);
-            }
-        }
-        self.stay = if accepted { 0 } else { self.stay + 1 };
-        statistics.longest_stay = statistics.longest_stay.max(self.stay);
-    }
 }
 
 impl Pending {
-    fn report<V, R: Recorder<V, K> + ?Sized, const K: usize>(
+    pub(crate) fn report<V, R: Recorder<V, K> + ?Sized, const K: usize>(
         self,
         level: usize,
         value: &V,
@@ -310,6 +308,34 @@ impl<M: Mutation, V: Default, const K: usize> Metropolis<Point<M>, V, K> {
         D: Draws + ?Sized,
     {
         let chain = Self::start(target, family, level, mutation, draws);
+        start.check(chain.density())?;
+        Ok(chain)
+    }
+
+    /// As [`rebuild`](Self::rebuild), from any source of coordinates: a
+    /// [`Recorded`](kaustik_pss::Recorded) sample, or one whose coordinates were not drawn
+    /// in the order of the asks, such as a [`Stratified`](crate::Stratified) one.
+    ///
+    /// # Errors
+    ///
+    /// As for [`rebuild`](Self::rebuild).
+    pub fn rebuild_from<T, F>(
+        target: &T,
+        family: &F,
+        level: usize,
+        mutation: M,
+        start: &Start,
+        source: &mut dyn Coordinates,
+    ) -> Result<Self, StartError>
+    where
+        T: Target<Value = V>,
+        F: Family<V, K>,
+    {
+        let mut recording = Recording::new(source);
+        let mut value = V::default();
+        target.evaluate(&mut recording, &mut value);
+        let point = Point::from_recorded(mutation, recording.record());
+        let chain = Self::at(point, value, family, level);
         start.check(chain.density())?;
         Ok(chain)
     }

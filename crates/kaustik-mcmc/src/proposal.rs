@@ -103,7 +103,7 @@ impl<M: Mutation, D: Draws + ?Sized> Coordinates for Proposal<'_, M, D> {
         if !clock.large {
             // Before the push: the caught-up value belongs to the CURRENT state and must
             // survive a rejection (spec 2.1).
-            Point::bring_up(coordinate, clock, mutation, self.draws);
+            Point::bring_up(coordinate, (stream, index), clock, mutation, self.draws);
         }
         let old = *coordinate;
         undo.push(Undo { stream, index, old });
@@ -111,7 +111,7 @@ impl<M: Mutation, D: Draws + ?Sized> Coordinates for Proposal<'_, M, D> {
             value: if clock.large {
                 self.draws.uniform()
             } else {
-                mutation.mutate(old.value, self.draws)
+                mutation.mutate_at(stream, index, old.value, self.draws)
             },
             modify: clock.time,
             seen: clock.time,

@@ -1,4 +1,5 @@
-use crate::{Mean, Move};
+use crate::family::checked_densities;
+use crate::{Family, Mean, Move};
 
 /// Proposals of one kind: how many were made and what became of them.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -27,7 +28,18 @@ impl Acceptance {
         self.expected += acceptance;
     }
 
-    pub(crate) fn merge(&mut self, other: &Self) {
+    /// What has been counted since an earlier look at the same counter.
+    #[must_use]
+    pub fn since(&self, earlier: &Self) -> Self {
+        Self {
+            proposed: self.proposed - earlier.proposed,
+            accepted: self.accepted - earlier.accepted,
+            expected: self.expected - earlier.expected,
+        }
+    }
+
+    /// Adds another counter.
+    pub fn merge(&mut self, other: &Self) {
         self.proposed += other.proposed;
         self.accepted += other.accepted;
         self.expected += other.expected;
@@ -74,6 +86,53 @@ impl<const K: usize> Statistics<K> {
     /// Large steps.
     pub fn large(&self) -> &Acceptance {
         &self.moves[Move::LARGE]
+    }
+
+    /// The densities of a proposal, or `None` if it must not be used: then it either leads
+    /// nowhere, and says so, or is counted as a defect.
+    pub(crate) fn judge<V, F: Family<V, K> + ?Sized>(
+        &mut self,
+        proposal: &Move,
+        family: &F,
+        value: &V,
+    ) -> Option<[f64; K]> {
+        let possible = proposal.ratio.is_finite() && proposal.ratio >= 0.0;
+        if possible && proposal.ratio <= 0.0 {
+            return None;
+        }
+        let densities = possible.then(|| checked_densities(family, value)).flatten();
+        if densities.is_none() {
+            self.defects += 1;
+            self.first_defect.get_or_insert(self.steps);
+        }
+        densities
+    }
+
+    /// Counts a proposal that was decided with acceptance probability `a`.
+    pub(crate) fn count(
+        &mut self,
+        proposal: &Move,
+        densities: Option<[f64; K]>,
+        a: f64,
+        accepted: bool,
+    ) {
+        let kind = &mut self.moves[proposal.kind.min(Move::KINDS - 1)];
+        kind.proposed += 1;
+        kind.accepted += u64::from(accepted);
+        kind.expected += a;
+        if proposal.independent {
+            let densities = densities.unwrap_or([0.0; K]);
+            for (mean, density) in self.independent.iter_mut().zip(densities) {
+                mean.push(density);
+            }
+        }
+    }
+
+    /// Counts a step; `stay` counts those since the state was entered.
+    pub(crate) fn count_step(&mut self, moved: bool, stay: &mut u64) {
+        self.steps += 1;
+        *stay = if moved { 0 } else { *stay + 1 };
+        self.longest_stay = self.longest_stay.max(*stay);
     }
 
     /// Adds another chain's statistics. The step of a first defect keeps its meaning only

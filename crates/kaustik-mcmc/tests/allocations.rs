@@ -4,8 +4,10 @@ use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 
 use kaustik_mcmc::{
-    Exponential, Ignore, Ladder, LevelKernel, Metropolis, PointKernel, Population, Resampling,
-    Schedule, Target, Visit, generator,
+    AcceptanceAdaptation, Autocorrelation, Deposit, Exponential, Halves, Ignore, Jumps, Ladder,
+    LevelKernel, Metropolis, Mixture, Mutation, PerCoordinate, Point, PointKernel, Population,
+    Power, Redistribution, Redistributor, Resampling, Schedule, Stratification, Target, Uniform,
+    Visit, WrappedCauchy, WrappedNormal, generator,
 };
 use kaustik_pss::{Coordinates, Stream};
 
@@ -143,4 +145,124 @@ fn annealing_allocates_nothing_after_warm_up() {
         assert_eq!(allocations() - before, 0, "{scheme:?}");
         assert!(resampled > 300);
     }
+}
+
+/// Allocations of `run` once it has been called before.
+fn after_warm_up(mut run: impl FnMut()) -> u64 {
+    run();
+    let before = allocations();
+    run();
+    allocations() - before
+}
+
+fn weigh(sum: &mut f64) -> impl FnMut(Visit<'_, Products, 2>) + '_ {
+    |visit| *sum += visit.weight
+}
+
+/// A point and a value as large as they can become.
+fn chain<M: Mutation>(mutation: M) -> Metropolis<Point<M>, Products, 2> {
+    let mut point = Point::new(mutation);
+    for stream in [Stream::Technique, Stream::Camera, Stream::Light] {
+        point.reserve(stream, 121);
+    }
+    let mut rng = generator(2, 0);
+    let mut chain = Metropolis::at(point, Vec::with_capacity(32), &family, 1);
+    chain.restart(&Walk, &family, &mut rng);
+    chain
+}
+
+fn steps<M: Mutation>(mutation: M) -> u64 {
+    let mut rng = generator(3, 0);
+    let kernel = PointKernel::new(Walk, 0.3);
+    let mut chain = chain(mutation);
+    let mut sum = 0.0;
+    after_warm_up(|| {
+        for _ in 0..3000 {
+            chain.step(&kernel, &family, &mut rng, &mut weigh(&mut sum));
+        }
+    })
+}
+
+#[test]
+fn no_mutation_allocates() {
+    assert_eq!(steps(Uniform::new(0.1)), 0);
+    assert_eq!(steps(WrappedNormal::new(0.01)), 0);
+    assert_eq!(steps(WrappedCauchy::new(0.01)), 0);
+    assert_eq!(steps(Power::new(0.1)), 0);
+    let mutation = PerCoordinate::new(Exponential::default()).with(
+        Stream::Light,
+        (0..100).step_by(4),
+        Exponential::new(0.1, 0.2),
+    );
+    assert_eq!(steps(mutation), 0);
+}
+
+#[test]
+fn mixtures_and_delayed_rejection_allocate_nothing() {
+    let mut rng = generator(4, 0);
+    let delayed = PointKernel::new(Walk, 0.6);
+    let suits = |value: &Products| [1.0, value.len() as f64];
+    let mixed = Mixture::new(
+        (PointKernel::new(Walk, 0.0), PointKernel::new(Walk, 1.0)),
+        suits,
+    );
+    let mut chain = chain(Exponential::default());
+    let mut sum = 0.0;
+    let count = after_warm_up(|| {
+        for _ in 0..3000 {
+            chain.step_delayed(&delayed, &family, &mut rng, &mut weigh(&mut sum));
+            chain.step(&mixed, &family, &mut rng, &mut weigh(&mut sum));
+        }
+    });
+    assert_eq!(count, 0);
+}
+
+#[test]
+fn redistribution_allocates_nothing_after_warm_up() {
+    let mut rng = generator(5, 0);
+    let kernel = PointKernel::new(Walk, 0.1);
+    let scalar = |value: &Products| [value.iter().sum()];
+    let plan = Redistribution::new(20, 0.05).expect("a sound plan");
+    let mut start = chain(Exponential::default());
+    let mut redistributor = Redistributor::new();
+    let mut sum = 0.0;
+    let mut run = |starts: u32| {
+        let mut chains = 0;
+        for _ in 0..starts {
+            start.restart(&Walk, &family, &mut rng);
+            let weight = start.density();
+            let mut deposit = |deposit: Deposit<'_, Products>| sum += deposit.weight();
+            let begin = (start.state(), start.value(), weight);
+            chains += redistributor.run(&plan, begin, &kernel, &scalar, &mut rng, &mut deposit);
+        }
+        chains
+    };
+    assert!(run(500) > 500); // the longest value and point have been met
+    assert_eq!(after_warm_up(|| assert!(run(200) > 200)), 0);
+}
+
+#[test]
+fn adaptation_diagnostics_and_stratified_samples_allocate_nothing() {
+    let mut rng = generator(6, 0);
+    let kernel = PointKernel::new(Walk, 0.3);
+    let mut adaptation = AcceptanceAdaptation::new(Exponential::default());
+    let mut chain = chain(adaptation.mutation());
+    let (mut time, mut halves, mut jumps) = (Autocorrelation::new(), Halves::new(), Jumps::new());
+    let plan = Stratification::new(1, 0).with(Stream::Technique, 0);
+    let (mut sum, mut value) = (0.0, Vec::with_capacity(32));
+    let count = after_warm_up(|| {
+        for step in 0..3000 {
+            chain.step(&kernel, &family, &mut rng, &mut weigh(&mut sum));
+            time.push(chain.density());
+            halves.push(chain.density());
+            jumps.push([chain.density()]);
+            Walk.evaluate(&mut plan.at(step), &mut value);
+            if step % 500 == 0 {
+                let mutation = adaptation.end_round(chain.statistics().small());
+                chain.set_mutation(mutation, &mut rng);
+            }
+        }
+        assert!(time.time().is_some() && halves.halves().is_some());
+    });
+    assert_eq!(count, 0);
 }

@@ -9,4 +9,6 @@ mod estimators;
 mod exact;
 mod law;
 mod mutation;
+mod mutation_laws;
+mod per_coordinate;
 mod roll_back;

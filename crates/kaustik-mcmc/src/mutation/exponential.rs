@@ -1,25 +1,5 @@
-//! How one coordinate takes a small step.
-
-use crate::Draws;
-
-/// A random perturbation of one coordinate, symmetric on the circle [0, 1).
-///
-/// Contract: the chance to go from `x` to `y` equals that to go from `y` to `x`. Then the
-/// mutation cancels in every acceptance probability, and the uniform law is invariant,
-/// which is what allows coordinates to be created lazily (Kelemen et al. 2002, section 4).
-pub trait Mutation {
-    /// A neighbour of `x`, both in [0, 1).
-    fn mutate<D: Draws + ?Sized>(&self, x: f64, draws: &mut D) -> f64;
-
-    /// After how many repetitions a coordinate is uniform whatever it was, to within one
-    /// part in 2^53.
-    ///
-    /// A coordinate that slept through so many accepted steps is drawn anew instead of
-    /// being replayed. The default, never, is always right.
-    fn mixed_after(&self) -> u64 {
-        u64::MAX
-    }
-}
+use super::{LN_2_POW_53, SMALLEST, sign_and_rest, wrap};
+use crate::{Draws, Mutation, Scalable};
 
 /// Kelemen's mutation (section 6): a step of size between `s1` and `s2`, either way,
 /// with uniform logarithm.
@@ -67,10 +47,25 @@ impl Exponential {
             self.s2
         }
     }
+
+    /// The density of a step to circular distance `distance`, per unit of the circle: both
+    /// ways together, twice this. Not defined for equal sizes.
+    pub fn density(&self, distance: f64) -> f64 {
+        if self.s1 < distance && distance <= self.s2 {
+            -0.5 / (distance * self.log_ratio) // spec (3.1)
+        } else {
+            0.0
+        }
+    }
 }
 
-/// Below this a step would be lost in rounding.
-const SMALLEST: f64 = 1.0 / (1u64 << 40) as f64;
+impl Scalable for Exponential {
+    /// Both sizes, in their proportion.
+    fn scaled(&self, factor: f64) -> Self {
+        let s2 = (self.s2 * factor).clamp(SMALLEST, 0.5);
+        Self::new(self.s1 * (s2 / self.s2), s2)
+    }
+}
 
 impl Default for Exponential {
     /// Kelemen's sizes, 1/1024 to 1/64.
@@ -82,13 +77,7 @@ impl Default for Exponential {
 impl Mutation for Exponential {
     #[inline]
     fn mutate<D: Draws + ?Sized>(&self, x: f64, draws: &mut D) -> f64 {
-        let xi = 2.0 * draws.uniform();
-        // A select, not a jump: no processor can guess a fair coin.
-        let (sign, xi) = if xi < 1.0 {
-            (1.0, xi)
-        } else {
-            (-1.0, xi - 1.0)
-        };
+        let (sign, xi) = sign_and_rest(draws.uniform());
         let step = self.s2 * exp2_below_zero(self.octaves * xi);
         wrap(x + sign * step.clamp(self.s1, self.s2))
     }
@@ -124,59 +113,3 @@ fn exp2_below_zero(y: f64) -> f64 {
     let power = f64::from_bits(((1023 + whole as i64) as u64) << 52);
     power * (series * std::f64::consts::SQRT_2)
 }
-
-/// ln(2^53).
-const LN_2_POW_53: f64 = 53.0 * std::f64::consts::LN_2;
-
-/// A step uniform over a given fraction of the domain, centred on where it was.
-///
-/// Fraction 1 is an independent uniform number.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Uniform {
-    fraction: f64,
-}
-
-impl Uniform {
-    /// Steps uniform over `fraction` of the domain: at most half of it either way.
-    /// Fractions outside (0, 1] are moved to the nearest that makes sense.
-    pub fn new(fraction: f64) -> Self {
-        Self {
-            fraction: fraction.clamp(SMALLEST, 1.0),
-        }
-    }
-
-    /// The fraction of the domain that a step can reach, in (0, 1].
-    pub fn fraction(&self) -> f64 {
-        self.fraction
-    }
-}
-
-impl Mutation for Uniform {
-    #[inline]
-    fn mutate<D: Draws + ?Sized>(&self, x: f64, draws: &mut D) -> f64 {
-        wrap(x + self.fraction * (draws.uniform() - 0.5))
-    }
-
-    /// The wave of frequency k is dampened by sin(pi k f) / (pi k f); the slowest, k = 1,
-    /// by at most 1 - f^2 for f <= 1; higher ones at least as fast as k = 1 does.
-    fn mixed_after(&self) -> u64 {
-        (LN_2_POW_53 / (self.fraction * self.fraction)).ceil() as u64
-    }
-}
-
-/// Brings a number of (-1, 2) back to the circle [0, 1).
-#[inline]
-pub(crate) fn wrap(x: f64) -> f64 {
-    // K sec. 6 tests `> 1`, which would let 1 itself through
-    let x = if x >= 1.0 {
-        x - 1.0
-    } else if x < 0.0 {
-        x + 1.0
-    } else {
-        x
-    };
-    x.min(BELOW_ONE) // a tiny negative number plus 1 rounds to 1
-}
-
-/// The largest double below 1.
-const BELOW_ONE: f64 = 1.0 - f64::EPSILON / 2.0;

@@ -1,5 +1,7 @@
 //! The lazy point: a state of infinitely many coordinates, of which few are ever made.
 
+mod record;
+
 use kaustik_pss::{Coordinates, Stream};
 
 use crate::{Draws, Mutation, Proposal};
@@ -90,7 +92,7 @@ pub(crate) struct Coordinate {
 
 impl Coordinate {
     /// Never used.
-    const NEW: Self = Self {
+    pub(crate) const NEW: Self = Self {
         value: 0.0,
         modify: -1,
         seen: -1,
@@ -170,9 +172,11 @@ impl<M: Mutation> Point<M> {
             clock,
             ..
         } = self;
-        for coordinate in streams.iter_mut().flatten() {
-            if coordinate.modify >= clock.large_time {
-                catch_up(coordinate, clock, mutation, draws);
+        for (stream, stored) in Stream::ALL.into_iter().zip(streams) {
+            for (index, coordinate) in (0..).zip(stored) {
+                if coordinate.modify >= clock.large_time {
+                    catch_up(coordinate, (stream, index), clock, mutation, draws);
+                }
             }
         }
     }
@@ -260,6 +264,7 @@ impl<M: Mutation> Point<M> {
     #[inline]
     pub(crate) fn bring_up<D: Draws + ?Sized>(
         coordinate: &mut Coordinate,
+        address: (Stream, u32),
         clock: &Clock,
         mutation: &M,
         draws: &mut D,
@@ -268,7 +273,7 @@ impl<M: Mutation> Point<M> {
             coordinate.value = draws.uniform(); // stale or never used: spec (2.2)
             coordinate.modify = clock.time - 1;
         } else if coordinate.modify + 1 < clock.time {
-            catch_up(coordinate, clock, mutation, draws);
+            catch_up(coordinate, address, clock, mutation, draws);
         }
     }
 }
@@ -276,17 +281,18 @@ impl<M: Mutation> Point<M> {
 /// Replays the accepted steps that a coordinate slept through.
 fn catch_up<M: Mutation, D: Draws + ?Sized>(
     coordinate: &mut Coordinate,
+    (stream, index): (Stream, u32),
     clock: &Clock,
     mutation: &M,
     draws: &mut D,
 ) {
     let now = clock.time - 1;
     let owed = now.saturating_sub(coordinate.modify).max(0) as u64;
-    if owed > mutation.mixed_after() {
+    if owed > mutation.mixed_after_at(stream, index) {
         coordinate.value = draws.uniform();
     } else {
         for _ in 0..owed {
-            coordinate.value = mutation.mutate(coordinate.value, draws);
+            coordinate.value = mutation.mutate_at(stream, index, coordinate.value, draws);
         }
     }
     coordinate.modify = coordinate.modify.max(now);
@@ -316,7 +322,7 @@ impl<M: Mutation, D: Draws + ?Sized> Coordinates for Current<'_, M, D> {
             ..
         } = &mut *self.point;
         let coordinate = Point::<M>::slot(streams, stream, index);
-        Point::bring_up(coordinate, clock, mutation, self.draws);
+        Point::bring_up(coordinate, (stream, index), clock, mutation, self.draws);
         coordinate.value
     }
 }

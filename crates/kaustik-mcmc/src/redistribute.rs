@@ -1,0 +1,440 @@
+//! Equal-deposition chains: many short chains from Monte Carlo samples.
+//!
+//! A plain Monte Carlo run finds, now and then, a sample x of large weight e = I(x)/p(x): a
+//! speck. Redistribution (Cline, Talbot and Egbert 2005, "Energy redistribution path
+//! tracing"; equations (2) to (4) and section 2 of spec erpt.md) spreads that weight over
+//! the neighbourhood. It starts chains at x, a number proportional to e, and each of their
+//! m steps deposits the same *unit* of weight where the chain is:
+//!
+//! n = floor(xi + e / (m unit))   (3)
+//!
+//! so that E\[n\] m unit = e for every unit. Because the step leaves I invariant, and the
+//! sum over starts of e h(x) estimates the integral of I h, so does the sum of all deposits,
+//! for every h. There is no burn-in, no normalising constant and no start-up bias, and the
+//! kernel need not even be ergodic.
+//!
+//! With a the acceptance probability of a step from y to z, the expected-value form deposits
+//! (1 - a) unit at y and a unit at z (4); the plain form the whole unit where the chain is
+//! after the step. Both are exactly unbiased; the first has less noise and more deposits.
+//!
+//! # In whose colour
+//!
+//! What is deposited at y, for an integrand F with several channels and a density I that
+//! guides the chain, is weight * F(y) / I(y): the channels *of y*. A report that computed
+//! them once, from the start, keeps the total right and smears the channels (measured: up
+//! to 99 % per channel). So a [`Deposit`] holds the value on which it falls and its density;
+//! that of the start is not to be had there.
+//!
+//! # When
+//!
+//! Where an ordinary Monte Carlo sampler finds everything, but some of it rarely. Use
+//! [`Metropolis`](crate::Metropolis) chains where the interesting places are hard to find at
+//! all, or to be unbiased with a single long chain.
+
+use std::fmt;
+
+use crate::decide::{acceptance, decide};
+use crate::family::checked_densities;
+use crate::{Draws, Family, Kernel, Mean, Statistics};
+
+/// How weight is spread.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Redistribution {
+    steps: u32,
+    unit: f64,
+    most: u32,
+    patience: Option<u64>,
+    plain: bool,
+}
+
+impl Redistribution {
+    /// Chains of `steps` steps, each of which deposits `unit`; at most 1,000 chains a
+    /// start, expected-value deposits, no filter.
+    ///
+    /// `unit` (the deposition energy e_d of the paper) may be any constant: it decides how
+    /// many chains there are, not what they estimate. See [`pilot`](Self::pilot).
+    ///
+    /// # Errors
+    ///
+    /// If there are no steps, or the unit is not finite and positive.
+    pub fn new(steps: u32, unit: f64) -> Result<Self, RedistributionError> {
+        if steps == 0 {
+            return Err(RedistributionError::Steps);
+        }
+        if !(unit.is_finite() && unit > 0.0) {
+            return Err(RedistributionError::Unit { unit });
+        }
+        Ok(Self {
+            steps,
+            unit,
+            most: 1000,
+            patience: None,
+            plain: false,
+        })
+    }
+
+    /// As [`new`](Self::new), with the unit that makes about one chain a start: the mean
+    /// weight of pilot samples over `steps` (equation (2)).
+    ///
+    /// The pilot must be other samples than the starts, or the unit is no constant.
+    ///
+    /// # Errors
+    ///
+    /// As for [`new`](Self::new): also if the pilot has seen nothing.
+    pub fn pilot(steps: u32, weights: &Mean) -> Result<Self, RedistributionError> {
+        Self::new(steps, weights.mean() / f64::from(steps))
+    }
+
+    /// At most so many chains a start (at least 1). The deposits of a start that would have
+    /// more are made larger instead, so that nothing is lost (section 2h).
+    #[must_use]
+    pub fn most_chains(self, most: u32) -> Self {
+        Self {
+            most: most.max(1),
+            ..self
+        }
+    }
+
+    /// Deposits the whole unit where the chain is after each step, instead of the expected
+    /// values of (4).
+    #[must_use]
+    pub fn plain(self) -> Self {
+        Self {
+            plain: true,
+            ..self
+        }
+    }
+
+    /// The consecutive-sample filter (section 5.1): while a chain has stayed in one state
+    /// for more than `patience` rejections, nothing is deposited for its staying. What
+    /// proposals are given is kept.
+    ///
+    /// **Biased**: weight is lost, mostly in small dense places (a stress test lost a
+    /// quarter of all); [`RedistributionStatistics::dropped`] says how much. Off by
+    /// default. The authors use 10 or 20.
+    #[must_use]
+    pub fn patience(self, patience: u64) -> Self {
+        Self {
+            patience: Some(patience),
+            ..self
+        }
+    }
+
+    /// The weight of a step, unless a start has too many chains.
+    pub fn unit(&self) -> f64 {
+        self.unit
+    }
+
+    /// The number of steps of a chain.
+    pub fn steps(&self) -> u32 {
+        self.steps
+    }
+
+    /// The mean number of chains of a start of weight `weight` and the unit of their
+    /// deposits (section 2h). The product of both and the number of steps is the weight.
+    fn share(&self, weight: f64) -> (f64, f64) {
+        let steps = f64::from(self.steps);
+        let mean = weight / (steps * self.unit);
+        let most = f64::from(self.most);
+        if mean > most {
+            (most, weight / (steps * most))
+        } else {
+            (mean, self.unit)
+        }
+    }
+}
+
+/// Why weight cannot be spread so.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum RedistributionError {
+    /// A chain must have steps.
+    Steps,
+    /// The unit is not finite and positive: a pilot, perhaps, that saw nothing.
+    Unit {
+        /// What it was.
+        unit: f64,
+    },
+}
+
+impl fmt::Display for RedistributionError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Steps => write!(f, "chains of no steps deposit nothing"),
+            Self::Unit { unit } => write!(
+                f,
+                "the weight that a step deposits must be finite and positive, not {unit:e}"
+            ),
+        }
+    }
+}
+
+impl std::error::Error for RedistributionError {}
+
+/// What a chain deposits on a value.
+///
+/// Every proposal of positive density is reported exactly once: if it was rejected at once,
+/// otherwise when the chain leaves it or ends. The start is reported as well, if the chain
+/// stayed there.
+#[derive(Debug)]
+pub struct Deposit<'a, V> {
+    /// The value that the weight falls on.
+    pub value: &'a V,
+    /// Its density, positive: what a channel F of the value is divided by.
+    pub density: f64,
+    /// The weight that it got as a proposal, at least 0.
+    pub proposed: f64,
+    /// The weight that it got because the chain stayed there, at least 0.
+    pub stayed: f64,
+    /// Whether it was proposed by this chain: false for the start alone. Counts the
+    /// proposals for a filter by proposals (section 5.2), which is up to the listener.
+    pub is_proposal: bool,
+}
+
+impl<V> Deposit<'_, V> {
+    /// The whole weight. A channel F of the integrand gets weight * F(value) / density.
+    pub fn weight(&self) -> f64 {
+        self.proposed + self.stayed
+    }
+}
+
+impl<V> Clone for Deposit<'_, V> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<V> Copy for Deposit<'_, V> {}
+
+/// Takes deposits. Closures `FnMut(Deposit<V>)` do.
+pub trait Depositor<V> {
+    /// Takes one deposit.
+    fn deposit(&mut self, deposit: Deposit<'_, V>);
+}
+
+impl<V, F: FnMut(Deposit<'_, V>)> Depositor<V> for F {
+    fn deposit(&mut self, deposit: Deposit<'_, V>) {
+        self(deposit);
+    }
+}
+
+/// What redistribution knows about its own course. Plain sums: they merge.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct RedistributionStatistics {
+    /// Starts of sound weight, zero included.
+    pub starts: u64,
+    /// Starts whose weight or density was NaN, infinite or negative, or whose density was
+    /// zero at a positive weight. They deposit nothing.
+    pub bad_starts: u64,
+    /// Starts that would have had more chains than allowed.
+    pub capped: u64,
+    /// Chains.
+    pub chains: u64,
+    /// Weight that the filter has kept back.
+    pub dropped: f64,
+    /// Steps, acceptance, defects.
+    pub chain: Statistics<1>,
+}
+
+impl RedistributionStatistics {
+    /// Adds another's.
+    pub fn merge(&mut self, other: &Self) {
+        self.starts += other.starts;
+        self.bad_starts += other.bad_starts;
+        self.capped += other.capped;
+        self.chains += other.chains;
+        self.dropped += other.dropped;
+        self.chain.merge(&other.chain);
+    }
+}
+
+/// Runs chains from starts, in memory of its own: after warm-up a start allocates nothing,
+/// if [`clone_from`](Clone::clone_from) of state and value does not.
+///
+/// (That of a [`Point`](crate::Point) and of a `Vec` does not; a derived one does if a field
+/// allocates.)
+#[derive(Clone, Debug)]
+pub struct Redistributor<S, V> {
+    /// Where the chain is; `None` before the first.
+    current: Option<(S, V)>,
+    proposed: V,
+    statistics: RedistributionStatistics,
+}
+
+/// The place of a chain within [`Redistributor::run`].
+#[derive(Clone, Copy)]
+struct Place {
+    density: f64,
+    proposed: f64,
+    stayed: f64,
+    is_proposal: bool,
+    rejections: u64,
+}
+
+impl<S: Clone, V: Clone + Default> Redistributor<S, V> {
+    /// That has run nothing.
+    pub fn new() -> Self {
+        Self {
+            current: None,
+            proposed: V::default(),
+            statistics: RedistributionStatistics::default(),
+        }
+    }
+
+    /// What has happened so far.
+    pub fn statistics(&self) -> &RedistributionStatistics {
+        &self.statistics
+    }
+
+    /// Spreads the weight of one start and tells over how many chains.
+    ///
+    /// `state` and `value` belong together and describe the start; neither is changed.
+    /// `weight` is its Monte Carlo weight e = I(x)/p(x) (or any other unbiased weight of a
+    /// sample: with multiple importance sampling, the weighted one), finite and at least 0;
+    /// the density must be positive wherever it is. Deposits are not divided by the number
+    /// of starts: that is the listener's.
+    pub fn run<N, F, D, R>(
+        &mut self,
+        plan: &Redistribution,
+        (state, value, weight): (&S, &V, f64),
+        kernel: &N,
+        family: &F,
+        draws: &mut D,
+        depositor: &mut R,
+    ) -> u32
+    where
+        N: Kernel<S, Value = V>,
+        F: Family<V, 1> + ?Sized,
+        D: Draws + ?Sized,
+        R: Depositor<V> + ?Sized,
+    {
+        let sound = weight.is_finite() && weight >= 0.0;
+        let density = checked_densities(family, value).map(|[density]| density);
+        let density = match density {
+            Some(density) if sound && (density > 0.0 || weight <= 0.0) => density,
+            _ => {
+                self.statistics.bad_starts += 1;
+                return 0;
+            }
+        };
+        self.statistics.starts += 1;
+        let (mean, unit) = plan.share(weight);
+        self.statistics.capped += u64::from(unit > plan.unit);
+        let whole = mean.floor();
+        let chains = whole as u32 + u32::from(draws.bernoulli(mean - whole)); // (3)
+        for _ in 0..chains {
+            self.reset(state, value);
+            self.chain(plan, (density, unit), kernel, family, draws, depositor);
+        }
+        self.statistics.chains += u64::from(chains);
+        chains
+    }
+
+    /// Brings the chain to the start, in the memory that is there.
+    fn reset(&mut self, state: &S, value: &V) {
+        match &mut self.current {
+            Some((my_state, my_value)) => {
+                my_state.clone_from(state);
+                my_value.clone_from(value);
+            }
+            none => *none = Some((state.clone(), value.clone())),
+        }
+    }
+
+    /// One chain from the current state, of the given density.
+    fn chain<N, F, D, R>(
+        &mut self,
+        plan: &Redistribution,
+        (density, unit): (f64, f64),
+        kernel: &N,
+        family: &F,
+        draws: &mut D,
+        depositor: &mut R,
+    ) where
+        N: Kernel<S, Value = V>,
+        F: Family<V, 1> + ?Sized,
+        D: Draws + ?Sized,
+        R: Depositor<V> + ?Sized,
+    {
+        let Some((state, value)) = &mut self.current else {
+            return;
+        };
+        let mut place = Place::new(density, 0.0, false);
+        for _ in 0..plan.steps {
+            let proposal = kernel.propose(state, value, &mut self.proposed, draws);
+            let statistics = &mut self.statistics.chain;
+            let densities = statistics.judge(&proposal, family, &self.proposed);
+            let a = densities.map_or(0.0, |[d]| acceptance(place.density, d, proposal.ratio));
+            let accepted = decide(a, draws);
+            statistics.count(&proposal, densities, a, accepted);
+
+            let (there, here) = plan.split(a, accepted, unit);
+            if plan.patience.is_some_and(|most| place.rejections > most) {
+                self.statistics.dropped += here;
+            } else {
+                place.stayed += here;
+            }
+            let next = densities.map(|[density]| Place::new(density, there, true));
+            if let (true, Some(next)) = (accepted, next) {
+                std::mem::replace(&mut place, next).leave(value, depositor);
+                std::mem::swap(value, &mut self.proposed);
+                kernel.accept_move(state, &proposal);
+            } else {
+                if let Some(next) = next {
+                    next.leave(&self.proposed, depositor);
+                }
+                kernel.reject_move(state, &proposal);
+            }
+            let mut stay = place.rejections;
+            self.statistics.chain.count_step(accepted, &mut stay);
+            place.rejections = stay;
+        }
+        place.leave(value, depositor);
+    }
+}
+
+impl<S: Clone, V: Clone + Default> Default for Redistributor<S, V> {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl Redistribution {
+    /// What a step deposits on its proposal and on the state that it began in.
+    fn split(&self, a: f64, accepted: bool, unit: f64) -> (f64, f64) {
+        match (self.plain, accepted) {
+            (false, _) => (a * unit, (1.0 - a) * unit), // (4)
+            (true, true) => (unit, 0.0),
+            (true, false) => (0.0, unit),
+        }
+    }
+}
+
+impl Place {
+    fn new(density: f64, proposed: f64, is_proposal: bool) -> Self {
+        Self {
+            density,
+            proposed,
+            stayed: 0.0,
+            is_proposal,
+            rejections: 0,
+        }
+    }
+
+    /// Reports what was gathered here.
+    fn leave<V, R: Depositor<V> + ?Sized>(self, value: &V, depositor: &mut R) {
+        let light = self.proposed + self.stayed > 0.0 || self.is_proposal;
+        if self.density > 0.0 && light {
+            depositor.deposit(Deposit {
+                value,
+                density: self.density,
+                proposed: self.proposed,
+                stayed: self.stayed,
+                is_proposal: self.is_proposal,
+            });
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;
