@@ -137,6 +137,8 @@ mod pool;
 mod proposal;
 mod statistics;
 mod target;
+// `doc`: so that the documentation has it, and links to it, without features
+#[cfg(any(test, doc, feature = "testing"))]
 pub mod testing;
 mod visit;
 

@@ -1,19 +1,25 @@
-//! Exact tests of kernels on small discrete targets.
-//!
-//! A kernel that is wrong by half a percent passes any histogram that a test has time to
-//! fill. But every decision here is a call of [`Draws`](crate::Draws), so a program that
-//! makes finitely many of them can be run along *all* its branches, and its law is then
-//! known to rounding error: [`enumerate`]. From laws follow the
-//! [`TransitionMatrix`] of a kernel on a small state space, with its defects of
-//! stationarity and of detailed balance, and the law of a whole chain after several steps
-//! ([`Law`]), which sees what a matrix cannot: coordinates that sleep.
-
+//! How to prove a kernel right.
+mod asserts;
+mod chance;
 mod enumerator;
 mod grid;
 mod law;
 mod matrix;
+mod paired;
+mod rank;
+mod script;
+#[cfg(any(test, feature = "testing"))]
+pub mod strategies;
 
-pub use enumerator::{Enumerator, enumerate};
-pub use grid::GridStep;
+pub use asserts::{
+    assert_deposits, assert_detailed_balance, assert_detailed_balance_within, assert_stationary,
+    assert_stationary_within, expected_deposits,
+};
+pub use chance::{Sequential, chi_square_tail, normal_tails};
+pub use enumerator::{Enumerator, enumerate, expectation};
+pub use grid::{Grid, GridStep, OnGrid};
 pub use law::{Law, PointKey, point_key};
-pub use matrix::TransitionMatrix;
+pub use matrix::{Drift, Imbalance, TransitionMatrix};
+pub use paired::{Changes, PairedTest, assert_invariant};
+pub use rank::{RankTest, Ranks, assert_reversible};
+pub use script::Script;
