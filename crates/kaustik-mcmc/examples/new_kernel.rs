@@ -138,7 +138,9 @@ fn right_of_the_middle(jump: f64) -> f64 {
         [peak(x, 100.0) + 3.0 * peak(x, 300.0)]
     };
     let kernel = Jumps {
-        guess: (0..places).map(|i| if i % 200 / 20 == 5 { 1.0 } else { 0.01 }).collect(),
+        guess: (0..places)
+            .map(|i| if i % 200 / 20 == 5 { 1.0 } else { 0.01 })
+            .collect(),
         leave: vec![jump; places],
         knows: true,
     };
@@ -158,7 +160,10 @@ fn main() {
 
     let (pi, kernel) = refute();
     println!("\nwithout the chance to jump in its ratio it does not; the smallest case found:");
-    println!("  pi {pi:?}\n  guess {:?}, leave {:?}", kernel.guess, kernel.leave);
+    println!(
+        "  pi {pi:?}\n  guess {:?}, leave {:?}",
+        kernel.guess, kernel.leave
+    );
     println!("  {}", matrix(&kernel, &pi).worst_pair(&pi));
 
     println!("\ntwo modes, 3/4 of the mass in the right one; share of time spent there:");

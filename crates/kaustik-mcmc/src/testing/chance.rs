@@ -143,7 +143,10 @@ mod tests {
         }
         assert!((normal_tails(1.959_963_984_540_054) - 0.05).abs() < 1e-12);
         assert!(chi_square_tail(f64::NAN, 1.0).is_nan() && chi_square_tail(1.0, 0.0).is_nan());
-        let ends = [chi_square_tail(-1.0, 3.0), chi_square_tail(f64::INFINITY, 3.0)];
+        let ends = [
+            chi_square_tail(-1.0, 3.0),
+            chi_square_tail(f64::INFINITY, 3.0),
+        ];
         assert_eq!(ends.map(|p| p as u8), [1, 0]);
     }
 
@@ -166,6 +169,10 @@ mod tests {
         assert!(tries > 25_000, "some are tried again");
         assert_eq!(lax.run(|_, _| 1e-9), Err((0, 1e-9)));
         assert!(lax.run(|_, _| f64::NAN).is_err());
-        assert!(Sequential::default().run(|stage, _| [0.1, 0.9][stage as usize]).is_ok());
+        assert!(
+            Sequential::default()
+                .run(|stage, _| [0.1, 0.9][stage as usize])
+                .is_ok()
+        );
     }
 }

@@ -224,7 +224,9 @@ mod tests {
 
     #[test]
     fn an_expectation_is_the_mean_of_the_law() {
-        let mean = expectation(4, |draws| draws.uniform() + f64::from(draws.bernoulli(0.3) as u8));
+        let mean = expectation(4, |draws| {
+            draws.uniform() + f64::from(draws.bernoulli(0.3) as u8)
+        });
         assert!((mean - 0.8).abs() < 1e-15);
     }
 
@@ -244,9 +246,10 @@ mod tests {
         let mut runs = 0;
         enumerate(1, |draws| {
             runs += 1;
-            draws.bernoulli(0.5) && runs < 2 && draws.bernoulli(0.5)
-                || runs < 2 && draws.bernoulli(0.5)
-                || runs == 1 && draws.bernoulli(0.5)
+            draws.bernoulli(0.5);
+            if runs == 1 {
+                draws.bernoulli(0.5);
+            }
         });
     }
 

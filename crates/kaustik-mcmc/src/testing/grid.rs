@@ -1,4 +1,4 @@
-use kaustik_pss::{Coordinates, Recorded, Stream};
+use kaustik_pss::{Coordinates, Recorded, Recording, Stream};
 
 use super::{Enumerator, Script, TransitionMatrix};
 use crate::mutation::wrap;
@@ -146,7 +146,8 @@ impl Grid {
         point
     }
 
-    /// A chain at a state of the grid.
+    /// A chain at a state of the grid: as if an evaluation had arrived there. Coordinates that
+    /// this evaluation does not read are at the state too, and unread.
     pub fn chain<T, F, M, const K: usize>(
         &self,
         state: usize,
@@ -161,8 +162,19 @@ impl Grid {
         M: Mutation,
     {
         let mut value = T::Value::default();
-        target.evaluate(&mut self.recorded(state), &mut value);
-        Metropolis::at(self.point(state, mutation), value, family, level)
+        let mut source = self.recorded(state);
+        let mut reading = Recording::new(&mut source);
+        target.evaluate(&mut reading, &mut value);
+        let read = reading.finish();
+        let mut point = self.point(state, mutation);
+        for &(s, i) in self
+            .addresses
+            .iter()
+            .filter(|(s, i)| read.value(*s, *i).is_none())
+        {
+            point.streams[s as usize][i as usize].seen = -1; // never
+        }
+        Metropolis::at(point, value, family, level)
     }
 
     /// The density of each state: the law that a chain at this level must keep.
@@ -192,12 +204,14 @@ impl Grid {
         mut step: impl FnMut(&mut Metropolis<Point<M>, T::Value, K>, &mut Enumerator),
     ) -> TransitionMatrix
     where
-        T: Target,
+        T: Target<Value: Clone>,
         F: Family<T::Value, K>,
         M: Mutation + Clone,
     {
+        let start = |state| self.chain(state, target, family, level, mutation.clone());
+        let starts: Vec<_> = (0..self.states()).map(start).collect();
         TransitionMatrix::of(self.states(), self.cells, |from, draws| {
-            let mut chain = self.chain(from, target, family, level, mutation.clone());
+            let mut chain = starts[from].clone();
             step(&mut chain, draws);
             self.state(&mut chain.state.current(draws))
         })

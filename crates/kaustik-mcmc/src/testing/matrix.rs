@@ -105,7 +105,10 @@ impl TransitionMatrix {
     /// The law after one step from the law `from`: the vector times the matrix.
     pub fn step(&self, from: &[f64]) -> Vec<f64> {
         let mut law = vec![0.0; self.states];
-        for (mass, row) in from.iter().zip(self.probabilities.chunks_exact(self.states)) {
+        for (mass, row) in from
+            .iter()
+            .zip(self.probabilities.chunks_exact(self.states))
+        {
             if *mass > 0.0 {
                 for (sum, p) in law.iter_mut().zip(row) {
                     *sum += mass * p;

@@ -109,7 +109,10 @@ impl<const H: usize> Changes<H> {
             return 0.0;
         }
         let tails = self.z().map(normal_tails).into_iter();
-        let smallest = tails.fold(1.0, |least: f64, p| if p.is_nan() { p } else { least.min(p) });
+        let smallest = tails.fold(
+            1.0,
+            |least: f64, p| if p.is_nan() { p } else { least.min(p) },
+        );
         (smallest * H as f64).min(1.0)
     }
 }

@@ -5,7 +5,7 @@ use crate::Draws;
 ///
 /// # Panics
 ///
-/// A draw panics when no number is left, and when it is not a uniform one.
+/// A draw panics when no number is left, and when it is a decision that is not certain.
 #[derive(Clone, Debug)]
 pub struct Script {
     numbers: std::vec::IntoIter<f64>,
@@ -26,8 +26,9 @@ impl Draws for Script {
         self.numbers.next().expect("more draws than the script has")
     }
 
-    fn bernoulli(&mut self, _: f64) -> bool {
-        panic!("a script has no decisions")
+    fn bernoulli(&mut self, p: f64) -> bool {
+        assert!(p <= 0.0 || p >= 1.0, "a script has no decisions");
+        p >= 1.0
     }
 
     fn index(&mut self, _: &[f64]) -> usize {
