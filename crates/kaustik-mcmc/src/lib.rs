@@ -78,6 +78,7 @@
 //! | [`Visit`], [`Recorder`] | what a chain tells, and who listens |
 //! | [`Pool`], [`Start`] | independent samples, and the one a chain begins at |
 //! | [`Draws`] | every decision: a generator, or the [enumerator](testing::Enumerator) |
+//! | [`testing`] | feature: how to prove a kernel of your own right |
 //!
 //! Dear and cheap are apart so that a value that was paid for can be judged under any
 //! number of densities: exchange between replicas, multiple importance sampling and
@@ -108,6 +109,8 @@
 //! where p is the probability of large steps and b0 any positive constant, a guess of b. The
 //! combination is films M + L. Both are unbiased after any number of steps, if b is the
 //! [normaliser](Pool::normaliser) of the very pool that the chain's start was chosen from.
+//! (A dark pool has b = 0 and ends film M, not film L: a chain from any start still brings
+//! its independent proposals.)
 //! Kelemen's printed form, with an estimate of b inside the weights, is not.
 //!
 //! # Determinism and replay
