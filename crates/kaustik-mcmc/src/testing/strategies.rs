@@ -146,7 +146,10 @@ mod tests {
             "plains"
         );
         assert!(
-            some(&|t| t.windows(2).any(|w| w[0] > 0.0 && w[0] == w[1])) > 50,
+            some(&|t| t
+                .windows(2)
+                .any(|w| w[0] > 0.0 && w[0].to_bits() == w[1].to_bits()))
+                > 50,
             "plateaus"
         );
         let island = |t: &[f64]| {

@@ -163,7 +163,7 @@ fn deposits_are_exact_in_every_channel_or_named() {
             colour_of_start: true,
             ..right
         }
-        .check()
+        .check();
     });
     assert!(smeared.contains("channel 1"), "{smeared}");
     complaint(move || {
@@ -171,14 +171,14 @@ fn deposits_are_exact_in_every_channel_or_named() {
             full_weight: true,
             ..right
         }
-        .check()
+        .check();
     });
     complaint(move || {
         Redistribution {
             round_down: true,
             ..right
         }
-        .check()
+        .check();
     });
 }
 
@@ -317,7 +317,7 @@ fn change_length(path: &mut Path, slip: Slip, rng: &mut kaustik_mcmc::Pcg64Dxsm)
         next.0.push(u * u);
         ratio[0] / density(u * u)
     } else {
-        let x = next.0.pop().unwrap();
+        let x = next.0.pop().expect("a vertex");
         ratio[1] * density(x)
     };
     if decide(acceptance(weight(path), weight(&next), ratio), rng) {
