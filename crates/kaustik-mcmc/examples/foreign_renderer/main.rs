@@ -93,7 +93,7 @@ fn main() -> std::io::Result<()> {
         Into::into,
     );
     let samples = 128 * SIDE * SIDE;
-    let reference = plain(32 * samples, 9);
+    let reference = plain(16 * samples, 9);
     let plain = plain(samples, 1);
     let chain = chain(samples, 1);
     let error = rmse(&plain, &reference);
@@ -101,9 +101,9 @@ fn main() -> std::io::Result<()> {
     println!("plain: RMSE {error:.4}, mean {:.4}", mean(&plain));
     let chained = rmse(&chain, &reference);
     println!("chain: RMSE {chained:.4}, mean {:.4}", mean(&chain));
-    let noise = error / 32f64.sqrt();
+    let noise = error / 16f64.sqrt();
     println!(
-        "reference, 4096 paths a pixel: own error about {noise:.4}, mean {:.4}",
+        "reference, 2048 paths a pixel: own error about {noise:.4}, mean {:.4}",
         mean(&reference)
     );
     write_png(&file, &[&plain, &chain, &reference])?;

@@ -137,15 +137,15 @@ impl Draws for Enumerator {
 /// So that it can be lent to what takes its draws by value, as [`sample`](crate::sample) does.
 impl Draws for &mut Enumerator {
     fn uniform(&mut self) -> f64 {
-        (**self).uniform()
+        Enumerator::uniform(self)
     }
 
     fn bernoulli(&mut self, p: f64) -> bool {
-        (**self).bernoulli(p)
+        Enumerator::bernoulli(self, p)
     }
 
     fn index(&mut self, weights: &[f64]) -> usize {
-        (**self).index(weights)
+        Enumerator::index(self, weights)
     }
 }
 
