@@ -87,6 +87,7 @@
 //! | [`AcceptanceAdaptation`], [`JumpAdaptation`], [`DiminishingAdaptation`] | step sizes that learn, between rounds |
 //! | [`Autocorrelation`], [`Halves`], [`split_r_hat`], [`Jumps`] | how far a chain's estimates can be trusted |
 //! | [`Draws`] | every decision: a generator, or the [enumerator](testing::Enumerator) |
+//! | [`testing`] | feature: how to prove a kernel of your own right |
 //!
 //! Dear and cheap are apart so that a value that was paid for can be judged under any
 //! number of densities: exchange between replicas, multiple importance sampling and
@@ -117,6 +118,8 @@
 //! where p is the probability of large steps and b0 any positive constant, a guess of b. The
 //! combination is films M + L. Both are unbiased after any number of steps, if b is the
 //! [normaliser](Pool::normaliser) of the very pool that the chain's start was chosen from.
+//! (A dark pool has b = 0 and ends film M, not film L: a chain from any start still brings
+//! its independent proposals.)
 //! Kelemen's printed form, with an estimate of b inside the weights, is not.
 //!
 //! # Determinism and replay
@@ -166,6 +169,8 @@ mod stepping_stone;
 mod stratified;
 mod swap_graph;
 mod target;
+// `doc`: so that the documentation has it, and links to it, without features
+#[cfg(any(test, doc, feature = "testing"))]
 pub mod testing;
 mod visit;
 

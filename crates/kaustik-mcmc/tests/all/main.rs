@@ -1,14 +1,20 @@
 //! Laws of the crate, tested from outside.
 //!
-//! `exact`: stationarity and balance to rounding error, on discrete targets.
-//! `law`: statistical tests of lazy points against eager ones. `estimators`: weighted visits
-//! against known integrals. `roll_back`: rejection to the bit. `chain`: book-keeping.
+//! `stationarity`, `exact`: every kernel and composite, to rounding error, on discrete targets.
+//! `lazy`: lazy points have the law of eager ones, exactly; `law`: the same by statistics.
+//! `unbiased`: weighted visits against sums, exactly; `estimators`: by statistics.
+//! `roll_back`: rejection to the bit. `chain`: book-keeping. `kit`: the testing kit finds
+//! what it should.
 
 mod chain;
 mod estimators;
 mod exact;
+mod kit;
 mod law;
+mod lazy;
 mod mutation;
 mod mutation_laws;
 mod per_coordinate;
 mod roll_back;
+mod stationarity;
+mod unbiased;
