@@ -160,7 +160,10 @@ fn expected() -> Vec<Row> {
 fn declared(package: &Package) -> Row {
     let of = |kind: DependencyKind, ours: bool| -> BTreeSet<String> {
         // A crate that names itself does so for a feature in its own tests: no arrow.
-        let others = package.dependencies.iter().filter(|d| d.name != *package.name);
+        let others = package
+            .dependencies
+            .iter()
+            .filter(|d| d.name != *package.name);
         let wanted = others.filter(|d| d.kind == kind);
         let names = wanted.map(|d| d.name.as_str());
         names
