@@ -31,15 +31,12 @@ pub(crate) fn trace(
 #[inline]
 fn start(settings: &BuilderSettings, scene: &Scene, u: &mut dyn Coordinates) -> (Walk, DVec2) {
     let wavelengths = Wavelengths::sample(u.get(Stream::Wavelength, 0), settings.wavelengths);
-    let raster = settings.raster(DVec2::new(
-        u.get(Stream::Camera, 0),
-        u.get(Stream::Camera, 1),
-    ));
+    let raster = settings.raster(DVec2::from(u.get2(Stream::Camera, 0)));
     let camera = scene.camera();
     let lens = if !camera.has_aperture() {
         [0.5; 2]
     } else {
-        [u.get(Stream::Camera, 2), u.get(Stream::Camera, 3)]
+        u.get2(Stream::Camera, 2)
     };
     let ray = camera.sample_ray(raster, lens);
     let walk = Walk {

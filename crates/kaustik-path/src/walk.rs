@@ -97,7 +97,7 @@ impl Walk {
         let direction = if scatter.bsdf.is_delta() {
             [0.0; 2]
         } else {
-            [u.get(stream, first + 1), u.get(stream, first + 2)]
+            u.get2(stream, first + 1)
         };
         let sample = scatter.bsdf.sample(scatter.wo, uc, direction, self.mode)?;
         let factor = shading::walk_factor(scatter.wo, sample.wi, scatter.ng, self.mode);

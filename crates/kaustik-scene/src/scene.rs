@@ -164,7 +164,9 @@ impl Scene {
         direction: DVec3,
     ) -> Interior {
         let mut beyond = *interior;
-        if vertex.in_front(wo) != vertex.in_front(direction) {
+        if self.matter.material(vertex.material).solid().is_some()
+            && vertex.in_front(wo) != vertex.in_front(direction)
+        {
             self.cross(vertex, direction, &mut beyond);
         }
         beyond

@@ -1,7 +1,7 @@
 //! Coordinates of a pixel's samples that keep out of each other's way.
 //!
 //! The first coordinates of a path come from an Owen-scrambled Sobol sequence over the pixel's
-//! samples (Burley 2020, by the crate `sobol_burley`), the rest from a generator. Each sample is
+//! samples (Burley 2020, see [`Sobol`]), the rest from a generator. Each sample is
 //! uniform by itself, so that means are unbiased as ever; together they cover the pixel, the
 //! wavelengths, the emitters and the first directions evenly, and the picture has less noise. Pixels
 //! scramble differently, so that what is left over does not show as a pattern.
@@ -9,12 +9,12 @@
 use kaustik_path::layout;
 use kaustik_pss::{Coordinates, Stream};
 
+use crate::sobol::{PERIOD_BITS, SETS, Sobol};
+
 /// Vertices whose directions and emitter points are stratified.
 const VERTICES: usize = 3;
-/// Sets of four dimensions: one for raster and wavelength, one a vertex.
-const SETS: usize = 1 + VERTICES;
-/// The sequence is made for so many samples; then it begins anew, scrambled otherwise.
-const PERIOD_BITS: u32 = 16;
+// One set of four dimensions for raster and wavelength, one a vertex.
+const _: () = assert!(SETS == 1 + VERTICES);
 
 /// Coordinates of one sample of one cell of the raster.
 pub(crate) struct Stratified<C> {
@@ -22,28 +22,29 @@ pub(crate) struct Stratified<C> {
     /// Lower corner of the cell in cells, and the size of a cell as a share of the window.
     corner: [f64; 2],
     size: [f64; 2],
-    index: u32,
-    seed: u32,
+    point: Sobol,
     sets: [Option<[f32; 4]>; SETS],
 }
 
 impl<C: Coordinates> Stratified<C> {
     /// Sample `index` of a cell; `seed` tells cells apart. `inner` gives what is not stratified.
     pub(crate) fn new(inner: C, corner: [f64; 2], size: [f64; 2], index: u64, seed: u64) -> Self {
+        // Past the period the sequence begins anew, scrambled otherwise.
         let seed = mix(seed ^ mix(index >> PERIOD_BITS));
+        let index = (index & ((1 << PERIOD_BITS) - 1)) as u32;
         Self {
             inner,
             corner,
             size,
-            index: (index & ((1 << PERIOD_BITS) - 1)) as u32,
-            seed: (seed >> 32) as u32,
+            point: Sobol::new(index, (seed >> 32) as u32),
             sets: [None; SETS],
         }
     }
 
+    #[inline]
     fn set(&mut self, set: usize) -> [f32; 4] {
-        let (index, seed) = (self.index, self.seed);
-        *self.sets[set].get_or_insert_with(|| sobol_burley::sample_4d(index, set as u32, seed))
+        let point = &self.point;
+        *self.sets[set].get_or_insert_with(|| point.set(set))
     }
 }
 
@@ -53,7 +54,7 @@ impl<C: Coordinates> Coordinates for Stratified<C> {
         let Some((set, lane)) = dimension(stream, index) else {
             return self.inner.get(stream, index);
         };
-        // 24 bits, which is what a ray in single precision resolves.
+        // 23 bits: about what a ray in single precision resolves.
         let u = f64::from(self.set(set)[lane]);
         if stream == Stream::Camera && index < 2 {
             let axis = index as usize;
