@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use crate::surface::offset_point;
+use crate::surface::{offset_point, rounding};
 use crate::{Surface, offset_origin};
 
 /// The largest `f32` below one: where a ray between two points ends.
@@ -61,11 +61,21 @@ impl Ray {
     /// neither of the two triangles. For shadow rays.
     #[inline]
     pub fn between(from: &Surface, to: &Surface) -> Ray {
-        let origin = offset_origin(from, to.position - from.position);
+        Self::segment(from, to.position, to.position_error, to.geometric_normal)
+    }
+
+    /// The same to a [bare](Surface::bare) point of a plane.
+    #[inline]
+    pub fn reaching(from: &Surface, point: Vec3, normal: Vec3) -> Ray {
+        Self::segment(from, point, rounding(point), normal)
+    }
+
+    #[inline]
+    fn segment(from: &Surface, to: Vec3, error: Vec3, normal: Vec3) -> Ray {
+        let origin = offset_origin(from, to - from.position);
         // The direction is rounded too: its end may fall short of, or behind, the far surface by half an ulp of it.
-        let back = origin - to.position;
-        let error = to.position_error + back.abs() * f32::EPSILON;
-        let end = offset_point(to.position, error, to.geometric_normal, back);
+        let back = origin - to;
+        let end = offset_point(to, error + back.abs() * f32::EPSILON, normal, back);
         Ray {
             t_max: BELOW_ONE,
             ..Ray::new(origin, end - origin)

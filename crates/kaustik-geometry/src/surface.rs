@@ -62,11 +62,13 @@ pub fn offset_origin(surface: &Surface, direction: Vec3) -> Vec3 {
 /// The same of a point with this error on a plane with this normal.
 #[inline]
 pub(crate) fn offset_point(position: Vec3, error: Vec3, normal: Vec3, direction: Vec3) -> Vec3 {
-    let n = if normal.dot(direction) < 0.0 {
-        -normal
+    // By a factor, because the side is a matter of chance.
+    let side = if normal.dot(direction) < 0.0 {
+        -1.0
     } else {
-        normal
+        1.0
     };
+    let n = normal * side;
     let moved = position + n * n.abs().dot(error);
     Vec3::new(away(moved.x, n.x), away(moved.y, n.y), away(moved.z, n.z))
 }
@@ -95,7 +97,10 @@ pub(crate) struct Corners<'a> {
 
 impl Corners<'_> {
     /// The surface at barycentric weights `u`, `v`, seen along `direction` (zero: from the front).
-    #[inline]
+    ///
+    /// Always inlined: the fields go where the caller keeps them instead of through a copy on the stack, which
+    /// waits for stores of other sizes.
+    #[inline(always)]
     pub(crate) fn surface(&self, u: f32, v: f32, direction: Vec3) -> Surface {
         let weights = [
             1.0 - f64::from(u) - f64::from(v),
@@ -113,20 +118,16 @@ impl Corners<'_> {
             self.off_edges(weights, double_area)
         };
         let position = (p0 * inner[0] + p1 * inner[1] + p2 * inner[2]).as_vec3();
-        let bare = Surface::bare(position, geometric.as_vec3());
-        let front = geometric.dot(direction.as_dvec3()) <= 0.0;
-        if self.standing.bare {
-            return Surface { front, ..bare };
+        let mut surface = Surface::bare(position, geometric.as_vec3());
+        surface.front = geometric.dot(direction.as_dvec3()) <= 0.0;
+        if !self.standing.bare {
+            if let Some(normal) = self.shading_normal(weights) {
+                surface.shading_normal = normal.as_vec3();
+            }
+            surface.uv = [self.uv(0, weights), self.uv(1, weights)];
+            surface.color = self.color(weights);
         }
-        Surface {
-            front,
-            shading_normal: self
-                .shading_normal(weights)
-                .map_or(bare.geometric_normal, |normal| normal.as_vec3()),
-            uv: [self.uv(0, weights), self.uv(1, weights)],
-            color: self.color(weights),
-            ..bare
-        }
+        surface
     }
 
     /// See [`World::tangent`](crate::World::tangent).
@@ -290,6 +291,6 @@ fn frame_tangent(tangent: DVec3, normal: DVec3, sign: f64) -> Option<Vec4> {
 
 /// Half an ulp of each coordinate, and what double precision loses before.
 #[inline]
-fn rounding(position: Vec3) -> Vec3 {
+pub(crate) fn rounding(position: Vec3) -> Vec3 {
     position.abs() * (f32::EPSILON * 0.501) + Vec3::splat(f32::MIN_POSITIVE)
 }

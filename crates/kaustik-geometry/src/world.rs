@@ -70,12 +70,14 @@ impl World {
     }
 
     /// The closest hit.
+    #[inline]
     pub fn intersect(&self, ray: &Ray) -> Option<Hit> {
         self.intersect_filtered(ray, |_| true)
     }
 
     /// The closest hit that `filter` counts (returns true for). The filter may be asked about hits that turn out not to
     /// be the closest, in no particular order, but never twice about one triangle.
+    #[inline]
     pub fn intersect_filtered(&self, ray: &Ray, filter: impl FnMut(&Hit) -> bool) -> Option<Hit> {
         let (low, high) = (ray.t_min.next_up(), ray.t_max);
         let mut goal = Closest {
@@ -110,12 +112,14 @@ impl World {
     }
 
     /// Whether anything lies on the ray.
+    #[inline]
     pub fn occluded(&self, ray: &Ray) -> bool {
         self.occluded_filtered(ray, |_| true)
     }
 
     /// Whether anything that `filter` counts lies on the ray. Each triangle on it is offered at most once, in no
     /// particular order, until one counts.
+    #[inline]
     pub fn occluded_filtered(&self, ray: &Ray, filter: impl FnMut(&Hit) -> bool) -> bool {
         let mut goal = Any {
             filter,
@@ -126,7 +130,7 @@ impl World {
     }
 
     /// The surface that `ray` met at `hit`.
-    #[inline]
+    #[inline(always)]
     pub fn surface(&self, ray: &Ray, hit: &Hit) -> Surface {
         self.corners(hit.instance, hit.primitive)
             .surface(hit.u, hit.v, ray.direction)
@@ -233,6 +237,7 @@ impl World {
         self.tree.memory() + trees + size_of_val(&self.places[..])
     }
 
+    #[inline]
     fn walk<G: Goal>(&self, ray: &Ray, goal: &mut G) -> bool {
         let level = Level {
             bvh: &self.tree,

@@ -46,47 +46,77 @@ impl<C: Coordinates> Stratified<C> {
         let point = &self.point;
         *self.sets[set].get_or_insert_with(|| point.set(set))
     }
+
+    /// A stratified coordinate as the path is to see it. It has 23 bits: about what a ray in single precision
+    /// resolves.
+    #[inline]
+    fn placed(&self, dimension: usize, u: f32) -> f64 {
+        match dimension {
+            0 | 1 => (self.corner[dimension] + f64::from(u)) * self.size[dimension],
+            _ => f64::from(u),
+        }
+    }
 }
 
 impl<C: Coordinates> Coordinates for Stratified<C> {
     #[inline]
     fn get(&mut self, stream: Stream, index: u32) -> f64 {
-        let Some((set, lane)) = dimension(stream, index) else {
+        let Some(dimension) = dimension(stream, index) else {
             return self.inner.get(stream, index);
         };
-        // 23 bits: about what a ray in single precision resolves.
-        let u = f64::from(self.set(set)[lane]);
-        if stream == Stream::Camera && index < 2 {
-            let axis = index as usize;
-            return (self.corner[axis] + u) * self.size[axis];
+        let u = self.set(dimension / 4)[dimension % 4];
+        self.placed(dimension, u)
+    }
+
+    #[inline]
+    fn get2(&mut self, stream: Stream, index: u32) -> [f64; 2] {
+        match dimension(stream, index) {
+            // What is asked for in pairs lies side by side in one set.
+            Some(first) if dimension(stream, index + 1) == Some(first + 1) && first % 4 < 3 => {
+                let set = self.set(first / 4);
+                let (a, b) = (set[first % 4], set[(first + 1) % 4]);
+                [self.placed(first, a), self.placed(first + 1, b)]
+            }
+            _ => [self.get(stream, index), self.get(stream, index + 1)],
         }
-        u
     }
 }
 
-/// Set and lane of a coordinate that is stratified.
+/// Number of a coordinate that is stratified: four times its set and its lane.
 #[inline]
-fn dimension(stream: Stream, index: u32) -> Option<(usize, usize)> {
-    match stream {
-        Stream::Camera if index < 2 => Some((0, index as usize)),
-        Stream::Wavelength if index == 0 => Some((0, 2)),
-        // The choice of an emitter leads only at the first vertex.
-        Stream::Connection if index == 0 => Some((0, 3)),
-        Stream::Connection => {
-            let (vertex, number) = (index / layout::NEXT_EVENT, index % layout::NEXT_EVENT);
-            let stratified = number > 0 && (vertex as usize) < VERTICES;
-            stratified.then(|| (1 + vertex as usize, number as usize - 1))
-        }
-        Stream::Camera if index >= layout::CAMERA_HEAD => {
-            let at = index - layout::CAMERA_HEAD;
-            let (vertex, number) = (at / layout::BOUNCE, at % layout::BOUNCE);
-            let direction = number == 1 || number == 2;
-            let stratified = direction && (vertex as usize) < VERTICES;
-            stratified.then(|| (1 + vertex as usize, 1 + number as usize))
-        }
-        _ => None,
-    }
+fn dimension(stream: Stream, index: u32) -> Option<usize> {
+    let row = DIMENSIONS.get(index as usize)?;
+    let dimension = row[stream as usize];
+    (dimension != NONE).then_some(usize::from(dimension))
 }
+
+/// Not stratified.
+const NONE: u8 = u8::MAX;
+
+/// One more than the largest index of a coordinate that is stratified.
+const ROWS: usize = layout::CAMERA_HEAD as usize + VERTICES * layout::BOUNCE as usize;
+
+/// For each index and stream the dimension; looked up because every coordinate of every path asks.
+static DIMENSIONS: [[u8; Stream::COUNT]; ROWS] = {
+    let mut rows = [[NONE; Stream::COUNT]; ROWS];
+    rows[0][Stream::Camera as usize] = 0;
+    rows[1][Stream::Camera as usize] = 1;
+    rows[0][Stream::Wavelength as usize] = 2;
+    // The choice of an emitter leads only at the first vertex.
+    rows[0][Stream::Connection as usize] = 3;
+    let mut vertex = 0;
+    while vertex < VERTICES {
+        let set = 4 * (1 + vertex as u8);
+        let point = layout::NEXT_EVENT as usize * vertex + 1;
+        rows[point][Stream::Connection as usize] = set;
+        rows[point + 1][Stream::Connection as usize] = set + 1;
+        let direction = layout::CAMERA_HEAD as usize + layout::BOUNCE as usize * vertex + 1;
+        rows[direction][Stream::Camera as usize] = set + 2;
+        rows[direction + 1][Stream::Camera as usize] = set + 3;
+        vertex += 1;
+    }
+    rows
+};
 
 /// A bijection of 64 bits (the finaliser of SplitMix64).
 pub(crate) fn mix(mut x: u64) -> u64 {
@@ -115,7 +145,7 @@ mod tests {
             for index in 0..200 {
                 if let Some(at) = dimension(stream, index) {
                     assert!(seen.insert(at), "{stream:?} {index}");
-                    assert!(at.0 < SETS && at.1 < 4);
+                    assert!(at < 4 * SETS);
                 }
             }
         }
