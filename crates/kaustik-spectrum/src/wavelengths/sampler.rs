@@ -65,6 +65,7 @@ impl WavelengthSampling {
 }
 
 /// Wavelengths as a law gave them.
+#[derive(Clone, Copy)]
 pub(super) struct Drawn {
     pub(super) nm: Spectrum,
     pub(super) pdf: Spectrum,
