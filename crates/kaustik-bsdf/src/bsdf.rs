@@ -149,6 +149,11 @@ impl Lobe for Bsdf {
     }
 
     #[inline]
+    fn eval_pdf(&self, wo: DVec3, wi: DVec3, mode: Mode) -> (Spectrum, f64) {
+        each!(self, lobe => lobe.eval_pdf(wo, wi, mode))
+    }
+
+    #[inline]
     fn sample(&self, wo: DVec3, uc: f64, u: [f64; 2], mode: Mode) -> Option<Sample> {
         each!(self, lobe => lobe.sample(wo, uc, u, mode))
     }

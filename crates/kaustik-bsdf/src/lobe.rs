@@ -22,6 +22,12 @@ pub trait Lobe {
     /// choice included. It does not integrate to 1 where delta parts or absorption take a share.
     fn pdf(&self, wo: DVec3, wi: DVec3, mode: Mode) -> f64;
 
+    /// [`eval`](Self::eval) and [`pdf`](Self::pdf) at once: what a connection to an emitter asks for.
+    #[inline]
+    fn eval_pdf(&self, wo: DVec3, wi: DVec3, mode: Mode) -> (Spectrum, f64) {
+        (self.eval(wo, wi, mode), self.pdf(wo, wi, mode))
+    }
+
     /// Draws `wi`. `uc` chooses the lobe, `u` the direction; all in `[0, 1)`. `None`: absorbed.
     fn sample(&self, wo: DVec3, uc: f64, u: [f64; 2], mode: Mode) -> Option<Sample>;
 

@@ -32,6 +32,7 @@ mod bvh;
 mod instance;
 mod mesh;
 mod ray;
+mod standing;
 mod surface;
 mod world;
 

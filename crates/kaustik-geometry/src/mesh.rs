@@ -154,6 +154,14 @@ impl Mesh {
         Ok(())
     }
 
+    /// No attributes: positions and triangles alone?
+    pub(crate) fn is_bare(&self) -> bool {
+        self.normals.is_empty()
+            && self.tangents.is_empty()
+            && self.uv.iter().all(Vec::is_empty)
+            && self.colors.is_empty()
+    }
+
     /// How many triangles it has.
     pub fn triangle_count(&self) -> usize {
         self.indices.len()
@@ -163,6 +171,7 @@ impl Mesh {
     ///
     /// # Panics
     /// Where `primitive` is not below [`Mesh::triangle_count`].
+    #[inline]
     pub fn corners(&self, primitive: u32) -> [Vec3; 3] {
         self.indices[primitive as usize].map(|i| self.positions[i as usize])
     }

@@ -2,6 +2,7 @@
 
 use glam::Vec3;
 
+use crate::surface::{offset_point, rounding};
 use crate::{Surface, offset_origin};
 
 /// The largest `f32` below one: where a ray between two points ends.
@@ -39,6 +40,7 @@ pub struct Hit {
 
 impl Ray {
     /// The half line from `origin`, its start excluded.
+    #[inline]
     pub fn new(origin: Vec3, direction: Vec3) -> Ray {
         Ray {
             origin,
@@ -50,28 +52,39 @@ impl Ray {
 
     /// The half line that leaves a surface towards `direction`: on the side into which the direction points, so that
     /// it does not meet the triangle it leaves. See [`offset_origin`].
+    #[inline]
     pub fn spawn(from: &Surface, direction: Vec3) -> Ray {
         Ray::new(offset_origin(from, direction), direction)
     }
 
     /// The open segment between two points on surfaces: `t` runs from 0 at `from` to (just below) 1 at `to`. Meets
     /// neither of the two triangles. For shadow rays.
+    #[inline]
     pub fn between(from: &Surface, to: &Surface) -> Ray {
-        let origin = offset_origin(from, to.position - from.position);
+        Self::segment(from, to.position, to.position_error, to.geometric_normal)
+    }
+
+    /// The same to a [bare](Surface::bare) point of a plane.
+    #[inline]
+    pub fn reaching(from: &Surface, point: Vec3, normal: Vec3) -> Ray {
+        Self::segment(from, point, rounding(point), normal)
+    }
+
+    #[inline]
+    fn segment(from: &Surface, to: Vec3, error: Vec3, normal: Vec3) -> Ray {
+        let origin = offset_origin(from, to - from.position);
         // The direction is rounded too: its end may fall short of, or behind, the far surface by half an ulp of it.
-        let back = origin - to.position;
-        let blurred = Surface {
-            position_error: to.position_error + back.abs() * f32::EPSILON,
-            ..*to
-        };
+        let back = origin - to;
+        let end = offset_point(to, error + back.abs() * f32::EPSILON, normal, back);
         Ray {
             t_max: BELOW_ONE,
-            ..Ray::new(origin, offset_origin(&blurred, back) - origin)
+            ..Ray::new(origin, end - origin)
         }
     }
 
     /// The segment from a surface to a point that lies on none (a camera, a point light): `t` runs from 0 to just
     /// below 1.
+    #[inline]
     pub fn towards(from: &Surface, point: Vec3) -> Ray {
         let origin = offset_origin(from, point - from.position);
         Ray {
@@ -81,6 +94,7 @@ impl Ray {
     }
 
     /// The point at `t`. Less accurate than [`Surface::position`].
+    #[inline]
     pub fn at(&self, t: f32) -> Vec3 {
         self.origin + self.direction * t
     }
@@ -89,6 +103,7 @@ impl Ray {
 impl Hit {
     /// Order along a ray: by `t`, equal ones by instance and primitive. What
     /// [`World::intersect_after`](crate::World::intersect_after) continues after.
+    #[inline]
     pub fn precedes(&self, other: &Hit) -> bool {
         (self.t, self.instance, self.primitive) < (other.t, other.instance, other.primitive)
     }

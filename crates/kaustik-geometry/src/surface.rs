@@ -8,7 +8,10 @@
 //! on the scale of the scene. That is enough because the traversal decides in double precision on which side of a
 //! triangle a ray begins and ends whenever single precision is in doubt.
 
-use glam::{Affine3A, DMat3, DVec3, Vec2, Vec3, Vec4};
+use glam::{DVec3, Vec2, Vec3, Vec4};
+
+use crate::Mesh;
+use crate::standing::Standing;
 
 /// The geometry of a triangle at one point, in world space.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -52,10 +55,21 @@ impl Surface {
 /// side (one or two ulps of the coordinates). The scale of the scene and the length of `direction` do not matter.
 #[inline]
 pub fn offset_origin(surface: &Surface, direction: Vec3) -> Vec3 {
-    let n = surface.geometric_normal;
-    let n = if n.dot(direction) < 0.0 { -n } else { n };
-    let distance = n.abs().dot(surface.position_error);
-    let moved = surface.position + n * distance;
+    let error = surface.position_error;
+    offset_point(surface.position, error, surface.geometric_normal, direction)
+}
+
+/// The same of a point with this error on a plane with this normal.
+#[inline]
+pub(crate) fn offset_point(position: Vec3, error: Vec3, normal: Vec3, direction: Vec3) -> Vec3 {
+    // By a factor, because the side is a matter of chance.
+    let side = if normal.dot(direction) < 0.0 {
+        -1.0
+    } else {
+        1.0
+    };
+    let n = normal * side;
+    let moved = position + n * n.abs().dot(error);
     Vec3::new(away(moved.x, n.x), away(moved.y, n.y), away(moved.z, n.z))
 }
 
@@ -73,48 +87,20 @@ fn away(x: f32, n: f32) -> f32 {
     }
 }
 
-/// A triangle's corners in world space and the mesh's attributes at them.
+/// A triangle's corners in world space and the instance that they belong to.
 pub(crate) struct Corners<'a> {
-    pub(crate) mesh: &'a crate::Mesh,
+    pub(crate) standing: &'a Standing,
     pub(crate) primitive: u32,
     /// World space, exactly as the traversal sees them.
     pub(crate) positions: [DVec3; 3],
-    /// How the instance turns what is attached to the mesh.
-    pub(crate) turn: &'a Turn,
-    /// That of the transform, where rays undergo it; None where the corners did.
-    pub(crate) translation: Option<DVec3>,
-}
-
-/// What an instance's transform does to directions: worked out once, because every hit asks.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Turn {
-    /// The transform changes nothing at all.
-    pub(crate) identity: bool,
-    /// -1 if the transform mirrors, else 1.
-    handedness: f64,
-    /// Of directions, object to world.
-    linear: DMat3,
-    /// Of normals, up to length: the cofactors, whose sign must not turn the normal.
-    normals: DMat3,
-}
-
-impl Turn {
-    pub(crate) fn new(transform: &Affine3A) -> Self {
-        let linear = transform.matrix3.as_dmat3();
-        let handedness = linear.determinant().signum();
-        let [x, y, z] = linear.to_cols_array_2d().map(DVec3::from);
-        Self {
-            identity: *transform == Affine3A::IDENTITY,
-            handedness,
-            linear,
-            normals: DMat3::from_cols(y.cross(z), z.cross(x), x.cross(y)) * handedness,
-        }
-    }
 }
 
 impl Corners<'_> {
     /// The surface at barycentric weights `u`, `v`, seen along `direction` (zero: from the front).
-    #[inline]
+    ///
+    /// Always inlined: the fields go where the caller keeps them instead of through a copy on the stack, which
+    /// waits for stores of other sizes.
+    #[inline(always)]
     pub(crate) fn surface(&self, u: f32, v: f32, direction: Vec3) -> Surface {
         let weights = [
             1.0 - f64::from(u) - f64::from(v),
@@ -122,23 +108,26 @@ impl Corners<'_> {
             f64::from(v),
         ];
         let [p0, p1, p2] = self.positions;
-        let normal = (p1 - p0).cross(p2 - p0) * self.turn.handedness;
+        let edges = [p1 - p0, p2 - p0];
+        let normal = edges[0].cross(edges[1]) * self.standing.handedness;
         let double_area = normal.length();
         let geometric = unit(normal, double_area).unwrap_or(DVec3::Z);
-        let inner = self.off_edges(weights, double_area);
+        let inner = if self.is_inner(weights, edges, double_area) {
+            weights
+        } else {
+            self.off_edges(weights, double_area)
+        };
         let position = (p0 * inner[0] + p1 * inner[1] + p2 * inner[2]).as_vec3();
-        let geometric_normal = geometric.as_vec3();
-        Surface {
-            position,
-            position_error: rounding(position),
-            geometric_normal,
-            shading_normal: self
-                .shading_normal(weights)
-                .map_or(geometric_normal, |normal| normal.as_vec3()),
-            uv: [self.uv(0, weights), self.uv(1, weights)],
-            color: self.color(weights),
-            front: geometric.dot(direction.as_dvec3()) <= 0.0,
+        let mut surface = Surface::bare(position, geometric.as_vec3());
+        surface.front = geometric.dot(direction.as_dvec3()) <= 0.0;
+        if !self.standing.bare {
+            if let Some(normal) = self.shading_normal(weights) {
+                surface.shading_normal = normal.as_vec3();
+            }
+            surface.uv = [self.uv(0, weights), self.uv(1, weights)];
+            surface.color = self.color(weights);
         }
+        surface
     }
 
     /// See [`World::tangent`](crate::World::tangent).
@@ -148,15 +137,31 @@ impl Corners<'_> {
             f64::from(u),
             f64::from(v),
         ];
-        let corner = self.mesh.indices[self.primitive as usize].map(|i| i as usize);
+        let corner = self.mesh().indices[self.primitive as usize].map(|i| i as usize);
         let normal = normal.as_dvec3();
         self.given_tangent(weights, normal)
             .or_else(|| self.derived_tangent(corner, normal))
     }
 
+    fn mesh(&self) -> &Mesh {
+        &self.standing.mesh
+    }
+
+    /// Certainly so far from all edges that [`Self::off_edges`] changes nothing? Most points are. Nothing is
+    /// compared but bounds: the instance's on the reach, and no edge is longer than the sum of the first two.
+    #[inline]
+    fn is_inner(&self, weights: [f64; 3], edges: [DVec3; 2], double_area: f64) -> bool {
+        let least = |a: f64, b: f64| if a < b { a } else { b };
+        let smallest = least(least(weights[0], weights[1]), weights[2]);
+        let distance = smallest * double_area;
+        let reach = self.standing.reach * EDGE;
+        let longest = 2.0001 * (edges[0].length_squared() + edges[1].length_squared());
+        smallest > 0.0 && distance * distance >= reach * reach * longest
+    }
+
     /// The weights, moved so that the point keeps some ulps from each edge. Next to an edge, rounding could otherwise
     /// put it behind the neighbouring triangle, where two walls meet, and a ray that leaves it would be outside.
-    #[inline]
+    #[cold]
     fn off_edges(&self, weights: [f64; 3], double_area: f64) -> [f64; 3] {
         let [a, b, c] = self.positions;
         let edges = [
@@ -165,8 +170,7 @@ impl Corners<'_> {
             a.distance_squared(b),
         ];
         let longest = edges[0].max(edges[1]).max(edges[2]);
-        // A weight is the distance from an edge in units of the height above it. Squares first: most
-        // points are far from all edges, and need neither root nor quotient.
+        // A weight is the distance from an edge in units of the height above it.
         let reach = self.reach() * EDGE;
         let smallest = weights[0].min(weights[1]).min(weights[2]);
         let distance = smallest * double_area;
@@ -180,11 +184,10 @@ impl Corners<'_> {
 
     /// The size of the numbers whose rounding may move a ray sideways: the corners', and those that sum up to them
     /// where rays are taken into the mesh's own space.
-    #[inline]
     fn reach(&self) -> f64 {
         let [a, b, c] = self.positions.map(DVec3::abs);
         let corners = a.max(b).max(c).max_element();
-        match self.translation {
+        match self.standing.translation() {
             None => corners,
             Some(translation) => {
                 let size = self.positions.map(|p| (p - translation).abs());
@@ -195,28 +198,29 @@ impl Corners<'_> {
     }
 
     fn shading_normal(&self, weights: [f64; 3]) -> Option<DVec3> {
-        let normal = self.blend(&self.mesh.normals, weights, |n| n.as_dvec3())?;
-        let turned = if self.turn.identity {
+        let normal = self.blend(&self.mesh().normals, weights, |n| n.as_dvec3())?;
+        let turned = if self.standing.identity {
             normal
         } else {
-            self.turn.normals * normal
+            self.standing.normals * normal
         };
         unit(turned, turned.length())
     }
 
     fn given_tangent(&self, weights: [f64; 3], normal: DVec3) -> Option<Vec4> {
-        let tangent = self.blend(&self.mesh.tangents, weights, |t| t.truncate().as_dvec3())?;
-        let first = self.mesh.indices[self.primitive as usize][0];
-        let sign = f64::from(self.mesh.tangents[first as usize].w.signum()) * self.turn.handedness;
-        frame_tangent(self.turn.linear * tangent, normal, sign)
+        let tangent = self.blend(&self.mesh().tangents, weights, |t| t.truncate().as_dvec3())?;
+        let first = self.mesh().indices[self.primitive as usize][0];
+        let sign =
+            f64::from(self.mesh().tangents[first as usize].w.signum()) * self.standing.handedness;
+        frame_tangent(self.standing.linear * tangent, normal, sign)
     }
 
     /// From dp/du. glTF's `v` runs down the picture while the bitangent of a normal map runs up.
     fn derived_tangent(&self, corner: [usize; 3], normal: DVec3) -> Option<Vec4> {
-        if self.mesh.uv[0].is_empty() {
+        if self.mesh().uv[0].is_empty() {
             return None;
         }
-        let [a, b, c] = corner.map(|i| self.mesh.uv[0][i].as_dvec2());
+        let [a, b, c] = corner.map(|i| self.mesh().uv[0][i].as_dvec2());
         let (s, t) = (b - a, c - a);
         let area = s.perp_dot(t);
         if area == 0.0 {
@@ -235,17 +239,17 @@ impl Corners<'_> {
 
     #[inline]
     pub(crate) fn uv(&self, set: usize, weights: [f64; 3]) -> Vec2 {
-        self.blend(&self.mesh.uv[set], weights, |t| t.as_dvec2().extend(0.0))
+        self.blend(&self.mesh().uv[set], weights, |t| t.as_dvec2().extend(0.0))
             .map_or(Vec2::ZERO, |t| t.truncate().as_vec2())
     }
 
     #[inline]
     pub(crate) fn color(&self, weights: [f64; 3]) -> [f32; 4] {
-        if self.mesh.colors.is_empty() {
+        if self.mesh().colors.is_empty() {
             return [1.0; 4];
         }
         let [a, b, c] =
-            self.mesh.indices[self.primitive as usize].map(|i| self.mesh.colors[i as usize]);
+            self.mesh().indices[self.primitive as usize].map(|i| self.mesh().colors[i as usize]);
         std::array::from_fn(|k| {
             (f64::from(a[k]) * weights[0]
                 + f64::from(b[k]) * weights[1]
@@ -264,7 +268,7 @@ impl Corners<'_> {
             return None;
         }
         let [a, b, c] =
-            self.mesh.indices[self.primitive as usize].map(|i| widen(&values[i as usize]));
+            self.mesh().indices[self.primitive as usize].map(|i| widen(&values[i as usize]));
         Some(a * weights[0] + b * weights[1] + c * weights[2])
     }
 }
@@ -287,6 +291,6 @@ fn frame_tangent(tangent: DVec3, normal: DVec3, sign: f64) -> Option<Vec4> {
 
 /// Half an ulp of each coordinate, and what double precision loses before.
 #[inline]
-fn rounding(position: Vec3) -> Vec3 {
+pub(crate) fn rounding(position: Vec3) -> Vec3 {
     position.abs() * (f32::EPSILON * 0.501) + Vec3::splat(f32::MIN_POSITIVE)
 }

@@ -6,17 +6,16 @@ use glam::{Vec2, Vec3, Vec4};
 
 use crate::assembly::Assembly;
 use crate::bvh::{Any, Bvh, Closest, Goal, InstructionSet, Level, Place, build};
-use crate::surface::{Corners, Turn};
+use crate::standing::Standing;
+use crate::surface::Corners;
 use crate::{Aabb, Hit, Instance, Mesh, Ray, Surface, WorldError};
 
 /// Meshes, instances and the structure that finds them. Immutable; share it by reference between threads.
 pub struct World {
     meshes: Vec<Arc<Mesh>>,
     instances: Vec<Instance>,
-    /// Whether the instance's triangles stand in the world's own tree.
-    flattened: Vec<bool>,
-    /// What each instance does to directions.
-    turns: Vec<Turn>,
+    /// The instances as hits ask for them.
+    standing: Vec<Standing>,
     tree: Bvh,
     places: Vec<Place>,
     trees: Vec<Bvh>,
@@ -43,14 +42,19 @@ impl World {
     /// or not invertible.
     pub fn build(meshes: Vec<Arc<Mesh>>, instances: Vec<Instance>) -> Result<World, WorldError> {
         let assembly = Assembly::new(&meshes, &instances)?;
+        let sizes: Vec<f32> = meshes.iter().map(|mesh| largest(&mesh.bounds())).collect();
+        let standing = instances.iter().zip(&assembly.flattened);
+        let standing = standing.map(|(instance, &flattened)| {
+            let mesh = instance.mesh as usize;
+            Standing::new(instance, &meshes[mesh], flattened, sizes[mesh])
+        });
         Ok(World {
+            standing: standing.collect(),
             tree: build(&assembly.leaves),
             bounds: assembly.bounds,
-            flattened: assembly.flattened,
             places: assembly.places,
             trees: assembly.trees,
             instruction_set: InstructionSet::detect(),
-            turns: instances.iter().map(|i| Turn::new(&i.transform)).collect(),
             meshes,
             instances,
         })
@@ -66,12 +70,14 @@ impl World {
     }
 
     /// The closest hit.
+    #[inline]
     pub fn intersect(&self, ray: &Ray) -> Option<Hit> {
         self.intersect_filtered(ray, |_| true)
     }
 
     /// The closest hit that `filter` counts (returns true for). The filter may be asked about hits that turn out not to
     /// be the closest, in no particular order, but never twice about one triangle.
+    #[inline]
     pub fn intersect_filtered(&self, ray: &Ray, filter: impl FnMut(&Hit) -> bool) -> Option<Hit> {
         let (low, high) = (ray.t_min.next_up(), ray.t_max);
         let mut goal = Closest {
@@ -106,12 +112,14 @@ impl World {
     }
 
     /// Whether anything lies on the ray.
+    #[inline]
     pub fn occluded(&self, ray: &Ray) -> bool {
         self.occluded_filtered(ray, |_| true)
     }
 
     /// Whether anything that `filter` counts lies on the ray. Each triangle on it is offered at most once, in no
     /// particular order, until one counts.
+    #[inline]
     pub fn occluded_filtered(&self, ray: &Ray, filter: impl FnMut(&Hit) -> bool) -> bool {
         let mut goal = Any {
             filter,
@@ -122,7 +130,7 @@ impl World {
     }
 
     /// The surface that `ray` met at `hit`.
-    #[inline]
+    #[inline(always)]
     pub fn surface(&self, ray: &Ray, hit: &Hit) -> Surface {
         self.corners(hit.instance, hit.primitive)
             .surface(hit.u, hit.v, ray.direction)
@@ -229,6 +237,7 @@ impl World {
         self.tree.memory() + trees + size_of_val(&self.places[..])
     }
 
+    #[inline]
     fn walk<G: Goal>(&self, ray: &Ray, goal: &mut G) -> bool {
         let level = Level {
             bvh: &self.tree,
@@ -243,28 +252,13 @@ impl World {
     /// A triangle's corners exactly as the walk sees them.
     #[inline]
     fn corners(&self, instance: u32, primitive: u32) -> Corners<'_> {
-        let placed = &self.instances[instance as usize];
-        let mesh = self.mesh(placed.mesh);
-        let corners = mesh.corners(primitive);
-        let turn = &self.turns[instance as usize];
-        let (positions, translation) = if turn.identity && self.flattened[instance as usize] {
-            (corners.map(|p| p.as_dvec3()), None)
-        } else if self.flattened[instance as usize] {
-            let world = corners.map(|p| placed.transform.transform_point3(p).as_dvec3());
-            (world, None)
-        } else {
-            let shift = placed.transform.translation.as_dvec3();
-            let linear = placed.transform.matrix3.as_dmat3();
-            (corners.map(|p| linear * p.as_dvec3() + shift), Some(shift))
-        };
-        Corners {
-            mesh,
-            primitive,
-            positions,
-            turn,
-            translation,
-        }
+        self.standing[instance as usize].corners(primitive)
     }
+}
+
+/// The largest coordinate, absolute.
+fn largest(bounds: &Aabb) -> f32 {
+    bounds.min.abs().max(bounds.max.abs()).max_element()
 }
 
 fn weights(hit: &Hit) -> [f64; 3] {

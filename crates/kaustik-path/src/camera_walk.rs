@@ -18,28 +18,30 @@ pub(crate) fn trace(
     scene: &Scene,
     u: &mut dyn Coordinates,
     out: &mut Contributions,
-    gather: impl FnOnce(&mut Walk, &mut dyn Coordinates, &mut Gathered),
+    gather: impl FnOnce(&mut Walk<'_>, &mut dyn Coordinates, &mut Gathered),
 ) {
     out.clear();
-    let (mut walk, raster) = start(settings, scene, u);
+    let wavelengths = Wavelengths::sample(u.get(Stream::Wavelength, 0), settings.wavelengths);
+    let (mut walk, raster) = start(settings, scene, &wavelengths, u);
     let mut gathered = Gathered::default();
     gather(&mut walk, u, &mut gathered);
-    out.push(raster, gathered.to_xyz(&walk.wavelengths));
+    out.push(raster, gathered.to_xyz(&wavelengths));
 }
 
 /// A walk at the lens, and the raster point that it serves.
 #[inline]
-fn start(settings: &BuilderSettings, scene: &Scene, u: &mut dyn Coordinates) -> (Walk, DVec2) {
-    let wavelengths = Wavelengths::sample(u.get(Stream::Wavelength, 0), settings.wavelengths);
-    let raster = settings.raster(DVec2::new(
-        u.get(Stream::Camera, 0),
-        u.get(Stream::Camera, 1),
-    ));
+fn start<'w>(
+    settings: &BuilderSettings,
+    scene: &Scene,
+    wavelengths: &'w Wavelengths,
+    u: &mut dyn Coordinates,
+) -> (Walk<'w>, DVec2) {
+    let raster = settings.raster(DVec2::from(u.get2(Stream::Camera, 0)));
     let camera = scene.camera();
     let lens = if !camera.has_aperture() {
         [0.5; 2]
     } else {
-        [u.get(Stream::Camera, 2), u.get(Stream::Camera, 3)]
+        u.get2(Stream::Camera, 2)
     };
     let ray = camera.sample_ray(raster, lens);
     let walk = Walk {

@@ -36,7 +36,7 @@ impl Endpoint {
     fn gather(
         &self,
         scene: &Scene,
-        walk: &mut Walk,
+        walk: &mut Walk<'_>,
         u: &mut dyn Coordinates,
         gathered: &mut Gathered,
     ) {

@@ -31,7 +31,7 @@ impl PathBuilder for LightTracing {
         if let Some(area) = &emission.area {
             self.join_emitter(scene, area, &wavelengths, u, out);
         }
-        self.walk(scene, &emission, wavelengths, u, out);
+        self.walk(scene, &emission, &wavelengths, u, out);
     }
 }
 
@@ -45,7 +45,7 @@ impl LightTracing {
         &self,
         scene: &Scene,
         emission: &EmissionSample,
-        wavelengths: Wavelengths,
+        wavelengths: &Wavelengths,
         u: &mut dyn Coordinates,
         out: &mut Contributions,
     ) {
@@ -80,7 +80,7 @@ impl LightTracing {
     fn join(
         &self,
         scene: &Scene,
-        walk: &Walk,
+        walk: &Walk<'_>,
         scatter: &Scatter<'_>,
         u: &mut dyn Coordinates,
         out: &mut Contributions,
@@ -111,11 +111,11 @@ impl LightTracing {
             scene.interior_toward(vertex, &walk.interior, -walk.direction, lens.direction);
         let ray = Ray::towards(&vertex.surface, lens.position.as_vec3());
         value *= scene.transmittance(&ray, &interior);
-        value *= scene.absorption(&interior, &walk.wavelengths, lens.distance);
+        value *= scene.absorption(&interior, walk.wavelengths, lens.distance);
         let mut gathered = Gathered::default();
         let dispersive = walk.dispersive || scatter.bsdf.dispersive_between(scatter.wo, wi);
         gathered.add(value, dispersive);
-        out.push(lens.raster, gathered.to_xyz(&walk.wavelengths));
+        out.push(lens.raster, gathered.to_xyz(walk.wavelengths));
     }
 
     /// Strategy (1, 1): the emitter seen directly.

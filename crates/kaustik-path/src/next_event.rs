@@ -30,7 +30,7 @@ impl Shares {
 #[inline]
 pub(crate) fn next_event(
     scene: &Scene,
-    walk: &Walk,
+    walk: &Walk<'_>,
     scatter: &Scatter<'_>,
     shares: Shares,
     u: &mut dyn Coordinates,
@@ -41,7 +41,7 @@ pub(crate) fn next_event(
     }
     let vertex = scatter.vertex;
     let first = layout::NEXT_EVENT * (walk.edges - 1);
-    let sample = scene.sample_direct(vertex.position, &walk.wavelengths, |i| {
+    let sample = scene.sample_direct(vertex.position, walk.wavelengths, |i| {
         u.get(Stream::Connection, first + i)
     });
     let Some(sample) = sample else { return };
@@ -49,15 +49,14 @@ pub(crate) fn next_event(
     if !shading::sides_agree(scatter.wo, wi, scatter.ng) {
         return;
     }
-    let f = scatter.bsdf.eval(scatter.wo, wi, Mode::Radiance);
+    let (f, density) = scatter.bsdf.eval_pdf(scatter.wo, wi, Mode::Radiance);
     let pdf = sample.pdf * shares.next_event;
     let mut value = walk.throughput * f * sample.radiance * ((wi.z.abs() / pdf) as f32);
     if value.is_zero() {
         return;
     }
     if !sample.delta {
-        let other = scatter.bsdf.pdf(scatter.wo, wi, Mode::Radiance) * shares.scattering;
-        value *= power_heuristic(pdf, other);
+        value *= power_heuristic(pdf, density * shares.scattering);
     }
     let interior = scene.interior_toward(vertex, &walk.interior, -walk.direction, sample.wi);
     let visible = scene.transmittance(&scene.shadow_ray(vertex, &sample), &interior);
@@ -67,12 +66,12 @@ pub(crate) fn next_event(
     value *= visible;
     if !interior.is_vacuum() {
         let distance = match sample.reach {
-            Reach::Surface(surface) => (surface.position.as_dvec3() - vertex.position).length(),
+            Reach::Surface(point, _) => (point.as_dvec3() - vertex.position).length(),
             Reach::Point(point) => (point - vertex.position).length(),
             // A walk that escapes from a solid that is not closed is not dimmed either.
             Reach::Infinity => 0.0,
         };
-        value *= scene.absorption(&interior, &walk.wavelengths, distance);
+        value *= scene.absorption(&interior, walk.wavelengths, distance);
     }
     let dispersive = walk.dispersive || scatter.bsdf.dispersive_between(scatter.wo, wi);
     gathered.add(value, dispersive);

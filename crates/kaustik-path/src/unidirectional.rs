@@ -48,7 +48,7 @@ impl Unidirectional {
     fn gather(
         &self,
         scene: &Scene,
-        walk: &mut Walk,
+        walk: &mut Walk<'_>,
         u: &mut dyn Coordinates,
         gathered: &mut Gathered,
     ) {
@@ -82,13 +82,13 @@ impl Unidirectional {
 #[inline]
 pub(crate) fn emission(
     scene: &Scene,
-    walk: &Walk,
+    walk: &Walk<'_>,
     vertex: &Vertex,
     origin: Option<Origin>,
     share: f64,
     gathered: &mut Gathered,
 ) {
-    let radiance = scene.emitted(vertex, -walk.direction, &walk.wavelengths);
+    let radiance = scene.emitted(vertex, -walk.direction, walk.wavelengths);
     if radiance.is_zero() {
         return;
     }
@@ -105,12 +105,12 @@ pub(crate) fn emission(
 #[inline]
 pub(crate) fn escape(
     scene: &Scene,
-    walk: &Walk,
+    walk: &Walk<'_>,
     origin: Option<Origin>,
     share: f64,
     gathered: &mut Gathered,
 ) {
-    let radiance = scene.environment(walk.direction, &walk.wavelengths);
+    let radiance = scene.environment(walk.direction, walk.wavelengths);
     if radiance.is_zero() {
         return;
     }

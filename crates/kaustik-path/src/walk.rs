@@ -12,9 +12,9 @@ use crate::roulette;
 
 /// Where a walk stands.
 #[derive(Clone, Debug)]
-pub(crate) struct Walk {
+pub(crate) struct Walk<'w> {
     pub(crate) mode: Mode,
-    pub(crate) wavelengths: Wavelengths,
+    pub(crate) wavelengths: &'w Wavelengths,
     /// The next edge starts here.
     pub(crate) ray: Ray,
     /// Direction of the next edge, unit.
@@ -42,7 +42,7 @@ pub(crate) struct Scatter<'a> {
     pub(crate) ng: DVec3,
 }
 
-impl Walk {
+impl Walk<'_> {
     /// Takes the next edge and writes what it led to into `vertex`. Returns its length; `None`:
     /// the walk left the scene.
     #[inline]
@@ -57,7 +57,7 @@ impl Walk {
         let segment = scene.advance(
             &self.ray,
             &mut self.interior,
-            &self.wavelengths,
+            self.wavelengths,
             || u.get(Stream::Transparency, index),
             vertex,
         )?;
@@ -71,7 +71,7 @@ impl Walk {
     #[inline]
     pub(crate) fn scatter<'a>(&self, scene: &Scene, vertex: &'a Vertex) -> Scatter<'a> {
         Scatter {
-            bsdf: scene.bsdf(vertex, &self.wavelengths, &self.interior),
+            bsdf: scene.bsdf(vertex, self.wavelengths, &self.interior),
             wo: vertex.frame.to_local(-self.direction),
             ng: vertex.local_normal(),
             vertex,
@@ -97,7 +97,7 @@ impl Walk {
         let direction = if scatter.bsdf.is_delta() {
             [0.0; 2]
         } else {
-            [u.get(stream, first + 1), u.get(stream, first + 2)]
+            u.get2(stream, first + 1)
         };
         let sample = scatter.bsdf.sample(scatter.wo, uc, direction, self.mode)?;
         let factor = shading::walk_factor(scatter.wo, sample.wi, scatter.ng, self.mode);

@@ -164,7 +164,9 @@ impl Scene {
         direction: DVec3,
     ) -> Interior {
         let mut beyond = *interior;
-        if vertex.in_front(wo) != vertex.in_front(direction) {
+        if self.matter.material(vertex.material).solid().is_some()
+            && vertex.in_front(wo) != vertex.in_front(direction)
+        {
             self.cross(vertex, direction, &mut beyond);
         }
         beyond
@@ -289,7 +291,7 @@ impl Scene {
     #[inline]
     pub fn shadow_ray(&self, vertex: &Vertex, sample: &DirectSample) -> Ray {
         match &sample.reach {
-            Reach::Surface(surface) => Ray::between(&vertex.surface, surface),
+            Reach::Surface(point, normal) => Ray::reaching(&vertex.surface, *point, *normal),
             Reach::Point(point) => Ray::towards(&vertex.surface, point.as_vec3()),
             Reach::Infinity => Ray::spawn(&vertex.surface, sample.wi.as_vec3()),
         }

@@ -70,8 +70,11 @@ impl Illuminant {
     /// The values at a path's wavelengths.
     #[inline]
     pub fn eval(self, wavelengths: &Wavelengths) -> Spectrum {
-        let [a, b, c, d] = wavelengths.nm();
-        Spectrum::new([self.at(a), self.at(b), self.at(c), self.at(d)])
+        match self {
+            // The light of every emitter that is given as a colour.
+            Self::D65 => wavelengths.interpolate(&D65_DENSE),
+            _ => Spectrum::new(wavelengths.nm().map(|nm| self.at(nm))),
+        }
     }
 }
 
@@ -83,6 +86,17 @@ static FL11: Steps<81> = Steps::new(&illuminants::FL11, 380.0);
 
 /// D65 at the 1 nm knots, scaled to Y = 1, in double precision: what matrices and uplift stand on.
 pub(crate) const D65_KNOTS: [f64; KNOTS] = normalised(&illuminants::D65, 360.0);
+
+/// The same in single precision.
+static D65_DENSE: [f32; KNOTS] = {
+    let mut out = [0.0; KNOTS];
+    let mut i = 0;
+    while i < KNOTS {
+        out[i] = D65_KNOTS[i] as f32;
+        i += 1;
+    }
+    out
+};
 
 /// Values in steps of 5 nm, scaled to Y = 1.
 struct Steps<const N: usize> {

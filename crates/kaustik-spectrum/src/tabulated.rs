@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use crate::cmf::{KNOTS, NM_MAX, NM_MIN, cell};
+use crate::cmf::{KNOTS, NM_MAX, NM_MIN};
 use crate::data::cornell;
 use crate::guide::Guide;
 use crate::{Spectrum, SpectrumError, Wavelengths};
@@ -18,9 +18,9 @@ struct Table {
     nm: Box<[f32]>,
     values: Box<[f32]>,
     guide: Guide,
-    /// The values at 360, 361, ..., 830 nm and once more the last, if all knots within the visible
+    /// The values at 360, 361, ..., 830 nm, if all knots within the visible
     /// range are whole nanometres: then linear interpolation between these is the same function.
-    dense: Option<Box<[f32; KNOTS + 1]>>,
+    dense: Option<Box<[f32; KNOTS]>>,
 }
 
 impl Tabulated {
@@ -75,16 +75,9 @@ impl Tabulated {
     /// The values at a path's wavelengths.
     #[inline]
     pub fn eval(&self, wavelengths: &Wavelengths) -> Spectrum {
-        let [a, b, c, d] = wavelengths.nm();
         match &self.0.dense {
-            None => Spectrum::new([self.at(a), self.at(b), self.at(c), self.at(d)]),
-            Some(dense) => {
-                let at = |nm: f32| {
-                    let (i, s) = cell(nm);
-                    dense[i] + s * (dense[i + 1] - dense[i])
-                };
-                Spectrum::new([at(a), at(b), at(c), at(d)])
-            }
+            Some(dense) => wavelengths.interpolate(dense),
+            None => Spectrum::new(wavelengths.nm().map(|nm| self.at(nm))),
         }
     }
 
@@ -124,7 +117,7 @@ impl Tabulated {
             dense: None,
         };
         if is_dense {
-            let at = |i: usize| table.at(NM_MIN + i.min(KNOTS - 1) as f32);
+            let at = |i: usize| table.at(NM_MIN + i as f32);
             table.dense = Some(Box::new(std::array::from_fn(at)));
         }
         Self(Arc::new(table))

@@ -28,17 +28,23 @@ mod sampler;
 
 pub use sampler::WavelengthSampling;
 
-use crate::cmf::{CMF, Y_INTEGRAL, cell};
+use sampler::Drawn;
+
+use crate::cmf::{CMF, KNOTS, Y_INTEGRAL, cell};
 use crate::{NM_MIN, Spectrum, Xyz};
 
 /// A path's four wavelengths with what their use needs, worked out once.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Wavelengths {
-    nm: [f32; Spectrum::LANES],
+    nm: Spectrum,
     t: Spectrum,
-    pdf: [f32; Spectrum::LANES],
-    /// Matching functions over pdf, over the integral of ybar, over the number of lanes.
-    weights: [Spectrum; 3],
+    pdf: Spectrum,
+    /// Where tables of whole nanometres are read: see [`Wavelengths::interpolate`].
+    cells: [u32; Spectrum::LANES],
+    fractions: Spectrum,
+    /// For each lane, matching functions over pdf, over the integral of ybar, over the number of
+    /// lanes: X, Y, Z and nothing.
+    weights: [Spectrum; Spectrum::LANES],
 }
 
 impl Wavelengths {
@@ -48,30 +54,35 @@ impl Wavelengths {
     /// [`WavelengthSampling::Single`] all lanes have 400 + 300 u nm.
     #[inline]
     pub fn sample(u: f64, sampling: WavelengthSampling) -> Self {
-        match sampling {
-            WavelengthSampling::Hero => Self::build(std::array::from_fn(|lane| {
-                let shifted = u + lane as f64 * 0.25;
-                sampling.inverse(if shifted >= 1.0 {
+        let shares = match sampling {
+            WavelengthSampling::Hero => [0.0, 0.25, 0.5, 0.75].map(|lane| {
+                let shifted = u + lane;
+                if shifted >= 1.0 {
                     shifted - 1.0
                 } else {
                     shifted
-                })
-            })),
-            WavelengthSampling::Single => Self::build([sampling.inverse(u); Spectrum::LANES]),
-        }
+                }
+            }),
+            WavelengthSampling::Single => [u; Spectrum::LANES],
+        };
+        Self::build(sampling.inverse(shares))
     }
 
     /// One wavelength in all lanes, with pdf 1: `to_xyz` gives the matching functions over the
     /// integral of ybar. For plots, tests and laser light; nm within 360-830 (clamped).
     pub fn monochromatic(nm: f32) -> Self {
         let nm = nm.clamp(NM_MIN, crate::NM_MAX);
-        Self::build([(nm, 1.0); Spectrum::LANES])
+        Self::build(Drawn {
+            nm: Spectrum::splat(nm),
+            pdf: Spectrum::ONE,
+            cells: [cell(nm).0 as u32; Spectrum::LANES],
+        })
     }
 
     /// Wavelength of each lane, in nm, within 360-830.
     #[inline]
     pub const fn nm(&self) -> [f32; Spectrum::LANES] {
-        self.nm
+        self.nm.lanes()
     }
 
     /// (nm - 360) / 470 of each lane, in [0, 1]: the variable of [`Sigmoid`](crate::Sigmoid).
@@ -83,7 +94,7 @@ impl Wavelengths {
     /// Density of a lane's wavelength, per nm; the same law for all lanes. `lane` below 4.
     #[inline]
     pub const fn pdf(&self, lane: usize) -> f32 {
-        self.pdf[lane]
+        self.pdf.lanes()[lane]
     }
 
     /// Mean over the lanes of value x matching functions / (pdf x integral of ybar): an unbiased
@@ -95,10 +106,10 @@ impl Wavelengths {
     /// [`WavelengthSampling::Hero`] without a switch anywhere.
     #[inline]
     pub fn to_xyz(&self, values: Spectrum) -> Xyz {
-        Xyz(self.weights.map(|weight| {
-            let [a, b, c, d] = (values * weight).lanes();
-            (a + b) + (c + d)
-        }))
+        let [a, b, c, d] = values.lanes();
+        let [first, second, third, fourth] = self.weights;
+        let [x, y, z, _] = ((first * a + second * b) + (third * c + fourth * d)).lanes();
+        Xyz([x, y, z])
     }
 
     /// The same from lane 0 alone, with weight 1: for paths on which only the hero survived
@@ -106,29 +117,39 @@ impl Wavelengths {
     #[inline]
     pub fn hero_to_xyz(&self, values: Spectrum) -> Xyz {
         let value = values.hero() * Spectrum::LANES as f32;
-        Xyz(self.weights.map(|weight| value * weight.hero()))
+        let [x, y, z, _] = (self.weights[0] * value).lanes();
+        Xyz([x, y, z])
     }
 
-    /// From pairs of wavelength and pdf.
+    /// A function that is linear between whole nanometres, given by its values at 360, 361, ..., 830 nm:
+    /// its values here.
     #[inline]
-    fn build(lanes: [(f32, f32); Spectrum::LANES]) -> Self {
-        let nm = lanes.map(|lane| lane.0);
-        let pdf = lanes.map(|lane| lane.1);
-        let mut weights = [[0.0; Spectrum::LANES]; 3];
-        for lane in 0..Spectrum::LANES {
-            let (i, s) = cell(nm[lane]);
-            let (a, b) = (&CMF[i], &CMF[i + 1]);
-            let scale = const { (1.0 / (Y_INTEGRAL * Spectrum::LANES as f64)) as f32 } / pdf[lane];
-            for c in 0..3 {
-                weights[c][lane] = (a[c] + s * (b[c] - a[c])) * scale;
-            }
-        }
-        let t = Spectrum::new(nm.map(|nm| (nm - NM_MIN) * const { 1.0 / 470.0 }));
+    pub(crate) fn interpolate(&self, knots: &[f32; KNOTS]) -> Spectrum {
+        // Never more, but only then can the compiler see that it is within the table.
+        let cells = self.cells.map(|cell| (cell as usize).min(KNOTS - 2));
+        let left = Spectrum::new(cells.map(|cell| knots[cell]));
+        let right = Spectrum::new(cells.map(|cell| knots[cell + 1]));
+        left + self.fractions * (right - left)
+    }
+
+    #[inline]
+    fn build(drawn: Drawn) -> Self {
+        let Drawn { nm, pdf, cells } = drawn;
+        let offset = nm - NM_MIN;
+        let fractions = offset - Spectrum::new(cells.map(|cell| cell as f32));
+        let scale = const { (1.0 / (Y_INTEGRAL * Spectrum::LANES as f64)) as f32 } / pdf;
+        let weights = std::array::from_fn(|lane| {
+            let cell = (cells[lane] as usize).min(KNOTS - 2);
+            let (a, b) = (Spectrum::new(CMF[cell]), Spectrum::new(CMF[cell + 1]));
+            (a + fractions[lane] * (b - a)) * scale[lane]
+        });
         Self {
             nm,
-            t,
+            t: offset * const { 1.0 / 470.0 },
             pdf,
-            weights: weights.map(Spectrum::new),
+            cells,
+            fractions,
+            weights,
         }
     }
 }

@@ -251,19 +251,22 @@ struct Job<'a> {
 
 impl SampleStream {
     fn run(&mut self, job: &Job<'_>, steps: u64) {
+        let mut tour = job
+            .cells
+            .map(|cells| Tour::new(&cells, self.ladder, self.step));
+        let seed = mix(job.seed);
         for done in 0..steps {
             if done % STRIDE == 0 && is_stopped(job.stop) {
                 return;
             }
-            let draws = self.generators.at(self.step);
-            let mut coordinates = Independent::new(draws);
-            match &job.cells {
+            let mut coordinates = Independent::new(self.generators.at(self.step));
+            match &mut tour {
                 None => job
                     .builder
                     .build(job.scene, &mut coordinates, &mut self.value),
-                Some(cells) => {
-                    let mut coordinates =
-                        cells.confine(job.seed, self.ladder, self.step, coordinates);
+                Some(tour) => {
+                    let mut coordinates = tour.confine(seed, coordinates);
+                    tour.go_on();
                     job.builder
                         .build(job.scene, &mut coordinates, &mut self.value);
                 }
@@ -320,19 +323,61 @@ impl Cells {
             |cell: u64| (u128::from(n) * u128::from(cell) / u128::from(self.count())) as u64;
         up_to(end) - up_to(first)
     }
+}
 
-    /// The coordinates of a ladder's step, whose raster point lies in the step's cell.
-    fn confine<C: Coordinates>(
-        &self,
-        seed: u64,
-        ladder: u32,
-        step: u64,
-        inner: C,
-    ) -> Stratified<C> {
-        let [first, end] = self.of_ladder(ladder);
-        let (pass, cell) = (step / (end - first), first + step % (end - first));
-        let corner = [(cell % self.columns) as f64, (cell / self.columns) as f64];
-        let size = [1.0 / self.columns as f64, 1.0 / self.rows as f64];
-        Stratified::new(inner, corner, size, pass, mix(seed) ^ cell)
+/// The way of a ladder's steps through its cells, again and again.
+struct Tour {
+    /// First cell of the ladder and the one after its last.
+    bounds: [u64; 2],
+    columns: u64,
+    /// Size of a cell as a share of the window.
+    size: [f64; 2],
+    pass: u64,
+    cell: u64,
+    /// Column and row of the cell.
+    corner: [u64; 2],
+}
+
+impl Tour {
+    /// As it stands before a step of a ladder that has cells.
+    fn new(cells: &Cells, ladder: u32, step: u64) -> Self {
+        let [first, end] = cells.of_ladder(ladder);
+        let count = (end - first).max(1);
+        let mut tour = Self {
+            bounds: [first, end],
+            columns: cells.columns,
+            size: [1.0 / cells.columns as f64, 1.0 / cells.rows as f64],
+            pass: step / count,
+            cell: 0,
+            corner: [0; 2],
+        };
+        tour.go_to(first + step % count);
+        tour
+    }
+
+    fn go_to(&mut self, cell: u64) {
+        self.cell = cell;
+        self.corner = [cell % self.columns, cell / self.columns];
+    }
+
+    /// To the next step's cell.
+    #[inline]
+    fn go_on(&mut self) {
+        let [first, end] = self.bounds;
+        self.cell += 1;
+        self.corner[0] += 1;
+        if self.cell == end {
+            self.pass += 1;
+            self.go_to(first);
+        } else if self.corner[0] == self.columns {
+            self.corner = [0, self.corner[1] + 1];
+        }
+    }
+
+    /// The coordinates of a step, whose raster point lies in the step's cell.
+    #[inline]
+    fn confine<C: Coordinates>(&self, seed: u64, inner: C) -> Stratified<C> {
+        let corner = self.corner.map(|at| at as f64);
+        Stratified::new(inner, corner, self.size, self.pass, seed ^ self.cell)
     }
 }

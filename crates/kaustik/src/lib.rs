@@ -32,6 +32,7 @@ mod options;
 mod pssmlt;
 mod render;
 mod settings;
+mod sobol;
 mod statistics;
 mod stratified;
 

@@ -1,7 +1,7 @@
 //! Coordinates of a pixel's samples that keep out of each other's way.
 //!
 //! The first coordinates of a path come from an Owen-scrambled Sobol sequence over the pixel's
-//! samples (Burley 2020, by the crate `sobol_burley`), the rest from a generator. Each sample is
+//! samples (Burley 2020, see [`Sobol`]), the rest from a generator. Each sample is
 //! uniform by itself, so that means are unbiased as ever; together they cover the pixel, the
 //! wavelengths, the emitters and the first directions evenly, and the picture has less noise. Pixels
 //! scramble differently, so that what is left over does not show as a pattern.
@@ -9,12 +9,12 @@
 use kaustik_path::layout;
 use kaustik_pss::{Coordinates, Stream};
 
+use crate::sobol::{PERIOD_BITS, SETS, Sobol};
+
 /// Vertices whose directions and emitter points are stratified.
 const VERTICES: usize = 3;
-/// Sets of four dimensions: one for raster and wavelength, one a vertex.
-const SETS: usize = 1 + VERTICES;
-/// The sequence is made for so many samples; then it begins anew, scrambled otherwise.
-const PERIOD_BITS: u32 = 16;
+// One set of four dimensions for raster and wavelength, one a vertex.
+const _: () = assert!(SETS == 1 + VERTICES);
 
 /// Coordinates of one sample of one cell of the raster.
 pub(crate) struct Stratified<C> {
@@ -22,70 +22,101 @@ pub(crate) struct Stratified<C> {
     /// Lower corner of the cell in cells, and the size of a cell as a share of the window.
     corner: [f64; 2],
     size: [f64; 2],
-    index: u32,
-    seed: u32,
+    point: Sobol,
     sets: [Option<[f32; 4]>; SETS],
 }
 
 impl<C: Coordinates> Stratified<C> {
     /// Sample `index` of a cell; `seed` tells cells apart. `inner` gives what is not stratified.
     pub(crate) fn new(inner: C, corner: [f64; 2], size: [f64; 2], index: u64, seed: u64) -> Self {
+        // Past the period the sequence begins anew, scrambled otherwise.
         let seed = mix(seed ^ mix(index >> PERIOD_BITS));
+        let index = (index & ((1 << PERIOD_BITS) - 1)) as u32;
         Self {
             inner,
             corner,
             size,
-            index: (index & ((1 << PERIOD_BITS) - 1)) as u32,
-            seed: (seed >> 32) as u32,
+            point: Sobol::new(index, (seed >> 32) as u32),
             sets: [None; SETS],
         }
     }
 
+    #[inline]
     fn set(&mut self, set: usize) -> [f32; 4] {
-        let (index, seed) = (self.index, self.seed);
-        *self.sets[set].get_or_insert_with(|| sobol_burley::sample_4d(index, set as u32, seed))
+        let point = &self.point;
+        *self.sets[set].get_or_insert_with(|| point.set(set))
+    }
+
+    /// A stratified coordinate as the path is to see it. It has 23 bits: about what a ray in single precision
+    /// resolves.
+    #[inline]
+    fn placed(&self, dimension: usize, u: f32) -> f64 {
+        match dimension {
+            0 | 1 => (self.corner[dimension] + f64::from(u)) * self.size[dimension],
+            _ => f64::from(u),
+        }
     }
 }
 
 impl<C: Coordinates> Coordinates for Stratified<C> {
     #[inline]
     fn get(&mut self, stream: Stream, index: u32) -> f64 {
-        let Some((set, lane)) = dimension(stream, index) else {
+        let Some(dimension) = dimension(stream, index) else {
             return self.inner.get(stream, index);
         };
-        // 24 bits, which is what a ray in single precision resolves.
-        let u = f64::from(self.set(set)[lane]);
-        if stream == Stream::Camera && index < 2 {
-            let axis = index as usize;
-            return (self.corner[axis] + u) * self.size[axis];
+        let u = self.set(dimension / 4)[dimension % 4];
+        self.placed(dimension, u)
+    }
+
+    #[inline]
+    fn get2(&mut self, stream: Stream, index: u32) -> [f64; 2] {
+        match dimension(stream, index) {
+            // What is asked for in pairs lies side by side in one set.
+            Some(first) if dimension(stream, index + 1) == Some(first + 1) && first % 4 < 3 => {
+                let set = self.set(first / 4);
+                let (a, b) = (set[first % 4], set[(first + 1) % 4]);
+                [self.placed(first, a), self.placed(first + 1, b)]
+            }
+            _ => [self.get(stream, index), self.get(stream, index + 1)],
         }
-        u
     }
 }
 
-/// Set and lane of a coordinate that is stratified.
+/// Number of a coordinate that is stratified: four times its set and its lane.
 #[inline]
-fn dimension(stream: Stream, index: u32) -> Option<(usize, usize)> {
-    match stream {
-        Stream::Camera if index < 2 => Some((0, index as usize)),
-        Stream::Wavelength if index == 0 => Some((0, 2)),
-        // The choice of an emitter leads only at the first vertex.
-        Stream::Connection if index == 0 => Some((0, 3)),
-        Stream::Connection => {
-            let (vertex, number) = (index / layout::NEXT_EVENT, index % layout::NEXT_EVENT);
-            let stratified = number > 0 && (vertex as usize) < VERTICES;
-            stratified.then(|| (1 + vertex as usize, number as usize - 1))
-        }
-        Stream::Camera if index >= layout::CAMERA_HEAD => {
-            let at = index - layout::CAMERA_HEAD;
-            let (vertex, number) = (at / layout::BOUNCE, at % layout::BOUNCE);
-            let direction = number == 1 || number == 2;
-            let stratified = direction && (vertex as usize) < VERTICES;
-            stratified.then(|| (1 + vertex as usize, 1 + number as usize))
-        }
-        _ => None,
-    }
+fn dimension(stream: Stream, index: u32) -> Option<usize> {
+    let row = DIMENSIONS.get(index as usize)?;
+    let dimension = row[stream as usize];
+    (dimension != NONE).then_some(usize::from(dimension))
 }
+
+/// Not stratified.
+const NONE: u8 = u8::MAX;
+
+/// One more than the largest index of a coordinate that is stratified.
+const ROWS: usize = layout::CAMERA_HEAD as usize + VERTICES * layout::BOUNCE as usize;
+
+/// For each index and stream the dimension; looked up because every coordinate of every path asks.
+static DIMENSIONS: [[u8; Stream::COUNT]; ROWS] = {
+    let mut rows = [[NONE; Stream::COUNT]; ROWS];
+    rows[0][Stream::Camera as usize] = 0;
+    rows[1][Stream::Camera as usize] = 1;
+    rows[0][Stream::Wavelength as usize] = 2;
+    // The choice of an emitter leads only at the first vertex.
+    rows[0][Stream::Connection as usize] = 3;
+    let mut vertex = 0;
+    while vertex < VERTICES {
+        let set = 4 * (1 + vertex as u8);
+        let point = layout::NEXT_EVENT as usize * vertex + 1;
+        rows[point][Stream::Connection as usize] = set;
+        rows[point + 1][Stream::Connection as usize] = set + 1;
+        let direction = layout::CAMERA_HEAD as usize + layout::BOUNCE as usize * vertex + 1;
+        rows[direction][Stream::Camera as usize] = set + 2;
+        rows[direction + 1][Stream::Camera as usize] = set + 3;
+        vertex += 1;
+    }
+    rows
+};
 
 /// A bijection of 64 bits (the finaliser of SplitMix64).
 pub(crate) fn mix(mut x: u64) -> u64 {
@@ -114,7 +145,7 @@ mod tests {
             for index in 0..200 {
                 if let Some(at) = dimension(stream, index) {
                     assert!(seen.insert(at), "{stream:?} {index}");
-                    assert!(at.0 < SETS && at.1 < 4);
+                    assert!(at < 4 * SETS);
                 }
             }
         }

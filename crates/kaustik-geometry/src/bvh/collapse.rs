@@ -5,7 +5,7 @@
 use obvhs::bvh2::Bvh2;
 
 use super::build::{Groups, Leaf};
-use super::node::{BLOCK, Block, Bvh, Child, Kind, Node, WIDTH};
+use super::node::{BLOCK, Block, Bvh, Child, Kind, NEAR, Node, WIDTH};
 use super::pages::settled;
 use super::plan::Plan;
 use super::stack::DEPTH;
@@ -34,6 +34,7 @@ pub(crate) fn collapse(tree: &Bvh2, groups: &Groups, leaves: &[Leaf], boxes: &[A
     drop(plan);
     wide.nodes = settled(&wide.nodes);
     wide.blocks = settled(&wide.blocks);
+    wide.is_near = wide.memory() <= NEAR;
     wide
 }
 

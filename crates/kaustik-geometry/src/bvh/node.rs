@@ -14,7 +14,12 @@ pub(crate) struct Bvh {
     pub(crate) blocks: Vec<Block>,
     /// None of an empty tree.
     pub(crate) root: Option<Child>,
+    /// So small that it stays in the nearest caches, and asking for its parts ahead of time is in vain.
+    pub(crate) is_near: bool,
 }
+
+/// Bytes of a tree that is near.
+pub(crate) const NEAR: usize = 1 << 17;
 
 /// Boxes of up to eight children: for each axis the least and the greatest. Unused ones are inside out.
 #[repr(C, align(64))]

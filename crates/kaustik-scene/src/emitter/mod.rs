@@ -172,20 +172,21 @@ impl Emitters {
         let (emitter, probability) = self.choose(|| u(0))?;
         match emitter {
             Emitter::Triangle(triangle) => {
-                let surface = triangle.surface(matter, warp::uniform_triangle([u(1), u(2)]));
-                let to = surface.position.as_dvec3() - position;
+                let weights = warp::uniform_triangle([u(1), u(2)]);
+                let (point, normal, surface) = triangle.point(matter, weights);
+                let to = point.as_dvec3() - position;
                 let squared = to.length_squared();
                 let wi = to / squared.sqrt();
-                let cos = -wi.dot(surface.geometric_normal.as_dvec3());
+                let cos = -wi.dot(normal.as_dvec3());
                 let material = matter.material(triangle.material);
                 let pdf = probability * triangle.inverse_area * squared / cos.abs();
                 let shines = material.emits_toward(cos) && pdf.is_finite() && pdf > 0.0;
                 shines.then(|| DirectSample {
                     wi,
                     pdf,
-                    radiance: matter.covered_emission(triangle.material, &surface, wavelengths),
+                    radiance: triangle.radiance(matter, surface.as_ref(), wavelengths),
                     delta: false,
-                    reach: Reach::Surface(surface),
+                    reach: Reach::Surface(point, normal),
                 })
             }
             Emitter::Punctual(index) => {

@@ -1,6 +1,6 @@
 //! What the emitters hand out.
 
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 use kaustik_geometry::{Ray, Surface};
 use kaustik_spectrum::Spectrum;
 
@@ -9,8 +9,8 @@ use crate::Interior;
 /// Where the far end of a connection to an emitter lies.
 #[derive(Clone, Copy, Debug)]
 pub enum Reach {
-    /// On an emissive triangle.
-    Surface(Surface),
+    /// On an emissive triangle: the point, rounded once, and the unit normal of the front.
+    Surface(Vec3, Vec3),
     /// At a point light.
     Point(DVec3),
     /// Infinitely far away.

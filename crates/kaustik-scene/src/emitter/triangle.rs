@@ -2,6 +2,7 @@
 
 use glam::{DVec3, Vec3};
 use kaustik_geometry::Surface;
+use kaustik_spectrum::{Spectrum, Wavelengths};
 
 use crate::Interior;
 use crate::matter::Matter;
@@ -42,19 +43,54 @@ impl Plane {
     }
 }
 
+impl Plane {
+    #[inline]
+    fn point(&self, [a, b]: [f64; 2]) -> Vec3 {
+        (self.corner + self.edges[0] * a + self.edges[1] * b).as_vec3()
+    }
+}
+
 impl TriangleEmitter {
     /// The surface at barycentric weights of the second and third corner.
-    #[inline]
-    pub(super) fn surface(&self, matter: &Matter, [a, b]: [f64; 2]) -> Surface {
+    pub(super) fn surface(&self, matter: &Matter, weights: [f64; 2]) -> Surface {
         match &self.plain {
-            Some(plane) => {
-                let position = plane.corner + plane.edges[0] * a + plane.edges[1] * b;
-                Surface::bare(position.as_vec3(), plane.normal)
-            }
+            Some(plane) => Surface::bare(plane.point(weights), plane.normal),
+            None => self.whole_surface(matter, weights),
+        }
+    }
+
+    fn whole_surface(&self, matter: &Matter, [a, b]: [f64; 2]) -> Surface {
+        let world = &matter.world;
+        world.surface_at(self.instance, self.primitive, a as f32, b as f32)
+    }
+
+    /// The point and the unit front normal there, and the whole surface where the emission asks for it.
+    #[inline]
+    pub(super) fn point(
+        &self,
+        matter: &Matter,
+        weights: [f64; 2],
+    ) -> (Vec3, Vec3, Option<Surface>) {
+        match &self.plain {
+            Some(plane) => (plane.point(weights), plane.normal, None),
             None => {
-                let world = &matter.world;
-                world.surface_at(self.instance, self.primitive, a as f32, b as f32)
+                let surface = self.whole_surface(matter, weights);
+                (surface.position, surface.geometric_normal, Some(surface))
             }
+        }
+    }
+
+    /// What it sends out there; the side is the caller's matter.
+    #[inline]
+    pub(super) fn radiance(
+        &self,
+        matter: &Matter,
+        surface: Option<&Surface>,
+        wavelengths: &Wavelengths,
+    ) -> Spectrum {
+        match surface {
+            Some(surface) => matter.covered_emission(self.material, surface, wavelengths),
+            None => matter.material(self.material).even_emission(wavelengths),
         }
     }
 }

@@ -91,18 +91,24 @@ impl Emission {
         surface: &Surface,
         wavelengths: &Wavelengths,
     ) -> Spectrum {
+        if self.is_even() {
+            return self.eval_even(wavelengths);
+        }
+        let tint = self.tint(textures, surface);
         match &self.source {
-            Source::Rgb(_, spectrum) if self.slot.is_none() && !self.vertex_color => {
-                spectrum.eval(wavelengths)
-            }
             Source::Rgb(rgb, _) => {
-                let tint = self.tint(textures, surface);
                 uplift_emission([0, 1, 2].map(|i| rgb[i] * tint[i])).eval(wavelengths)
             }
-            Source::Table(table) if self.slot.is_none() => table.eval(wavelengths),
-            Source::Table(table) => {
-                table.eval(wavelengths) * luminance(self.tint(textures, surface))
-            }
+            Source::Table(table) => table.eval(wavelengths) * luminance(tint),
+        }
+    }
+
+    /// The same where it is the same everywhere.
+    #[inline]
+    pub(super) fn eval_even(&self, wavelengths: &Wavelengths) -> Spectrum {
+        match &self.source {
+            Source::Rgb(_, spectrum) => spectrum.eval(wavelengths),
+            Source::Table(table) => table.eval(wavelengths),
         }
     }
 

@@ -288,6 +288,14 @@ impl Material {
         })
     }
 
+    /// The same where [`Self::emits_evenly`].
+    #[inline]
+    pub(crate) fn even_emission(&self, wavelengths: &Wavelengths) -> Spectrum {
+        self.emission
+            .as_ref()
+            .map_or(Spectrum::ZERO, |emission| emission.eval_even(wavelengths))
+    }
+
     /// Rough mean luminance over a triangle, for the choice among emitters.
     pub(crate) fn mean_emission(
         &self,

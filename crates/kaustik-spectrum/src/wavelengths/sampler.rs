@@ -4,7 +4,8 @@
 //! in closed form; a guide table finds the nanometre in one or two steps. All tables are built at
 //! compile time, in double precision.
 
-use crate::cmf::KNOTS;
+use crate::Spectrum;
+use crate::cmf::{KNOTS, NM_MIN, cell};
 use crate::data::cie_1931::CIE_1931;
 use crate::rgb::XYZ_TO_RGB;
 
@@ -46,14 +47,30 @@ impl WavelengthSampling {
         }
     }
 
-    /// The wavelength below which a share u in [0, 1] of the law lies, and the density there.
+    /// The wavelengths below which shares `u` in [0, 1] of the law lie.
     #[inline]
-    pub(super) fn inverse(self, u: f64) -> (f32, f32) {
+    pub(super) fn inverse(self, u: [f64; Spectrum::LANES]) -> Drawn {
         match self {
             Self::Hero => inverse(u),
-            Self::Single => ((400.0 + 300.0 * u) as f32, 1.0 / 300.0),
+            Self::Single => {
+                let nm = Spectrum::new(u.map(|u| (400.0 + 300.0 * u) as f32));
+                Drawn {
+                    nm,
+                    pdf: Spectrum::splat(1.0 / 300.0),
+                    cells: nm.lanes().map(|nm| cell(nm).0 as u32),
+                }
+            }
         }
     }
+}
+
+/// Wavelengths as a law gave them.
+#[derive(Clone, Copy)]
+pub(super) struct Drawn {
+    pub(super) nm: Spectrum,
+    pub(super) pdf: Spectrum,
+    /// The whole nanometre below each, from [`NM_MIN`].
+    pub(super) cells: [u32; Spectrum::LANES],
 }
 
 /// The law on one nanometre: pdf + s rise at the share s of it, cdf at its left end.
@@ -68,26 +85,35 @@ struct Cell {
 /// Smallest density, relative to |rbar| + |gbar| + |bbar| (whose maximum is 3.5): where the eye sees next
 /// to nothing, one sample in 1000 goes all the same.
 const FLOOR: f64 = 0.001;
-const GUIDES: usize = 1024;
+/// So many that one in nine begins within the nanometre that it leads to.
+const GUIDES: usize = 2048;
 
 static CELLS: [Cell; KNOTS - 1] = cells();
 static GUIDE: [u16; GUIDES] = guide(&cells());
 
 #[inline]
-fn inverse(u: f64) -> (f32, f32) {
-    let mut i = usize::from(GUIDE[((u * GUIDES as f64) as usize).min(GUIDES - 1)]);
-    while CELLS[i].next_cdf <= u && i < KNOTS - 2 {
-        i += 1;
-    }
-    let cell = &CELLS[i];
+fn inverse(u: [f64; Spectrum::LANES]) -> Drawn {
+    let cells = u.map(|u| {
+        let mut i = GUIDE[((u * GUIDES as f64) as usize).min(GUIDES - 1)];
+        while CELLS[usize::from(i)].next_cdf <= u && usize::from(i) < KNOTS - 2 {
+            i += 1;
+        }
+        u32::from(i)
+    });
+    let of_cell = |f: fn(&Cell) -> f32| Spectrum::new(cells.map(|i| f(&CELLS[i as usize])));
+    let (pdf, rise) = (of_cell(|cell| cell.pdf), of_cell(|cell| cell.rise));
     // s pdf + s^2 rise / 2 = rest, in the form that does not cancel; single precision resolves a
     // nanometre far below what nm itself does
-    let rest = (u - cell.cdf) as f32;
-    let root = (cell.pdf * cell.pdf + 2.0 * cell.rise * rest)
-        .max(0.0)
+    let rest = Spectrum::from_fn(|lane| (u[lane] - CELLS[cells[lane] as usize].cdf) as f32);
+    let root = (pdf * pdf + 2.0 * rise * rest)
+        .map(|square| square.max(0.0))
         .sqrt();
-    let s = (2.0 * rest / (cell.pdf + root)).clamp(0.0, 1.0);
-    (360.0 + (i as f32 + s), cell.pdf + s * cell.rise)
+    let s = (2.0 * rest / (pdf + root)).clamp(0.0, 1.0);
+    Drawn {
+        nm: NM_MIN + (Spectrum::new(cells.map(|i| i as f32)) + s),
+        pdf: pdf + s * rise,
+        cells,
+    }
 }
 
 const fn unnormalised(i: usize) -> f64 {
