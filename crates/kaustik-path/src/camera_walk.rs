@@ -21,16 +21,21 @@ pub(crate) fn trace(
     gather: impl FnOnce(&mut Walk, &mut dyn Coordinates, &mut Gathered),
 ) {
     out.clear();
-    let (mut walk, raster) = start(settings, scene, u);
-    let mut gathered = Gathered::default();
+    let wavelengths = Wavelengths::sample(u.get(Stream::Wavelength, 0), settings.wavelengths);
+    let (mut walk, raster) = start(settings, scene, wavelengths, u);
+    let mut gathered = Gathered::new(&wavelengths);
     gather(&mut walk, u, &mut gathered);
-    out.push(raster, gathered.to_xyz(&walk.wavelengths));
+    out.merge(raster, &gathered);
 }
 
 /// A walk at the lens, and the raster point that it serves.
 #[inline]
-fn start(settings: &BuilderSettings, scene: &Scene, u: &mut dyn Coordinates) -> (Walk, DVec2) {
-    let wavelengths = Wavelengths::sample(u.get(Stream::Wavelength, 0), settings.wavelengths);
+pub(crate) fn start(
+    settings: &BuilderSettings,
+    scene: &Scene,
+    wavelengths: Wavelengths,
+    u: &mut dyn Coordinates,
+) -> (Walk, DVec2) {
     let raster = settings.raster(DVec2::new(
         u.get(Stream::Camera, 0),
         u.get(Stream::Camera, 1),
@@ -51,6 +56,7 @@ fn start(settings: &BuilderSettings, scene: &Scene, u: &mut dyn Coordinates) -> 
         throughput: Spectrum::ONE,
         start: 1.0,
         dispersive: false,
+        specular: false,
         edges: 0,
     };
     (walk, raster)

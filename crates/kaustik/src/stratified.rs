@@ -72,8 +72,8 @@ fn dimension(stream: Stream, index: u32) -> Option<(usize, usize)> {
         // The choice of an emitter leads only at the first vertex.
         Stream::Connection if index == 0 => Some((0, 3)),
         Stream::Connection => {
-            let (vertex, number) = (index / layout::NEXT_EVENT, index % layout::NEXT_EVENT);
-            let stratified = number > 0 && (vertex as usize) < VERTICES;
+            let (vertex, number) = (index / layout::CONNECTION, index % layout::CONNECTION);
+            let stratified = (number == 1 || number == 2) && (vertex as usize) < VERTICES;
             stratified.then(|| (1 + vertex as usize, number as usize - 1))
         }
         Stream::Camera if index >= layout::CAMERA_HEAD => {
@@ -128,7 +128,7 @@ mod tests {
             for (stream, index) in [
                 (Stream::Wavelength, 0),
                 (Stream::Camera, 5),
-                (Stream::Connection, 4),
+                (Stream::Connection, 6),
             ] {
                 let strips: HashSet<u64> = (first..first + 256)
                     .map(|sample| {
