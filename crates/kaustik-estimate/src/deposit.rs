@@ -26,12 +26,14 @@ pub struct Scale {
 }
 
 impl Scale {
-    /// Adds all splats of a value, times a weight.
+    /// Adds all splats of a value, times a weight. Neighbours in the list that fall on one point (the
+    /// classes of a camera walk) go to the film as one.
     #[inline]
     pub fn splat(self, film: &Film, value: &Contributions, weight: f64) {
-        for splat in value.splats() {
-            let (x, y) = (splat.raster.x * self.width, splat.raster.y * self.height);
-            film.splat_weighted(x, y, splat.xyz, weight);
+        for group in value.splats().chunk_by(|a, b| a.raster == b.raster) {
+            let raster = group[0].raster;
+            let xyz = group.iter().map(|splat| splat.xyz).sum();
+            film.splat_weighted(raster.x * self.width, raster.y * self.height, xyz, weight);
         }
     }
 }

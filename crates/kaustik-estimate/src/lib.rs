@@ -9,5 +9,6 @@ mod scalar;
 mod target;
 
 pub use deposit::{KelemenDeposit, Mis, Scale};
-pub use scalar::{Contribution, ScalarContribution, ScalarTarget};
+pub use kaustik_path::ScalarTarget;
+pub use scalar::{Contribution, ScalarContribution};
 pub use target::PathTarget;

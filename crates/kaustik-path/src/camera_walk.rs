@@ -23,14 +23,14 @@ pub(crate) fn trace(
     out.clear();
     let wavelengths = Wavelengths::sample(u.get(Stream::Wavelength, 0), settings.wavelengths);
     let (mut walk, raster) = start(settings, scene, &wavelengths, u);
-    let mut gathered = Gathered::default();
+    let mut gathered = Gathered::new(&wavelengths);
     gather(&mut walk, u, &mut gathered);
-    out.push(raster, gathered.to_xyz(&wavelengths));
+    out.merge(raster, &gathered);
 }
 
 /// A walk at the lens, and the raster point that it serves.
 #[inline]
-fn start<'w>(
+pub(crate) fn start<'w>(
     settings: &BuilderSettings,
     scene: &Scene,
     wavelengths: &'w Wavelengths,
@@ -53,6 +53,7 @@ fn start<'w>(
         throughput: Spectrum::ONE,
         start: 1.0,
         dispersive: false,
+        specular: false,
         edges: 0,
     };
     (walk, raster)

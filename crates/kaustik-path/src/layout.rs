@@ -9,13 +9,33 @@ pub const CAMERA_HEAD: u32 = 4;
 pub const LIGHT_HEAD: u32 = 5;
 /// A vertex's own: lobe, direction (two), roulette.
 pub const BOUNCE: u32 = 4;
-/// Connection stream, next event at a vertex: choice, position (two).
+/// Connection stream: [`NEXT_EVENT`] for a vertex of a camera walk, then [`LENS`] for the vertex that
+/// a light walk reaches one edge earlier (the emitter itself is its vertex 0).
+pub const CONNECTION: u32 = NEXT_EVENT + LENS;
+/// Next event at a vertex: choice, position (two).
 pub const NEXT_EVENT: u32 = 3;
-/// Connection stream, lens point for a vertex of a light walk.
+/// Lens point for a vertex of a light walk.
 pub const LENS: u32 = 2;
+/// Technique stream: whether a walk of the simple bidirectional form ends where it begins.
+pub const STOP_AT_LENS: u32 = 0;
+/// The same at the emitter.
+pub const STOP_AT_EMITTER: u32 = 1;
 
 /// First of a vertex's [`BOUNCE`] coordinates in a stream with this head.
 #[inline]
 pub(crate) fn bounce(head: u32, edge: u32) -> u32 {
     head + BOUNCE * (edge - 1)
+}
+
+/// First of the [`NEXT_EVENT`] coordinates of the vertex that a camera walk reaches by this edge.
+#[inline]
+pub(crate) fn connection(edge: u32) -> u32 {
+    CONNECTION * (edge - 1)
+}
+
+/// First of the [`LENS`] coordinates of the vertex that a light walk reaches by this edge; 0 is the
+/// emitter.
+#[inline]
+pub(crate) fn lens(edge: u32) -> u32 {
+    CONNECTION * edge + NEXT_EVENT
 }

@@ -1,11 +1,14 @@
-//! From a point of the unit cube to light paths: path tracing and light tracing.
+//! From a point of the unit cube to light paths: path tracing, light tracing,
+//! bidirectional path tracing.
 //!
 //! A [`PathBuilder`] draws every number from [`Coordinates`](kaustik_pss::Coordinates) and
 //! nothing else. It knows no chain and no random generator, so that plain Monte Carlo, Markov
 //! chains and the replay of one recorded path all use it alike.
 
+mod bidirectional;
 mod builder;
 mod camera_walk;
+mod class;
 mod contributions;
 mod endpoint;
 mod features;
@@ -13,12 +16,16 @@ pub mod layout;
 mod light;
 mod next_event;
 mod roulette;
+mod scalar;
 mod unidirectional;
 mod walk;
 
+pub use bidirectional::{Bidirectional, Form, Heuristic};
 pub use builder::{BuilderSettings, PathBuilder};
+pub use class::Class;
 pub use contributions::{Contributions, Splat};
 pub use endpoint::Endpoint;
 pub use features::{Features, features};
 pub use light::LightTracing;
+pub use scalar::ScalarTarget;
 pub use unidirectional::Unidirectional;

@@ -6,9 +6,9 @@ use kaustik_pss::{Coordinates, Stream};
 use kaustik_scene::{AreaSample, EmissionSample, Scene, Vertex};
 use kaustik_spectrum::Wavelengths;
 
-use crate::contributions::Gathered;
+use crate::contributions::colour;
 use crate::walk::{Scatter, Walk};
-use crate::{BuilderSettings, Contributions, PathBuilder, layout};
+use crate::{BuilderSettings, Class, Contributions, PathBuilder, layout};
 
 const BOUNCES: (Stream, u32) = (Stream::Light, layout::LIGHT_HEAD);
 
@@ -58,6 +58,7 @@ impl LightTracing {
             throughput: emission.weight,
             start: emission.weight.mean(),
             dispersive: false,
+            specular: false,
             edges: 0,
         };
         let mut vertex = Vertex::default();
@@ -112,10 +113,9 @@ impl LightTracing {
         let ray = Ray::towards(&vertex.surface, lens.position.as_vec3());
         value *= scene.transmittance(&ray, &interior);
         value *= scene.absorption(&interior, walk.wavelengths, lens.distance);
-        let mut gathered = Gathered::default();
         let dispersive = walk.dispersive || scatter.bsdf.dispersive_between(scatter.wo, wi);
-        gathered.add(value, dispersive);
-        out.push(lens.raster, gathered.to_xyz(walk.wavelengths));
+        let xyz = colour(value, dispersive, walk.wavelengths);
+        out.push(lens.raster, xyz, Class::L4);
     }
 
     /// Strategy (1, 1): the emitter seen directly.
@@ -151,14 +151,14 @@ impl LightTracing {
         let interior = scene.area_interior(area, lens.direction);
         value *= scene.transmittance(&ray, &interior);
         value *= scene.absorption(&interior, wavelengths, lens.distance);
-        out.push(lens.raster, wavelengths.to_xyz(value));
+        out.push(lens.raster, wavelengths.to_xyz(value), Class::L4);
     }
 }
 
 /// The lens point for the vertex after `edges` edges; a pinhole asks for nothing.
-fn lens_coordinates(scene: &Scene, edges: u32, u: &mut dyn Coordinates) -> [f64; 2] {
+pub(crate) fn lens_coordinates(scene: &Scene, edges: u32, u: &mut dyn Coordinates) -> [f64; 2] {
     if !scene.camera().has_aperture() {
         return [0.5; 2];
     }
-    [0, 1].map(|i| u.get(Stream::Connection, layout::LENS * edges + i))
+    [0, 1].map(|i| u.get(Stream::Connection, layout::lens(edges) + i))
 }

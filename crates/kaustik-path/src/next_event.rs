@@ -5,8 +5,8 @@ use kaustik_pss::{Coordinates, Stream};
 use kaustik_scene::{Reach, Scene};
 
 use crate::contributions::Gathered;
-use crate::layout;
 use crate::walk::{Scatter, Walk, power_heuristic};
+use crate::{Class, layout};
 
 /// How often the two techniques that find an emitter are used, as factors of their densities.
 #[derive(Clone, Copy, Debug)]
@@ -40,7 +40,7 @@ pub(crate) fn next_event(
         return;
     }
     let vertex = scatter.vertex;
-    let first = layout::NEXT_EVENT * (walk.edges - 1);
+    let first = layout::connection(walk.edges);
     let sample = scene.sample_direct(vertex.position, walk.wavelengths, |i| {
         u.get(Stream::Connection, first + i)
     });
@@ -74,5 +74,5 @@ pub(crate) fn next_event(
         value *= scene.absorption(&interior, walk.wavelengths, distance);
     }
     let dispersive = walk.dispersive || scatter.bsdf.dispersive_between(scatter.wo, wi);
-    gathered.add(value, dispersive);
+    gathered.add(Class::L2, value, dispersive);
 }

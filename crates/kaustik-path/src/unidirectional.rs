@@ -7,7 +7,7 @@ use kaustik_scene::{Scene, Vertex};
 use crate::contributions::Gathered;
 use crate::next_event::{Shares, next_event};
 use crate::walk::{Walk, power_heuristic};
-use crate::{BuilderSettings, Contributions, PathBuilder, camera_walk, layout};
+use crate::{BuilderSettings, Class, Contributions, PathBuilder, camera_walk, layout};
 
 const BOUNCES: (Stream, u32) = (Stream::Camera, layout::CAMERA_HEAD);
 
@@ -98,7 +98,11 @@ pub(crate) fn emission(
             scene.direct_pdf(origin.position, vertex) * share,
         )
     });
-    gathered.add(walk.throughput * radiance * weight, walk.dispersive);
+    gathered.add(
+        Class::implicit(walk.specular),
+        walk.throughput * radiance * weight,
+        walk.dispersive,
+    );
 }
 
 /// Adds what a walk that left the scene sees.
@@ -117,5 +121,9 @@ pub(crate) fn escape(
     let weight = origin.map_or(1.0, |origin| {
         power_heuristic(origin.pdf, scene.environment_pdf(walk.direction) * share)
     });
-    gathered.add(walk.throughput * radiance * weight, walk.dispersive);
+    gathered.add(
+        Class::implicit(walk.specular),
+        walk.throughput * radiance * weight,
+        walk.dispersive,
+    );
 }

@@ -27,6 +27,8 @@ pub(crate) struct Walk<'w> {
     pub(crate) start: f32,
     /// Refracted where the index depends on the wavelength: the hero counts alone.
     pub(crate) dispersive: bool,
+    /// Has scattered into a Dirac direction.
+    pub(crate) specular: bool,
     /// Edges so far.
     pub(crate) edges: u32,
 }
@@ -107,6 +109,7 @@ impl Walk<'_> {
         }
         let vertex = scatter.vertex;
         self.dispersive |= sample.dispersive;
+        self.specular |= sample.delta;
         self.direction = vertex.frame.to_world(sample.wi);
         if sample.transmitted {
             scene.cross(vertex, self.direction, &mut self.interior);

@@ -20,7 +20,7 @@ pub mod texture;
 mod vertex;
 
 pub use description::Description;
-pub use emitter::{AreaSample, DirectSample, EmissionSample, Reach};
+pub use emitter::{AreaSample, DirectSample, EmissionPdf, EmissionSample, Reach};
 pub use interior::Interior;
 pub use scene::{Scene, SceneError, SceneOptions, Segment};
 pub use vertex::Vertex;

@@ -9,7 +9,7 @@ use kaustik_geometry::{Hit, Ray, World};
 use kaustik_spectrum::{Spectrum, Wavelengths};
 
 use crate::camera::Camera;
-use crate::emitter::{AreaSample, DirectSample, EmissionSample, Emitters, Reach};
+use crate::emitter::{AreaSample, DirectSample, EmissionPdf, EmissionSample, Emitters, Reach};
 use crate::matter::{Matter, Passage};
 use crate::{Interior, Vertex};
 pub use build::SceneOptions;
@@ -242,6 +242,19 @@ impl Scene {
         u: impl FnMut(u32) -> f64,
     ) -> Option<EmissionSample> {
         self.emitters.sample_emission(&self.matter, wavelengths, u)
+    }
+
+    /// Densities with which [`Self::sample_emission`] would start at a vertex toward `direction` (unit, world);
+    /// zero where nothing is emitted there.
+    #[inline]
+    pub fn emission_pdf(&self, vertex: &Vertex, direction: DVec3) -> EmissionPdf {
+        self.emitters.surface_pdf(&self.matter, vertex, direction)
+    }
+
+    /// The same for light of the environment that arrives from `toward` (unit).
+    #[inline]
+    pub fn environment_emission_pdf(&self, toward: DVec3) -> EmissionPdf {
+        self.emitters.infinity_pdf(toward)
     }
 
     /// What is left of an emission after the first `distance` (only lights with a `range` fade).

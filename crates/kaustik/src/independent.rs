@@ -1,11 +1,11 @@
-//! Methods of independent samples: path tracing and light tracing.
+//! Methods of independent samples: path tracing, light tracing, bidirectional path tracing.
 
 use std::sync::atomic::AtomicBool;
 
 use kaustik_estimate::Scale;
 use kaustik_film::{Counters, Film, Image, Quantum, develop};
 use kaustik_mcmc::{Independent, Mean, SampleGenerators};
-use kaustik_path::{Contributions, LightTracing, PathBuilder, Unidirectional};
+use kaustik_path::{Bidirectional, Contributions, Form, LightTracing, PathBuilder, Unidirectional};
 use kaustik_pss::Coordinates;
 use kaustik_scene::Scene;
 use rayon::prelude::*;
@@ -31,7 +31,8 @@ pub(crate) struct IndependentEngine<'a> {
     scale: Scale,
     /// Raster area of the window in pixels.
     area: f64,
-    /// Path tracing visits the cells of a grid over the window in turn; light tracing has none.
+    /// Methods with a walk from the camera visit the cells of a grid over the window in turn; light
+    /// tracing has none.
     cells: Option<Cells>,
     /// A sample touches one pixel only.
     single_pixel: bool,
@@ -61,14 +62,23 @@ impl<'a> IndependentEngine<'a> {
             settings: builder_settings(settings),
             next_event: settings.options.next_event,
         };
-        let bounds = settings.layout().extended_bounds();
-        let side = |axis: usize| ((bounds.max[axis] - bounds.min[axis]).round() as u64).max(1);
-        let cells = Cells {
-            columns: side(0),
-            rows: side(1),
-            ladders: u64::from(settings.options.ladders),
-        };
+        let cells = Cells::new(settings);
         Self::new(scene, settings, Box::new(builder), Some(cells))
+    }
+
+    pub(crate) fn bdpt(scene: &'a Scene, settings: &RenderSettings) -> Result<Self, RenderError> {
+        let builder = Bidirectional {
+            settings: builder_settings(settings),
+            form: Form::Full,
+            heuristic: settings.options.heuristic,
+        };
+        let cells = Cells::new(settings);
+        let engine = Self::new(scene, settings, Box::new(builder), Some(cells))?;
+        // Light that is joined to the lens falls on any pixel: only whole passes leave the picture even.
+        Ok(Self {
+            single_pixel: false,
+            ..engine
+        })
     }
 
     pub(crate) fn light(scene: &'a Scene, settings: &RenderSettings) -> Result<Self, RenderError> {
@@ -157,8 +167,8 @@ impl Engine for IndependentEngine<'_> {
             film,
             scale: *scale,
             cells: *cells,
-            // A pass that is broken off leaves the picture uneven; with a filter that
-            // spreads samples nothing could make it even again.
+            // A pass that is broken off leaves the picture uneven; where samples touch more than
+            // their own pixel nothing could make it even again.
             stop: stop.filter(|_| cells.is_none() || *single_pixel),
         };
         streams
@@ -176,8 +186,8 @@ impl Engine for IndependentEngine<'_> {
         let [first, end] = cells.of_ladder(ladder);
         match settings.budget {
             Budget::PerPixel(n) => n.saturating_mul(end - first),
-            // Samples of a last, broken pass go to the first cells of each ladder; a filter that
-            // spreads samples could not be made even again, and takes whole passes, at least one.
+            // Samples of a last, broken pass go to the first cells of each ladder; where they touch
+            // more than their own pixel, passes are whole, at least one.
             Budget::Total(n) if self.single_pixel => {
                 n / cells.count() * (end - first) + cells.share(n % cells.count(), [first, end])
             }
@@ -308,6 +318,16 @@ fn all_equal(passes: &[Option<u64>]) -> Option<u64> {
 }
 
 impl Cells {
+    fn new(settings: &RenderSettings) -> Self {
+        let bounds = settings.layout().extended_bounds();
+        let side = |axis: usize| ((bounds.max[axis] - bounds.min[axis]).round() as u64).max(1);
+        Self {
+            columns: side(0),
+            rows: side(1),
+            ladders: u64::from(settings.options.ladders),
+        }
+    }
+
     fn count(&self) -> u64 {
         self.columns * self.rows
     }

@@ -10,6 +10,8 @@ pub enum Method {
     Path,
     /// Light tracing to the camera.
     Light,
+    /// Bidirectional path tracing.
+    Bdpt,
     /// Primary sample space Metropolis light transport (Kelemen 2002).
     #[default]
     Pssmlt,
@@ -17,13 +19,14 @@ pub enum Method {
 
 impl Method {
     /// All methods.
-    pub const ALL: [Self; 3] = [Self::Path, Self::Light, Self::Pssmlt];
+    pub const ALL: [Self; 4] = [Self::Path, Self::Light, Self::Bdpt, Self::Pssmlt];
 
     /// The name on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Self::Path => "path",
             Self::Light => "light",
+            Self::Bdpt => "bdpt",
             Self::Pssmlt => "pssmlt",
         }
     }
@@ -36,6 +39,9 @@ impl Method {
             }
             Self::Light => {
                 "light tracing: walks from the emitters, every vertex joined to the lens"
+            }
+            Self::Bdpt => {
+                "bidirectional path tracing: walks from emitters and camera, joined in every way (Veach 1997)"
             }
             Self::Pssmlt => {
                 "Metropolis light transport on primary samples (Kelemen, Szirmay-Kalos 2002)"
@@ -123,7 +129,7 @@ pub const KEYS: &[Key] = &[
         default: "100000",
         range: "1..=10000000",
         meaning: "independent samples at the start: they choose the chains' first states, estimate the \
-                  normalisation and fix the film's quantum (path, light: a hundredth of it)",
+                  normalisation and fix the film's quantum (path, light, bdpt: a hundredth of it)",
         methods: EVERY,
     },
     Key {
@@ -136,10 +142,18 @@ pub const KEYS: &[Key] = &[
     Key {
         name: "builder",
         default: "unidirectional",
-        range: "unidirectional|endpoint",
-        meaning: "how paths are made: a walk joined to emitters at every vertex, or at its end only \
-                  (Kelemen sec. 2)",
+        range: "unidirectional|endpoint|simple|bidirectional",
+        meaning: "how paths are made: a walk joined to emitters at every vertex, or at its end only; \
+                  walks from both sides joined at their ends, or everywhere (Kelemen sec. 2)",
         methods: CHAINS,
+    },
+    Key {
+        name: "heuristic",
+        default: "power",
+        range: "power|balance|maximum",
+        meaning: "how the strategies of bidirectional paths share one path (Veach 1997, 9.2); pssmlt: \
+                  builders simple and bidirectional",
+        methods: &[Method::Bdpt, Method::Pssmlt],
     },
     Key {
         name: "target",
@@ -152,7 +166,7 @@ pub const KEYS: &[Key] = &[
         name: "contribution",
         default: "sum",
         range: "sum|maximum",
-        meaning: "how the splats of one point make one scalar",
+        meaning: "how what one point contributes makes one scalar: the sum, or the largest single path",
         methods: CHAINS,
     },
     Key {

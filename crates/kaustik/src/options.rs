@@ -1,6 +1,7 @@
 //! The settings that `--set key=value` reaches.
 
 use kaustik_estimate::{Contribution, Mis, ScalarTarget};
+use kaustik_path::Heuristic;
 use kaustik_spectrum::WavelengthSampling;
 
 use crate::method::{KEYS, Method};
@@ -22,6 +23,10 @@ pub enum Builder {
     Unidirectional,
     /// A walk from the camera, joined at its end only.
     Endpoint,
+    /// Walks from a light and from the camera, joined at their ends.
+    Simple,
+    /// Walks from a light and from the camera, joined everywhere.
+    Bidirectional,
 }
 
 /// Which estimate of `b` scales the image.
@@ -44,6 +49,7 @@ pub struct Options {
     pub pilot: u64,
     pub next_event: bool,
     pub builder: Builder,
+    pub heuristic: Heuristic,
     pub target: ScalarTarget,
     pub contribution: Contribution,
     pub p_large: f64,
@@ -61,6 +67,7 @@ impl Default for Options {
             pilot: 100_000,
             next_event: true,
             builder: Builder::default(),
+            heuristic: Heuristic::default(),
             target: ScalarTarget::default(),
             contribution: Contribution::default(),
             p_large: 0.3,
@@ -158,6 +165,14 @@ impl Options {
             "builder" => match self.builder {
                 Builder::Unidirectional => "unidirectional",
                 Builder::Endpoint => "endpoint",
+                Builder::Simple => "simple",
+                Builder::Bidirectional => "bidirectional",
+            }
+            .to_owned(),
+            "heuristic" => match self.heuristic {
+                Heuristic::Power => "power",
+                Heuristic::Balance => "balance",
+                Heuristic::Maximum => "maximum",
             }
             .to_owned(),
             "target" => match self.target {
@@ -197,8 +212,21 @@ impl Options {
             "compensation" => self.compensation = switch(value)?,
             "nextevent" => self.next_event = switch(value)?,
             "builder" => {
-                let (walk, end) = (Builder::Unidirectional, Builder::Endpoint);
-                self.builder = word(value, &[("unidirectional", walk), ("endpoint", end)])?;
+                let words = [
+                    ("unidirectional", Builder::Unidirectional),
+                    ("endpoint", Builder::Endpoint),
+                    ("simple", Builder::Simple),
+                    ("bidirectional", Builder::Bidirectional),
+                ];
+                self.builder = word(value, &words)?;
+            }
+            "heuristic" => {
+                let words = [
+                    ("power", Heuristic::Power),
+                    ("balance", Heuristic::Balance),
+                    ("maximum", Heuristic::Maximum),
+                ];
+                self.heuristic = word(value, &words)?;
             }
             "target" => {
                 let (xyz, y) = (ScalarTarget::Xyz, ScalarTarget::Luminance);
@@ -288,6 +316,8 @@ mod tests {
             "mis=off",
             "target=luminance",
             "plarge=0.5",
+            "builder=simple",
+            "heuristic=maximum",
         ] {
             options.set(Method::Pssmlt, text).unwrap();
         }

@@ -9,7 +9,7 @@ use kaustik_mcmc::{
     Draws, Exponential, Mean, Metropolis, Mutation, Pcg64Dxsm, Point, PointKernel, Pool,
     SampleGenerators, Statistics, Uniform, generator, sample, sample_generator,
 };
-use kaustik_path::{Contributions, Endpoint, PathBuilder, Unidirectional};
+use kaustik_path::{Bidirectional, Contributions, Endpoint, Form, PathBuilder, Unidirectional};
 use kaustik_scene::Scene;
 use rayon::prelude::*;
 
@@ -100,6 +100,8 @@ impl<'a> PssmltEngine<'a> {
             Builder::Endpoint => Box::new(Endpoint {
                 settings: builder_settings(settings),
             }),
+            Builder::Simple => Box::new(bidirectional(settings, Form::Simple)),
+            Builder::Bidirectional => Box::new(bidirectional(settings, Form::Full)),
         };
         let family = ScalarContribution {
             target: options.target,
@@ -202,6 +204,14 @@ impl<'a> PssmltEngine<'a> {
             mean.merge(&statistics.independent[0]);
         }
         mean
+    }
+}
+
+fn bidirectional(settings: &RenderSettings, form: Form) -> Bidirectional {
+    Bidirectional {
+        settings: builder_settings(settings),
+        form,
+        heuristic: settings.options.heuristic,
     }
 }
 

@@ -138,6 +138,7 @@ fn engine<'a>(
     Ok(match settings.method {
         Method::Path => Box::new(IndependentEngine::path(scene, settings)?),
         Method::Light => Box::new(IndependentEngine::light(scene, settings)?),
+        Method::Bdpt => Box::new(IndependentEngine::bdpt(scene, settings)?),
         Method::Pssmlt => Box::new(PssmltEngine::new(scene, settings)?),
     })
 }

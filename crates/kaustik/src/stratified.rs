@@ -107,7 +107,7 @@ static DIMENSIONS: [[u8; Stream::COUNT]; ROWS] = {
     let mut vertex = 0;
     while vertex < VERTICES {
         let set = 4 * (1 + vertex as u8);
-        let point = layout::NEXT_EVENT as usize * vertex + 1;
+        let point = layout::CONNECTION as usize * vertex + 1;
         rows[point][Stream::Connection as usize] = set;
         rows[point + 1][Stream::Connection as usize] = set + 1;
         let direction = layout::CAMERA_HEAD as usize + layout::BOUNCE as usize * vertex + 1;
@@ -159,7 +159,7 @@ mod tests {
             for (stream, index) in [
                 (Stream::Wavelength, 0),
                 (Stream::Camera, 5),
-                (Stream::Connection, 4),
+                (Stream::Connection, 6),
             ] {
                 let strips: HashSet<u64> = (first..first + 256)
                     .map(|sample| {

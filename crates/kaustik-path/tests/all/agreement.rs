@@ -1,5 +1,8 @@
 use glam::DVec2;
-use kaustik_path::{BuilderSettings, Endpoint, LightTracing, PathBuilder, Unidirectional};
+use kaustik_path::{
+    Bidirectional, BuilderSettings, Endpoint, Form, Heuristic, LightTracing, PathBuilder,
+    Unidirectional,
+};
 use kaustik_scene::Scene;
 
 use crate::estimate::{Estimate, REGIONS, image_means};
@@ -21,10 +24,13 @@ fn path(settings: BuilderSettings) -> Unidirectional {
     }
 }
 
+/// Builders that are compared with the path tracer.
+const OTHERS: usize = 6;
+
 /// Level of one comparison, so that all of a run together reject the truth once in a hundred
 /// times (Sidak).
 fn level() -> f64 {
-    let comparisons = (SCENES.len() + 2) * 2 * REGIONS;
+    let comparisons = (SCENES.len() + 2) * OTHERS * REGIONS;
     1.0 - 0.99_f64.powf(1.0 / comparisons as f64)
 }
 
@@ -44,9 +50,18 @@ fn complaints(
     (samples, uncertainty): (u32, f64),
 ) -> Vec<String> {
     let path = image_means(scene, &path(settings), samples, 1);
-    let others: [(&str, &dyn PathBuilder); 2] = [
+    let joined = |form, heuristic| Bidirectional {
+        settings,
+        form,
+        heuristic,
+    };
+    let others: [(&str, &dyn PathBuilder); OTHERS] = [
         ("light", &LightTracing { settings }),
         ("endpoint", &Endpoint { settings }),
+        ("full, power", &joined(Form::Full, Heuristic::Power)),
+        ("full, balance", &joined(Form::Full, Heuristic::Balance)),
+        ("full, maximum", &joined(Form::Full, Heuristic::Maximum)),
+        ("simple", &joined(Form::Simple, Heuristic::Power)),
     ];
     let mut complaints = Vec::new();
     for (method, builder) in others {

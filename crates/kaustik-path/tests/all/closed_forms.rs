@@ -1,5 +1,8 @@
 use glam::Vec3;
-use kaustik_path::{BuilderSettings, Endpoint, LightTracing, PathBuilder, Unidirectional};
+use kaustik_path::{
+    Bidirectional, BuilderSettings, Endpoint, Form, Heuristic, LightTracing, PathBuilder,
+    Unidirectional,
+};
 use kaustik_scene::Scene;
 use kaustik_scene::description::{AlphaMode, MaterialDescription};
 
@@ -9,15 +12,24 @@ use crate::stage::{Stage, cuboid, diffuse, floor, lamp, rectangle, solid};
 
 const SAMPLES: u32 = 60_000;
 
-fn builders() -> [(&'static str, Box<dyn PathBuilder>); 3] {
+fn builders() -> [(&'static str, Box<dyn PathBuilder>); 5] {
     let settings = BuilderSettings::default();
     let path = Unidirectional {
         settings,
         next_event: true,
     };
+    let joined = |form| {
+        Box::new(Bidirectional {
+            settings,
+            form,
+            heuristic: Heuristic::Power,
+        })
+    };
     [
         ("path", Box::new(path)),
         ("endpoint", Box::new(Endpoint { settings })),
+        ("full", joined(Form::Full)),
+        ("simple", joined(Form::Simple)),
         ("light", Box::new(LightTracing { settings })),
     ]
 }
@@ -36,7 +48,7 @@ fn under_water_the_sky_is_brighter() {
         .sky(1.0)
         .build();
     let expected = 1.33_f64.powi(2) * white();
-    for (name, builder) in &builders()[..2] {
+    for (name, builder) in &builders()[..4] {
         let seen = mean(&scene, &**builder);
         assert!(seen.holds(expected), "{name}: {seen:?}, {expected}");
         assert!(seen.error() < 0.01 * expected, "{name}");

@@ -2,7 +2,8 @@ use std::collections::HashSet;
 
 use kaustik_mcmc::{Independent, generator};
 use kaustik_path::{
-    BuilderSettings, Contributions, Endpoint, LightTracing, PathBuilder, Unidirectional,
+    Bidirectional, BuilderSettings, Contributions, Endpoint, Form, Heuristic, LightTracing,
+    PathBuilder, Unidirectional,
 };
 use kaustik_pss::{Coordinates, Recorded, Recording, Stream};
 use kaustik_scene::{Scene, builtin};
@@ -46,6 +47,13 @@ fn builders() -> Vec<Box<dyn PathBuilder>> {
         };
         builders.push(Box::new(LightTracing { settings }));
         builders.push(Box::new(Endpoint { settings }));
+        for form in [Form::Full, Form::Simple] {
+            builders.push(Box::new(Bidirectional {
+                settings,
+                form,
+                heuristic: Heuristic::Power,
+            }));
+        }
         for next_event in [false, true] {
             builders.push(Box::new(Unidirectional {
                 settings,

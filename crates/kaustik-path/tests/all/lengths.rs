@@ -1,4 +1,7 @@
-use kaustik_path::{BuilderSettings, Endpoint, LightTracing, PathBuilder, Unidirectional};
+use kaustik_path::{
+    Bidirectional, BuilderSettings, Endpoint, Form, Heuristic, LightTracing, PathBuilder,
+    Unidirectional,
+};
 use kaustik_scene::{Scene, builtin};
 use kaustik_spectrum::Illuminant;
 
@@ -22,10 +25,21 @@ fn means(scene: &Scene, max_edges: u32, samples: u32) -> Vec<(&'static str, Esti
         settings,
         next_event,
     };
-    let builders: [(&str, Box<dyn PathBuilder>); 4] = [
+    let joined = |form, heuristic| {
+        Box::new(Bidirectional {
+            settings,
+            form,
+            heuristic,
+        })
+    };
+    let builders: [(&str, Box<dyn PathBuilder>); 8] = [
         ("next event", Box::new(walk(true))),
         ("implicit hits", Box::new(walk(false))),
         ("endpoint", Box::new(Endpoint { settings })),
+        ("full, power", joined(Form::Full, Heuristic::Power)),
+        ("full, balance", joined(Form::Full, Heuristic::Balance)),
+        ("full, maximum", joined(Form::Full, Heuristic::Maximum)),
+        ("simple", joined(Form::Simple, Heuristic::Power)),
         ("light", Box::new(LightTracing { settings })),
     ];
     builders

@@ -97,6 +97,23 @@ pub struct LensSample {
     pub importance: f64,
 }
 
+/// Where a light ray meets the lens: the last edge of a light path that was not joined (`t = 0`).
+///
+/// A light walk that carries `alpha` along the ray contributes `alpha we` at `raster`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LensHit {
+    /// On the lens, in the world.
+    pub position: DVec3,
+    /// From the ray's origin, > 0.
+    pub distance: f64,
+    /// Point of the image; inside the camera's window.
+    pub raster: DVec2,
+    /// Cosine between the ray and the optical axis, in (0, 1].
+    pub cos: f64,
+    /// Importance: per area of the lens and projected solid angle.
+    pub we: f64,
+}
+
 /// A camera in the world. Looks along its local -z, +y is up.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Camera {
@@ -208,6 +225,24 @@ impl Camera {
             position: self.pose.point_to_world(sample.position),
             direction: self.pose.vector_to_world(sample.direction),
             ..sample
+        })
+    }
+
+    /// Where light that travels from `origin` along `direction` (unit) meets the lens from the front;
+    /// `None` if it misses the lens or comes from outside the window, and for cameras whose lens has no
+    /// area.
+    #[must_use]
+    pub fn meet_lens(&self, origin: DVec3, direction: DVec3) -> Option<LensHit> {
+        let Optics::Perspective(optics) = &self.optics else {
+            return None;
+        };
+        let origin = self.pose.point_to_local(origin);
+        let hit = optics.meet_lens(origin, self.pose.vector_to_local(direction))?;
+        let [min, max] = self.window;
+        let inside = hit.raster.cmpge(min).all() && hit.raster.cmplt(max).all();
+        inside.then(|| LensHit {
+            position: self.pose.point_to_world(hit.position),
+            ..hit
         })
     }
 

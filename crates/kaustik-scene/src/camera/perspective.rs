@@ -3,7 +3,7 @@ use std::f64::consts::PI;
 use glam::{DVec2, DVec3};
 use kaustik_bsdf::warp;
 
-use super::{CameraError, LensSample};
+use super::{CameraError, LensHit, LensSample};
 use crate::description::Lens;
 
 /// A pinhole or a thin lens, in the camera's own frame (it looks along -z).
@@ -126,6 +126,28 @@ impl Perspective {
             we,
             pdf,
             importance,
+        })
+    }
+
+    pub(super) fn meet_lens(&self, origin: DVec3, direction: DVec3) -> Option<LensHit> {
+        let lens = self.lens.as_ref()?;
+        // The camera looks along -z, so light that it sees travels along +z.
+        let cos = direction.z;
+        let distance = -origin.z / cos;
+        if !(cos > 0.0 && distance > 0.0) {
+            return None;
+        }
+        let mut position = origin + direction * distance;
+        position.z = 0.0;
+        if position.length_squared() > lens.radius * lens.radius {
+            return None;
+        }
+        Some(LensHit {
+            position,
+            distance,
+            raster: self.raster_of(position, -direction)?,
+            cos,
+            we: self.pdf_lens() * self.pdf_direction(cos) / cos,
         })
     }
 

@@ -7,6 +7,7 @@
 //! little about what it does for the picture.
 
 mod alias;
+mod density;
 mod punctual;
 mod sample;
 mod triangle;
@@ -22,9 +23,11 @@ use crate::Interior;
 use crate::environment::Environment;
 use crate::matter::Matter;
 use alias::AliasTable;
+use density::lambertian_pdf;
 pub(crate) use punctual::Punctual;
 use triangle::{Plane, TriangleEmitter, interiors_around};
 
+pub use density::EmissionPdf;
 pub use sample::{AreaSample, DirectSample, EmissionSample, Reach};
 
 /// Marks an instance that emits nothing.
@@ -184,6 +187,7 @@ impl Emitters {
                 shines.then(|| DirectSample {
                     wi,
                     pdf,
+                    emission_pdf: lambertian_pdf(cos, material.emits_on_both_sides()),
                     radiance: triangle.radiance(matter, surface.as_ref(), wavelengths),
                     delta: false,
                     reach: Reach::Surface(point, normal),
@@ -198,6 +202,7 @@ impl Emitters {
                 (pdf > 0.0).then(|| DirectSample {
                     wi,
                     pdf: pdf * probability,
+                    emission_pdf: self.disc_pdf(),
                     radiance: environment.radiance(wi, wavelengths),
                     delta: false,
                     reach: Reach::Infinity,
@@ -218,6 +223,7 @@ impl Emitters {
             return Some(DirectSample {
                 wi: -light.axis(),
                 pdf: probability,
+                emission_pdf: self.disc_pdf(),
                 radiance: light.intensity(light.axis(), wavelengths),
                 delta: true,
                 reach: Reach::Infinity,
@@ -231,6 +237,7 @@ impl Emitters {
         (squared > 0.0 && fading > 0.0).then(|| DirectSample {
             wi,
             pdf: probability,
+            emission_pdf: light.direction_pdf(-wi),
             radiance: light.intensity(-wi, wavelengths) * fading as f32,
             delta: true,
             reach: Reach::Point(light.position),
@@ -280,10 +287,18 @@ impl Emitters {
                 let environment = self.environment.as_ref()?;
                 let (toward, pdf) = environment.sample([u(3), u(4)]);
                 let radiance = environment.radiance(toward, wavelengths);
-                let pdf = pdf * probability / (PI * self.radius * self.radius);
+                let densities = EmissionPdf {
+                    position: pdf * probability,
+                    direction: self.disc_pdf(),
+                    cos: 1.0,
+                    infinite: true,
+                    hittable: true,
+                };
+                let pdf = densities.position * densities.direction;
                 (pdf > 0.0).then(|| EmissionSample {
                     ray: self.ray_from_disc(-toward, [u(1), u(2)]),
                     weight: radiance / pdf as f32,
+                    pdf: densities,
                     interior: Interior::VACUUM,
                     area: None,
                     fading: None,
@@ -312,6 +327,7 @@ impl Emitters {
         }
         let normal = surface.geometric_normal.as_dvec3() * side;
         let direction = Frame::from_z(normal).to_world(warp::cosine_hemisphere([u(3), v]));
+        let cos = normal.dot(direction).max(0.0);
         // The cosine of the density cancels the emitter's.
         let position_weight = 1.0 / (probability * triangle.inverse_area);
         let weight = position_weight * PI * sides;
@@ -319,6 +335,13 @@ impl Emitters {
             ray: Ray::spawn(&surface, direction.as_vec3()),
             weight: matter.covered_emission(triangle.material, &surface, wavelengths)
                 * weight as f32,
+            pdf: EmissionPdf {
+                position: probability * triangle.inverse_area,
+                direction: lambertian_pdf(cos, both_sides),
+                cos,
+                infinite: false,
+                hittable: true,
+            },
             interior: self.interiors[triangle.interior as usize][usize::from(side < 0.0)],
             area: Some(AreaSample {
                 surface,
@@ -344,6 +367,13 @@ impl Emitters {
             return Some(EmissionSample {
                 ray: self.ray_from_disc(light.axis(), [u(1), u(2)]),
                 weight: light.intensity(light.axis(), wavelengths) * weight as f32,
+                pdf: EmissionPdf {
+                    position: probability,
+                    direction: self.disc_pdf(),
+                    cos: 1.0,
+                    infinite: true,
+                    hittable: false,
+                },
                 interior: Interior::VACUUM,
                 area: None,
                 fading: None,
@@ -354,6 +384,13 @@ impl Emitters {
         weight.is_finite().then(|| EmissionSample {
             ray: Ray::new(light.position.as_vec3(), direction.as_vec3()),
             weight: light.intensity(direction, wavelengths) * weight as f32,
+            pdf: EmissionPdf {
+                position: probability,
+                direction: pdf,
+                cos: 1.0,
+                infinite: false,
+                hittable: false,
+            },
             interior: self.punctual_interior[index as usize],
             area: None,
             fading: Some(index),

@@ -123,7 +123,6 @@ impl Punctual {
     }
 
     /// Density of [`Self::sample_direction`].
-    #[cfg(test)]
     pub(crate) fn direction_pdf(&self, direction: DVec3) -> f64 {
         match self.shape {
             Shape::Spot { cos_outer, .. } if self.axis.dot(direction) < cos_outer => 0.0,

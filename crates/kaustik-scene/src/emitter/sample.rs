@@ -4,6 +4,7 @@ use glam::{DVec3, Vec3};
 use kaustik_geometry::{Ray, Surface};
 use kaustik_spectrum::Spectrum;
 
+use super::EmissionPdf;
 use crate::Interior;
 
 /// Where the far end of a connection to an emitter lies.
@@ -25,6 +26,9 @@ pub struct DirectSample {
     /// Density per solid angle at the point, the choice of the emitter included; of a Dirac
     /// emitter the probability of its choice.
     pub pdf: f64,
+    /// Density with which a light walk from the emitter's point would take the direction `-wi`: per
+    /// solid angle, at infinity per area perpendicular to it ([`EmissionPdf::direction`]).
+    pub emission_pdf: f64,
     /// Radiance from there; of a Dirac emitter the irradiance on a surface that faces it.
     pub radiance: Spectrum,
     /// A Dirac emitter: no ray can hit it, so no other technique finds this light.
@@ -40,6 +44,8 @@ pub struct EmissionSample {
     pub ray: Ray,
     /// Emitted radiance times cosine over all densities: `Le |cos| / (P p_A p_w)`.
     pub weight: Spectrum,
+    /// With which densities the point and the direction were drawn.
+    pub pdf: EmissionPdf,
     /// The solids around the emitter, on the side of the ray.
     pub interior: Interior,
     /// The point on an emissive triangle with `1 / (P p_A)`, for joining it to the lens; `None` for Dirac

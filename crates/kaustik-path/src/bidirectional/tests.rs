@@ -1,0 +1,10 @@
+//! Weights against their definition, strategies against each other.
+
+/// Random paths over planes and spheres, in f64.
+mod analytic;
+/// Each strategy alone in a room whose light is known.
+mod furnace;
+/// The weights' definition.
+mod reference;
+/// The renderer's own paths.
+mod traced;

@@ -1,0 +1,97 @@
+//! A vertex of either subpath, with all that joining it takes.
+
+use glam::DVec3;
+use kaustik_bsdf::{Bsdf, Lobe, Mode};
+use kaustik_scene::{Interior, Vertex};
+use kaustik_spectrum::Spectrum;
+
+use super::form::Onward;
+use super::running::Running;
+use crate::walk::{Scatter, Walk};
+
+/// Written once when a walk reaches it, read by every connection.
+#[derive(Clone, Debug)]
+pub(crate) struct PathVertex {
+    pub(crate) vertex: Vertex,
+    pub(crate) bsdf: Bsdf,
+    /// Local direction to where the subpath came from.
+    pub(crate) wo: DVec3,
+    /// Local geometric normal.
+    pub(crate) ng: DVec3,
+    /// The same direction as `wo`, in the world.
+    pub(crate) back: DVec3,
+    pub(crate) throughput: Spectrum,
+    pub(crate) interior: Interior,
+    pub(crate) running: Running,
+    pub(crate) onward: Onward,
+    /// Edges from the subpath's end.
+    pub(crate) edges: u32,
+    pub(crate) dispersive: bool,
+    pub(crate) connectable: bool,
+    /// The walk went on from here by a Dirac scattering.
+    pub(crate) delta: bool,
+}
+
+impl Default for PathVertex {
+    /// A slot to write into.
+    fn default() -> Self {
+        Self {
+            vertex: Vertex::default(),
+            bsdf: Bsdf::lambertian(Spectrum::ZERO),
+            wo: DVec3::Z,
+            ng: DVec3::Z,
+            back: DVec3::Z,
+            throughput: Spectrum::ZERO,
+            interior: Interior::VACUUM,
+            running: Running::default(),
+            onward: Onward {
+                onward: 1.0,
+                stop: 0.0,
+            },
+            edges: 0,
+            dispersive: false,
+            connectable: false,
+            delta: false,
+        }
+    }
+}
+
+impl PathVertex {
+    /// Takes over from a walk that has just reached [`Self::vertex`].
+    #[inline]
+    pub(super) fn reach(&mut self, walk: &Walk) {
+        self.back = -walk.direction;
+        self.wo = self.vertex.frame.to_local(self.back);
+        self.ng = self.vertex.local_normal();
+        self.throughput = walk.throughput;
+        self.interior = walk.interior;
+        self.edges = walk.edges;
+        self.dispersive = walk.dispersive;
+        self.delta = false;
+    }
+
+    /// As the walk wants it.
+    #[inline]
+    pub(super) fn scatter(&self) -> Scatter<'_> {
+        Scatter {
+            vertex: &self.vertex,
+            bsdf: self.bsdf,
+            wo: self.wo,
+            ng: self.ng,
+        }
+    }
+
+    /// Geometric cosine of the edge that led here.
+    #[inline]
+    pub(super) fn cos_back(&self) -> f64 {
+        self.wo.dot(self.ng).abs()
+    }
+
+    /// [`Running::rivals`] for a path that goes on from here in the local direction `wi`; `reverse` is
+    /// the mode of a walk that comes from there.
+    #[inline]
+    pub(super) fn rivals(&self, heuristic: super::Heuristic, wi: DVec3, reverse: Mode) -> f64 {
+        let back = self.bsdf.pdf(wi, self.wo, reverse);
+        (self.running).rivals(heuristic, self.onward.odds(), back)
+    }
+}

@@ -1,0 +1,119 @@
+//! The weight of each kind of strategy, from what runs along the subpaths (spec: bdpt-and-mis.md 6.2).
+//!
+//! A weight is `1 / (1 + fewer + more)`: the strategies with fewer vertices from the light, and those
+//! with more, relative to the one at hand. Either is the density with which the other side would make
+//! the joined vertex, times what the vertex knows of its rivals ([`Running::rivals`]), over the
+//! odds with which this very join is made.
+
+use glam::DVec3;
+use kaustik_bsdf::{Lobe, Mode};
+use kaustik_scene::EmissionPdf;
+
+use super::running::Running;
+use super::vertex::PathVertex;
+use super::{Form, Heuristic};
+
+/// What weights depend on besides the path.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Weights {
+    pub(super) form: Form,
+    pub(super) heuristic: Heuristic,
+}
+
+/// A point of an emitter that next event found.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct DirectEnd {
+    /// Density per solid angle with which it was found; `None` where no ray can run into it.
+    pub(super) pdf: Option<f64>,
+    /// Density of the direction from it.
+    pub(super) emission_pdf: f64,
+    /// Square of the distance; 1 at infinity.
+    pub(super) squared: f64,
+}
+
+/// A point of the lens.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct LensEnd {
+    /// Density with which a walk from it would reach the vertex, per area perpendicular to the edge.
+    pub(super) raster: f64,
+    /// Square of the distance.
+    pub(super) squared: f64,
+    /// Cosine at the lens.
+    pub(super) cos: f64,
+    /// Density of the point; `None` where no ray can run into the lens.
+    pub(super) pdf: Option<f64>,
+}
+
+impl Weights {
+    /// s = 0: an emitter that the eye's walk ran into after `edges` edges. One that is seen directly
+    /// has no rival.
+    #[inline]
+    pub(super) fn implicit(&self, edges: u32, pdf: &EmissionPdf, running: &Running) -> f64 {
+        if edges == 1 {
+            return 1.0;
+        }
+        let emitter = self.form.at_emitter();
+        let rivals = running.rivals(self.heuristic, emitter.odds(), pdf.direction);
+        let more = self.heuristic.of(pdf.position * emitter.onward) * rivals;
+        self.heuristic.weight(0.0, more)
+    }
+
+    /// s = 1: the vertex `z` of the eye, joined in local direction `wi`.
+    #[inline]
+    pub(super) fn direct(&self, z: &PathVertex, wi: DVec3, end: &DirectEnd) -> f64 {
+        let heuristic = self.heuristic;
+        let emitter = self.form.at_emitter();
+        let odds = z.onward.odds() * emitter.odds();
+        let fewer = end.pdf.map_or(0.0, |found| {
+            let pdf = z.bsdf.pdf(z.wo, wi, Mode::Radiance);
+            heuristic.of(pdf / (found * odds * emitter.onward))
+        });
+        let area = end.emission_pdf * wi.dot(z.ng).abs() / end.squared;
+        let rivals = z.rivals(heuristic, wi, Mode::Importance);
+        heuristic.weight(fewer, heuristic.of(area / odds) * rivals)
+    }
+
+    /// s >= 2, t >= 2: `y` of the light, joined in local direction `wy`, and `z` of the eye, joined in
+    /// `wi`, at the square of a distance.
+    #[inline]
+    pub(super) fn joined(
+        &self,
+        (y, wy): (&PathVertex, DVec3),
+        (z, wi): (&PathVertex, DVec3),
+        squared: f64,
+    ) -> f64 {
+        let heuristic = self.heuristic;
+        let scale = 1.0 / (z.onward.odds() * y.onward.odds() * squared);
+        let by_eye = z.bsdf.pdf(z.wo, wi, Mode::Radiance) * wy.dot(y.ng).abs();
+        let by_light = y.bsdf.pdf(y.wo, wy, Mode::Importance) * wi.dot(z.ng).abs();
+        let fewer = heuristic.of(by_eye * scale) * y.rivals(heuristic, wy, Mode::Radiance);
+        let more = heuristic.of(by_light * scale) * z.rivals(heuristic, wi, Mode::Importance);
+        heuristic.weight(fewer, more)
+    }
+
+    /// t = 1: `y` of the light, joined in local direction `wi`.
+    #[inline]
+    pub(super) fn to_lens(&self, y: &PathVertex, wi: DVec3, end: &LensEnd) -> f64 {
+        let heuristic = self.heuristic;
+        let lens = self.form.at_lens();
+        let odds = y.onward.odds() * lens.odds();
+        let area = end.raster * wi.dot(y.ng).abs();
+        let fewer = heuristic.of(area / odds) * y.rivals(heuristic, wi, Mode::Radiance);
+        let more = end.pdf.map_or(0.0, |position| {
+            let pdf = y.bsdf.pdf(y.wo, wi, Mode::Importance);
+            let area = pdf * end.cos / end.squared;
+            heuristic.of(area / (odds * position * lens.onward))
+        });
+        heuristic.weight(fewer, more)
+    }
+
+    /// t = 0: a lens that the light's walk ran into; `position` is the density of its point, `back` that
+    /// of the direction in which the camera would send a walk.
+    #[inline]
+    pub(super) fn lens_hit(&self, running: &Running, position: f64, back: f64) -> f64 {
+        let lens = self.form.at_lens();
+        let rivals = running.rivals(self.heuristic, lens.odds(), back);
+        let fewer = self.heuristic.of(position * lens.onward) * rivals;
+        self.heuristic.weight(fewer, 0.0)
+    }
+}

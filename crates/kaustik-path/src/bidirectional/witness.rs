@@ -1,0 +1,61 @@
+//! Who looks at each contribution: nobody in a render, the tests of the weights.
+
+use glam::DVec3;
+use kaustik_scene::camera::{LensHit, LensSample};
+use kaustik_scene::{DirectSample, EmissionPdf};
+use kaustik_spectrum::Spectrum;
+
+use super::vertex::PathVertex;
+
+/// Told of every weighted path before its visibility is known.
+pub(super) trait Witness {
+    /// `light` and `eye` are the vertices on surfaces that the path is made of, from the ends
+    /// inwards.
+    fn see(&mut self, seen: &Seen<'_>);
+}
+
+/// A weighted path.
+#[derive(Clone, Copy, Debug)]
+#[cfg_attr(
+    not(test),
+    expect(dead_code, reason = "read by the tests of the weights")
+)]
+pub(super) struct Seen<'a> {
+    /// Vertices from the light, the point on the emitter included.
+    pub(super) s: u32,
+    /// Vertices from the eye, the point on the lens included.
+    pub(super) t: u32,
+    pub(super) weight: f64,
+    pub(super) value: Spectrum,
+    pub(super) light: &'a [PathVertex],
+    pub(super) eye: &'a [PathVertex],
+    pub(super) joint: Joint<'a>,
+}
+
+/// What else the path is made of.
+#[derive(Clone, Copy, Debug)]
+#[cfg_attr(
+    not(test),
+    expect(dead_code, reason = "read by the tests of the weights")
+)]
+pub(super) enum Joint<'a> {
+    /// s = 0: the last vertex of the eye emits, or the walk left the scene.
+    Emitter {
+        pdf: EmissionPdf,
+        /// In which the light travels.
+        direction: DVec3,
+    },
+    /// s = 1.
+    Direct(&'a DirectSample),
+    /// t = 1.
+    Lens(&'a LensSample),
+    /// t = 0.
+    LensHit(&'a LensHit),
+    /// Two vertices on surfaces.
+    Surfaces,
+}
+
+impl Witness for () {
+    #[inline]
+    fn see(&mut self, _: &Seen<'_>) {}
+}
