@@ -53,8 +53,9 @@ fn furnace() -> Description {
     builtin::load("furnace?kind=diffuse").expect("a built-in scene")
 }
 
-/// A coarse ball seen from within, whose interpolated normals are far from those of its facets.
-fn bent_ball() -> Mesh {
+/// Some rings of a coarse ball seen from within, whose interpolated normals are far from those of its
+/// facets.
+fn bent_ball(radius: f32, rings: std::ops::Range<u32>) -> Mesh {
     const RINGS: u32 = 4;
     const SPOKES: u32 = 5;
     let at = |ring: u32, spoke: u32| {
@@ -64,12 +65,12 @@ fn bent_ball() -> Mesh {
         Vec3::new(across * phi.cos(), y, across * phi.sin())
     };
     let mut mesh = Mesh::default();
-    for ring in 0..RINGS {
+    for ring in rings {
         for spoke in 0..SPOKES {
             let corners = [(0, 0), (0, 1), (1, 1), (1, 0)].map(|(r, s)| at(ring + r, spoke + s));
             let first = mesh.positions.len() as u32;
             mesh.normals.extend(corners.map(|corner| -corner));
-            mesh.positions.extend(corners);
+            mesh.positions.extend(corners.map(|corner| corner * radius));
             if ring + 1 < RINGS {
                 mesh.indices.push([first, first + 3, first + 2]);
             }
@@ -170,20 +171,25 @@ fn assert_equal_strategies(lens: Option<Lens>, samples: u32, uncertainty: f64) {
 fn every_strategy_alone_brings_the_same_under_bent_normals() {
     let mut description = furnace();
     let radius = description.meshes[0].positions[0].length();
-    let mut ball = bent_ball();
-    for position in &mut ball.positions {
-        *position *= radius;
-    }
-    description.meshes[0] = Arc::new(ball);
-    let (means, ..) = means(&compile(&description), 60_000);
-    for edges in 2..=EDGES as usize {
+    // Light from above alone: in even light what bent normals do would cancel.
+    description.meshes[0] = Arc::new(bent_ball(radius, 0..1));
+    description.meshes.push(Arc::new(bent_ball(radius, 1..4)));
+    let mut dark = description.materials[0].clone();
+    dark.emissive = [0.0; 3];
+    description.materials.push(dark);
+    let mut walls = description.instances[0].clone();
+    walls.mesh = 1;
+    walls.material = Some(1);
+    description.instances.push(walls);
+    let (means, ..) = means(&compile(&description), 200_000);
+    for edges in 2..=4 {
         let wanted = &means[1][edges];
         for (s, t) in strategies(edges, false) {
             let mean = &means[s][t];
             let error = mean.standard_error().hypot(wanted.standard_error());
             let off = (mean.mean() - wanted.mean()).abs() / error;
             assert!(off < 4.5, "({s}, {t}): {mean:?}, {wanted:?}");
-            assert!(error < 0.04 * wanted.mean(), "({s}, {t}): {mean:?}");
+            assert!(error < 0.05 * wanted.mean(), "({s}, {t}): {mean:?}");
         }
     }
 }
