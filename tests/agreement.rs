@@ -24,8 +24,8 @@ fn shown_by_light(scene: &Scene) -> Vec<bool> {
 
 struct Case {
     words: &'static str,
-    /// Samples a pixel and seed of path, light, pssmlt.
-    spp: [u64; 3],
+    /// Samples a pixel and seed of path, light, pssmlt, bdpt.
+    spp: [u64; 4],
     /// The pooled standard error, as a share of a tile's mean, that these samples reach.
     share: f64,
 }
@@ -64,6 +64,8 @@ fn compare(case: &Case, seeds: u64) -> Vec<(String, Verdict)> {
         "pssmlt".to_owned(),
         agree(&path, &run(&pssmlt), |_| true, case.share),
     ));
+    let bdpt = run(&settings(Method::Bdpt, SIDE, case.spp[3]));
+    verdicts.push(("bdpt".to_owned(), agree(&path, &bdpt, |_| true, case.share)));
     verdicts
 }
 
@@ -94,7 +96,7 @@ fn methods_agree_roughly() {
     assert_agreement(
         &Case {
             words: "cornell",
-            spp: [16, 16, 32],
+            spp: [16, 16, 32, 8],
             share: 0.2,
         },
         8,
@@ -115,12 +117,12 @@ macro_rules! agreement_on {
 }
 
 agreement_on! {
-    methods_agree_on_cornell: "cornell", [400, 600, 5_000], 0.005;
-    methods_agree_on_direct_light: "cornell-direct", [200, 600, 4_000], 0.005;
-    methods_agree_on_indirect_light: "cornell-indirect", [1_500, 600, 3_500], 0.03;
-    methods_agree_on_ring_and_sphere: "ring-and-sphere?light=0.8", [1_500, 600, 3_500], 0.03;
-    methods_agree_on_glass_cube: "glass-cube?light=0.8", [1_500, 600, 3_500], 0.03;
-    methods_agree_on_water: "water-cornell?light=0.8", [1_500, 600, 3_500], 0.03;
+    methods_agree_on_cornell: "cornell", [400, 600, 5_000, 300], 0.005;
+    methods_agree_on_direct_light: "cornell-direct", [200, 600, 4_000, 200], 0.005;
+    methods_agree_on_indirect_light: "cornell-indirect", [1_500, 600, 3_500, 500], 0.03;
+    methods_agree_on_ring_and_sphere: "ring-and-sphere?light=0.8", [1_500, 600, 3_500, 500], 0.03;
+    methods_agree_on_glass_cube: "glass-cube?light=0.8", [1_500, 600, 3_500, 500], 0.03;
+    methods_agree_on_water: "water-cornell?light=0.8", [1_500, 600, 3_500, 500], 0.03;
 }
 
 #[test]
@@ -134,6 +136,13 @@ fn endpoint_walks_and_other_weights_agree() {
             "endpoint",
             (|o| o.builder = Builder::Endpoint) as fn(&mut kaustik::Options),
         ),
+        ("simple", |o| o.builder = Builder::Simple),
+        ("bidirectional", |o| o.builder = Builder::Bidirectional),
+        ("largest path, maximum heuristic", |o| {
+            o.builder = Builder::Bidirectional;
+            o.contribution = kaustik::estimate::Contribution::Maximum;
+            o.heuristic = kaustik::path::Heuristic::Maximum;
+        }),
         ("mis=off", |o| o.mis = Mis::Off),
         ("implicit hits only", |o| o.next_event = false),
         ("uniform steps", |o| {

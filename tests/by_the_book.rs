@@ -1,7 +1,7 @@
 //! A second path tracer, written for clarity over the scene alone, that can be told to be wrong.
 //!
 //! It shares no line with the integrator that it checks: no roulette, no strata, the balance
-//! heuristic in place of the power heuristic, its own sums. `path` must agree with it; with a
+//! heuristic in place of the power heuristic, its own sums. `path` and `bdpt` must agree with it; with a
 //! fault planted in it, the very same comparison must say so.
 
 use kaustik::bsdf::{Lobe, Mode, shading};
@@ -135,17 +135,22 @@ fn picture(scene: &Scene, seed: u64, spp: u64, fault: Fault) -> Image {
     Image::from_rgb(SIDE, SIDE, planes).expect("a picture")
 }
 
-/// Compares `path` with this tracer under each fault.
-fn against_path(words: &str, faults: &[Fault], seeds: u64, spp: u64) -> Vec<Verdict> {
+/// Compares a method with this tracer under each fault.
+fn against(
+    method: Method,
+    words: &str,
+    faults: &[Fault],
+    (seeds, spp): (u64, u64),
+) -> Vec<Verdict> {
     let scene = scene(words, SIDE);
     let settings = RenderSettings {
         max_depth: EDGES,
-        ..settings(Method::Path, SIDE, spp)
+        ..settings(method, SIDE, spp)
     };
-    let path = tiles_of_seeds(&scene, &settings, 100..100 + seeds);
+    let right = tiles_of_seeds(&scene, &settings, 100..100 + seeds);
     let verdict = |&fault: &Fault| {
         let book = tiles_of((0..seeds).map(|seed| picture(&scene, seed, spp, fault)));
-        agree(&path, &book, |_| true, 0.02)
+        agree(&right, &book, |_| true, 0.02)
     };
     faults.iter().map(verdict).collect()
 }
@@ -160,7 +165,22 @@ fn path_agrees_with_the_book_and_not_with_faults() {
         Fault::ScatteringTooStrong,
         Fault::NoCosine,
     ];
-    for (fault, verdict) in faults.iter().zip(against_path("cornell", &faults, 8, 96)) {
+    let verdicts = against(Method::Path, "cornell", &faults, (8, 96));
+    for (fault, verdict) in faults.iter().zip(verdicts) {
+        let right = *fault == Fault::None;
+        assert_eq!(verdict.rejected.is_empty(), right, "{fault:?}: {verdict:?}");
+    }
+}
+
+#[test]
+fn bdpt_agrees_with_the_book_and_not_with_faults() {
+    let faults = [
+        Fault::None,
+        Fault::NextEventUnweighted,
+        Fault::ScatteringTooStrong,
+    ];
+    let verdicts = against(Method::Bdpt, "cornell", &faults, (8, 64));
+    for (fault, verdict) in faults.iter().zip(verdicts) {
         let right = *fault == Fault::None;
         assert_eq!(verdict.rejected.is_empty(), right, "{fault:?}: {verdict:?}");
     }
@@ -168,10 +188,18 @@ fn path_agrees_with_the_book_and_not_with_faults() {
 
 #[test]
 #[ignore = "long"]
-fn path_agrees_with_the_book_to_half_a_percent() {
+fn both_agree_with_the_book_to_half_a_percent() {
     for words in ["cornell", "cornell-direct", "cornell-indirect"] {
-        let verdict = &against_path(words, &[Fault::None], 32, 1_024)[0];
-        assert!(verdict.rejected.is_empty(), "{words}: {verdict:?}");
-        assert!(verdict.worst_error < 0.005, "{words}: {verdict:?}");
+        for method in [Method::Path, Method::Bdpt] {
+            let verdict = &against(method, words, &[Fault::None], (32, 1_024))[0];
+            assert!(
+                verdict.rejected.is_empty(),
+                "{words}, {method}: {verdict:?}"
+            );
+            assert!(
+                verdict.worst_error < 0.005,
+                "{words}, {method}: {verdict:?}"
+            );
+        }
     }
 }

@@ -28,8 +28,10 @@ fn closed_sphere() {
 
 #[test]
 fn glass_disappears() {
-    assert_one("furnace?kind=glass", Method::Path, 256, 0.01);
-    assert_one("furnace?kind=rough", Method::Path, 256, 0.01);
+    for method in [Method::Path, Method::Bdpt] {
+        assert_one("furnace?kind=glass", method, 256, 0.01);
+        assert_one("furnace?kind=rough", method, 256, 0.01);
+    }
 }
 
 /// A white plate under a glass sphere in uniform light, where `method` can show it: the pixels
@@ -56,12 +58,13 @@ fn assert_plate_is_one(method: Method, spp: u64, tolerance: f64) {
 fn plate_under_glass() {
     assert_plate_is_one(Method::Light, 256, 0.02);
     assert_plate_is_one(Method::Path, 64, 0.02);
+    assert_plate_is_one(Method::Bdpt, 64, 0.02);
 }
 
 #[test]
 #[ignore = "long"]
 fn plate_under_glass_to_half_a_percent() {
-    for method in [Method::Light, Method::Path, Method::Pssmlt] {
+    for method in Method::ALL {
         assert_plate_is_one(method, 8_192, 0.005);
     }
 }
@@ -78,7 +81,7 @@ fn closed_sphere_to_half_a_percent() {
 #[ignore = "long"]
 fn glass_disappears_to_half_a_percent() {
     for kind in ["glass", "rough"] {
-        for method in [Method::Path, Method::Pssmlt] {
+        for method in [Method::Path, Method::Bdpt, Method::Pssmlt] {
             assert_one(&format!("furnace?kind={kind}"), method, 8_192, 0.005);
         }
     }

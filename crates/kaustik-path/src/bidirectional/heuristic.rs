@@ -1,11 +1,10 @@
-/// How the techniques that can make a path share it (Veach 1997, 9.2).
-///
-/// With `p_{s,t}` the density of the path under each strategy, a strategy's weight is
+/// How the strategies that can make a path share it, by the density `p` that each has of making it
+/// (Veach 1997, 9.2). The weights of all strategies sum to 1.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Heuristic {
-    /// `p / sum p`.
+    /// In proportion to the density.
     Balance,
-    /// `p^2 / sum p^2`.
+    /// In proportion to the square of the density.
     #[default]
     Power,
     /// 1 for the largest density (of equal ones the smallest `s`), 0 for the others: saves the shadow

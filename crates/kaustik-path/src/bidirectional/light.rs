@@ -210,7 +210,7 @@ fn join_lens(
         cos: lens.cos,
         pdf: camera.has_aperture().then_some(lens.pdf),
     };
-    let weight = job.weights().to_lens(y, wi, &end);
+    let weight = job.weights().lens_joined(y, wi, &end);
     let stops = y.onward.stop * job.builder.form.at_lens().stop;
     let geometry = factor * wi.dot(y.ng).abs() * raster;
     value *= (geometry * weight / stops) as f32;

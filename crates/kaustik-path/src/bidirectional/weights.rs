@@ -93,7 +93,7 @@ impl Weights {
 
     /// t = 1: `y` of the light, joined in local direction `wi`.
     #[inline]
-    pub(super) fn to_lens(&self, y: &PathVertex, wi: DVec3, end: &LensEnd) -> f64 {
+    pub(super) fn lens_joined(&self, y: &PathVertex, wi: DVec3, end: &LensEnd) -> f64 {
         let heuristic = self.heuristic;
         let lens = self.form.at_lens();
         let odds = y.onward.odds() * lens.odds();

@@ -1,12 +1,15 @@
 use glam::Vec3;
 use kaustik_geometry::Mesh;
 use kaustik_mcmc::{Independent, generator};
-use kaustik_path::{BuilderSettings, Contributions, PathBuilder, Unidirectional};
+use kaustik_path::{
+    Bidirectional, BuilderSettings, Class, Contributions, Form, Heuristic, PathBuilder,
+    Unidirectional,
+};
 use kaustik_pss::{Recording, Stream};
 use kaustik_scene::{Scene, builtin};
 use kaustik_spectrum::{Illuminant, Rgb, Spectrum, WavelengthSampling, Wavelengths, Xyz};
 
-use crate::stage::{Stage, compile, solid};
+use crate::stage::{Stage, ceiling, compile, cuboid, lamp, solid};
 
 const PATH: Unidirectional = Unidirectional {
     settings: BuilderSettings {
@@ -140,4 +143,54 @@ fn refracted_paths_count_with_their_hero_alone() {
         alone == 0 && together > SAMPLES * 9 / 10,
         "{alone} {together}"
     );
+}
+
+/// Of splats of this class, how many have the colour of their hero, and how many another.
+fn heroes_joined(scene: &Scene, class: Class, samples: u32) -> (u32, u32) {
+    let builder = Bidirectional {
+        settings: PATH.settings,
+        form: Form::Full,
+        heuristic: Heuristic::Balance,
+    };
+    let mut source = Independent::new(generator(6, 0));
+    let mut out = Contributions::default();
+    let (mut alone, mut together) = (0, 0);
+    for _ in 0..samples {
+        let mut recording = Recording::new(&mut source);
+        builder.build(scene, &mut recording, &mut out);
+        let point = recording.finish();
+        let u = point.value(Stream::Wavelength, 0).expect("wavelengths");
+        let wavelengths = Wavelengths::sample(u, WavelengthSampling::Hero);
+        let hero = wavelengths.hero_to_xyz(Spectrum::ONE);
+        for splat in out.splats().iter().filter(|splat| splat.class == class) {
+            if distance(splat.xyz, hero) < 1e-4 {
+                alone += 1;
+            } else {
+                together += 1;
+            }
+        }
+    }
+    (alone, together)
+}
+
+/// A rough dispersive plate hangs between lamp and lens: light that passes it by the very joint of two
+/// walks counts with its hero alone, as all light does that comes through.
+#[test]
+fn a_dispersive_joint_leaves_the_hero_alone() {
+    let plate = |dispersion| {
+        let mut glass = solid(1.6, 0.5, [1.0; 3]);
+        glass.dispersion = dispersion;
+        let half = Vec3::new(2.0, 0.1, 2.0);
+        Stage::new(Vec3::new(0.3, -2.0, 0.1), Vec3::ZERO, 0.7)
+            .add(glass, cuboid(-half, half))
+            .add(lamp(5.0), ceiling(Vec3::new(0.2, 1.5, 0.1), 0.8))
+            .build()
+    };
+    for class in [Class::L2, Class::L4, Class::L5] {
+        let (alone, together) = heroes_joined(&plate(2.0), class, 3_000);
+        assert!(alone > 300, "{class:?}: {alone} {together}");
+        assert!(together == 0, "{class:?}: {alone} {together}");
+        let (alone, together) = heroes_joined(&plate(0.0), class, 500);
+        assert!(alone == 0 && together > 50, "{class:?}: {alone} {together}");
+    }
 }

@@ -189,11 +189,40 @@ fn overlapping_solids() -> Stage {
         )
 }
 
+fn dispersive(roughness: f32) -> MaterialDescription {
+    MaterialDescription {
+        dispersion: 2.0,
+        ..solid(1.6, roughness, TINTED)
+    }
+}
+
+/// The caustic of a ball that bends each wavelength otherwise.
+fn rainbow() -> Stage {
+    let (material, mesh) = (lamp(4.0), ceiling(Vec3::new(0.0, 3.5, -1.0), 1.5));
+    Stage::new(Vec3::new(0.0, 1.2, 1.6), Vec3::new(0.0, 0.0, 0.4), 0.6)
+        .add(diffuse(GREY), floor(0.0, 6.0))
+        .add(material, mesh)
+        .add(dispersive(0.0), ball(Vec3::new(0.0, 2.0, -0.4), 0.6))
+}
+
+/// Joined through a rough interface that bends each wavelength otherwise.
+fn rough_rainbow() -> Stage {
+    plate_under_lamp().add(
+        dispersive(0.6),
+        cuboid(Vec3::new(-1.0, 0.4, -1.0), Vec3::new(1.0, 0.7, 1.0)),
+    )
+}
+
+/// The lens is a large part of what light runs into.
+fn wide_lens() -> Stage {
+    glossy_ball().lens(0.8, 3.0)
+}
+
 /// A scene by name.
 pub(crate) type Case = (&'static str, fn() -> Stage);
 
 /// What a light walk shows in full: nothing in view is Dirac, nor the sky.
-pub(crate) const SCENES: [Case; 18] = [
+pub(crate) const SCENES: [Case; 21] = [
     ("plate under lamp", plate_under_lamp),
     ("lamp in view", lamp_in_view),
     ("rough slab", rough_slab),
@@ -213,6 +242,9 @@ pub(crate) const SCENES: [Case; 18] = [
     ("painted sky", painted_sky),
     ("everything", everything),
     ("thin lens", || smooth_ball().lens(0.2, 2.5)),
+    ("wide lens", wide_lens),
+    ("rainbow", rainbow),
+    ("rough rainbow", rough_rainbow),
     ("orthographic", orthographic),
     ("veils", veils),
     ("shining veil", shining_veil),

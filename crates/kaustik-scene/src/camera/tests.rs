@@ -96,6 +96,40 @@ fn a_joined_point_lies_on_the_ray_of_its_raster() {
     }
 }
 
+/// Light that comes back along a camera ray meets the lens where the ray began.
+#[test]
+fn light_meets_the_lens_where_a_ray_leaves_it() {
+    let mut rng = Rng::new(4);
+    let [pinhole, camera, parallel] = all();
+    for _ in 0..1000 {
+        let (raster, u) = (DVec2::from(rng.pair()), rng.pair());
+        let ray = camera.sample_ray(raster, u);
+        let distance = 0.1 + 10.0 * rng.uniform();
+        let point = ray.origin + ray.direction * distance;
+        let hit = camera.meet_lens(point, -ray.direction).unwrap();
+        assert!(hit.position.distance(ray.origin) < 1e-9);
+        assert!(hit.raster.distance(raster) < 1e-9);
+        assert!((hit.distance - distance).abs() < 1e-9);
+        let joined = camera.sample_lens(point, u).unwrap();
+        assert!((hit.we / joined.we - 1.0).abs() < 1e-9);
+        assert!((hit.cos - joined.cos).abs() < 1e-9);
+        // away from it, from behind it, past it, from beside the window
+        assert!(camera.meet_lens(point, ray.direction).is_none());
+        let behind = ray.origin - ray.direction * distance;
+        assert!(camera.meet_lens(behind, ray.direction).is_none());
+        let across = ray.direction.any_orthonormal_vector();
+        assert!(camera.meet_lens(point + across, -ray.direction).is_none());
+        let beside = camera.sample_ray(DVec2::new(1.05, 0.5), u);
+        let origin = beside.origin + beside.direction;
+        assert!(camera.meet_lens(origin, -beside.direction).is_none());
+        for other in [&pinhole, &parallel] {
+            let ray = other.sample_ray(raster, u);
+            let origin = ray.origin + ray.direction;
+            assert!(other.meet_lens(origin, -ray.direction).is_none());
+        }
+    }
+}
+
 #[test]
 fn importance_is_the_raster_seen_through_the_lens() {
     // d raster / d area by finite differences on a plane across the ray; spec (3)

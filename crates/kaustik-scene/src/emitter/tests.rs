@@ -1,6 +1,7 @@
 //! The laws of emitters: what is drawn has the density that is stated, and carries the energy that
 //! there is.
 
+mod densities;
 mod direct;
 mod emission;
 mod energy;

@@ -216,7 +216,7 @@ fn running_weights(path: &Path, form: Form, heuristic: Heuristic) -> Vec<f64> {
                     cos: lens.cos,
                     pdf: lens.pdf,
                 };
-                weights.to_lens(&light[n - 2], local(n - 2, n - 1), &end)
+                weights.lens_joined(&light[n - 2], local(n - 2, n - 1), &end)
             }
             s => weights.joined(
                 (&light[s - 1], local(s - 1, s)),

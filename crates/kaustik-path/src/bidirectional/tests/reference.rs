@@ -15,6 +15,7 @@ pub(super) struct Node {
 }
 
 #[derive(Clone, Copy, Debug)]
+#[expect(clippy::large_enum_variant, reason = "most are surfaces")]
 pub(super) enum Kind {
     /// x_0; `toward` is the direction to it from x_1.
     Emitter {
