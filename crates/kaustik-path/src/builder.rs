@@ -19,6 +19,9 @@ pub trait PathBuilder: Send + Sync {
 pub struct BuilderSettings {
     /// Longest path in edges, at least 1 (1: emitters seen directly).
     pub max_edges: u32,
+    /// Keep the largest single `C_{s,t}` ([`Contributions::largest`]), for Kelemen's maximum: it costs
+    /// a colour for each.
+    pub largest: bool,
     /// Law of the wavelengths.
     pub wavelengths: WavelengthSampling,
     /// Lower corner of the part of the raster that is drawn from.
@@ -32,6 +35,7 @@ impl Default for BuilderSettings {
     fn default() -> Self {
         Self {
             max_edges: 64,
+            largest: false,
             wavelengths: WavelengthSampling::Hero,
             window_min: DVec2::ZERO,
             window_max: DVec2::ONE,

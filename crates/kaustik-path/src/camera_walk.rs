@@ -18,12 +18,12 @@ pub(crate) fn trace(
     scene: &Scene,
     u: &mut dyn Coordinates,
     out: &mut Contributions,
-    gather: impl FnOnce(&mut Walk<'_>, &mut dyn Coordinates, &mut Gathered),
+    gather: impl FnOnce(&mut Walk<'_>, &mut dyn Coordinates, &mut Gathered<'_>),
 ) {
     out.clear();
     let wavelengths = Wavelengths::sample(u.get(Stream::Wavelength, 0), settings.wavelengths);
     let (mut walk, raster) = start(settings, scene, &wavelengths, u);
-    let mut gathered = Gathered::new(&wavelengths);
+    let mut gathered = Gathered::new(&wavelengths, settings.largest);
     gather(&mut walk, u, &mut gathered);
     out.merge(raster, &gathered);
 }

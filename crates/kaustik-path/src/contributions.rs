@@ -91,18 +91,18 @@ impl Contributions {
 
     /// Adds what was gathered for one raster point: a splat for each class.
     #[inline]
-    pub(crate) fn merge(&mut self, raster: DVec2, gathered: &Gathered) {
+    pub(crate) fn merge(&mut self, raster: DVec2, gathered: &Gathered<'_>) {
         for class in Class::ALL {
-            let xyz = gathered.sums[class as usize];
+            let xyz = gathered.sum(class);
             match quality(xyz) {
                 Quality::Light => self.splats.push(Splat { raster, xyz, class }),
                 Quality::Black => {}
-                // finite values whose sum is not
                 Quality::Fault => self.nonfinite += 1,
             }
         }
-        self.largest.join(gathered.largest);
-        self.nonfinite += gathered.nonfinite;
+        if let Some(largest) = gathered.largest {
+            self.largest.join(largest);
+        }
     }
 
     /// The splats.
@@ -122,7 +122,8 @@ impl Contributions {
     }
 
     /// The largest scalar of a single weighted `C_{s,t}` (Kelemen sec. 2): not of a splat, which may hold
-    /// the sum of many.
+    /// the sum of many. Kept only if [`BuilderSettings::largest`](crate::BuilderSettings::largest)
+    /// asks for it.
     #[inline]
     pub fn largest(&self, target: ScalarTarget) -> f64 {
         f64::from(match target {
@@ -151,36 +152,55 @@ pub(crate) fn colour(value: Spectrum, dispersive: bool, wavelengths: &Wavelength
 
 /// What a walk has gathered for one point of the image, by class.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Gathered {
-    wavelengths: Wavelengths,
-    sums: [Xyz; Class::COUNT],
-    largest: Largest,
-    nonfinite: u32,
+pub(crate) struct Gathered<'w> {
+    wavelengths: &'w Wavelengths,
+    /// From paths that count with all their wavelengths.
+    all: [Spectrum; Class::COUNT],
+    /// From paths with a dispersive refraction: their hero counts alone.
+    hero: [Spectrum; Class::COUNT],
+    /// `None` where nobody asks for it.
+    largest: Option<Largest>,
 }
 
-impl Gathered {
+impl<'w> Gathered<'w> {
     #[inline]
-    pub(crate) fn new(wavelengths: &Wavelengths) -> Self {
+    pub(crate) fn new(wavelengths: &'w Wavelengths, largest: bool) -> Self {
         Self {
-            wavelengths: *wavelengths,
-            sums: [Xyz::ZERO; Class::COUNT],
-            largest: Largest::default(),
-            nonfinite: 0,
+            wavelengths,
+            all: [Spectrum::ZERO; Class::COUNT],
+            hero: [Spectrum::ZERO; Class::COUNT],
+            largest: largest.then(Largest::default),
         }
     }
 
     /// Adds a single weighted `C_{s,t}`.
     #[inline]
     pub(crate) fn add(&mut self, class: Class, value: Spectrum, dispersive: bool) {
-        let xyz = colour(value, dispersive, &self.wavelengths);
-        match quality(xyz) {
-            Quality::Light => {
-                self.sums[class as usize] += xyz;
-                self.largest.see(xyz);
+        if let Some(largest) = &mut self.largest {
+            let xyz = colour(value, dispersive, self.wavelengths);
+            if let Quality::Light = quality(xyz) {
+                largest.see(xyz);
             }
-            Quality::Black => {}
-            Quality::Fault => self.nonfinite += 1,
         }
+        if dispersive {
+            self.hero[class as usize] += value;
+        } else {
+            self.all[class as usize] += value;
+        }
+    }
+
+    /// The colour of a class. Sums become colours once: most paths bring light by one class or two.
+    #[inline]
+    fn sum(&self, class: Class) -> Xyz {
+        let (all, hero) = (self.all[class as usize], self.hero[class as usize]);
+        let mut xyz = Xyz::ZERO;
+        if !all.is_zero() {
+            xyz += self.wavelengths.to_xyz(all);
+        }
+        if hero.hero() != 0.0 {
+            xyz += self.wavelengths.hero_to_xyz(hero);
+        }
+        xyz
     }
 }
 
@@ -196,7 +216,7 @@ mod tests {
     #[test]
     fn merged_splats_do_not_hide_the_largest() {
         let wavelengths = Wavelengths::sample(0.3, WavelengthSampling::Hero);
-        let mut gathered = Gathered::new(&wavelengths);
+        let mut gathered = Gathered::new(&wavelengths, true);
         for (class, value) in [(Class::L5, 2.0), (Class::L5, 3.0), (Class::L2, 1.0)] {
             gathered.add(class, Spectrum::splat(value), false);
         }
@@ -220,9 +240,9 @@ mod tests {
     #[test]
     fn faults_are_counted_and_left_out() {
         let wavelengths = Wavelengths::sample(0.3, WavelengthSampling::Hero);
-        let mut gathered = Gathered::new(&wavelengths);
+        let mut gathered = Gathered::new(&wavelengths, true);
         gathered.add(Class::L1, Spectrum::splat(f32::NAN), false);
-        gathered.add(Class::L1, Spectrum::ONE, true);
+        gathered.add(Class::L5, Spectrum::ONE, true);
         let mut out = Contributions::default();
         out.push(DVec2::ZERO, grey(f32::INFINITY), Class::L4);
         out.push(DVec2::ZERO, grey(-1.0), Class::L4);

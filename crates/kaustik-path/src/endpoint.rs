@@ -38,7 +38,7 @@ impl Endpoint {
         scene: &Scene,
         walk: &mut Walk<'_>,
         u: &mut dyn Coordinates,
-        gathered: &mut Gathered,
+        gathered: &mut Gathered<'_>,
     ) {
         let mut origin = None;
         let mut share = 0.0;

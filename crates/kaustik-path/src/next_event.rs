@@ -34,7 +34,7 @@ pub(crate) fn next_event(
     scatter: &Scatter<'_>,
     shares: Shares,
     u: &mut dyn Coordinates,
-    gathered: &mut Gathered,
+    gathered: &mut Gathered<'_>,
 ) {
     if !scatter.bsdf.is_connectable() {
         return;

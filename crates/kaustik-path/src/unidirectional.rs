@@ -50,7 +50,7 @@ impl Unidirectional {
         scene: &Scene,
         walk: &mut Walk<'_>,
         u: &mut dyn Coordinates,
-        gathered: &mut Gathered,
+        gathered: &mut Gathered<'_>,
     ) {
         // `None`: next event could not have found what the walk runs into.
         let mut origin = None;
@@ -86,7 +86,7 @@ pub(crate) fn emission(
     vertex: &Vertex,
     origin: Option<Origin>,
     share: f64,
-    gathered: &mut Gathered,
+    gathered: &mut Gathered<'_>,
 ) {
     let radiance = scene.emitted(vertex, -walk.direction, walk.wavelengths);
     if radiance.is_zero() {
@@ -112,7 +112,7 @@ pub(crate) fn escape(
     walk: &Walk<'_>,
     origin: Option<Origin>,
     share: f64,
-    gathered: &mut Gathered,
+    gathered: &mut Gathered<'_>,
 ) {
     let radiance = scene.environment(walk.direction, walk.wavelengths);
     if radiance.is_zero() {

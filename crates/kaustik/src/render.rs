@@ -3,6 +3,7 @@
 use std::time::{Duration, Instant};
 
 use glam::DVec2;
+use kaustik_estimate::Contribution;
 use kaustik_film::Image;
 use kaustik_path::BuilderSettings;
 use kaustik_scene::Scene;
@@ -149,6 +150,7 @@ pub(crate) fn builder_settings(settings: &RenderSettings) -> BuilderSettings {
     let size = DVec2::new(f64::from(settings.width), f64::from(settings.height));
     BuilderSettings {
         max_edges: settings.max_depth,
+        largest: settings.options.contribution == Contribution::Maximum,
         wavelengths: settings.options.wavelengths,
         window_min: DVec2::from(bounds.min) / size,
         window_max: DVec2::from(bounds.max) / size,

@@ -37,7 +37,7 @@ pub(super) fn trace(
     u: &mut dyn Coordinates,
     workspace: &mut Workspace,
     other: OtherEnd,
-    gathered: &mut Gathered,
+    gathered: &mut Gathered<'_>,
     witness: &mut impl Witness,
 ) -> DVec2 {
     let scene = job.scene;
@@ -125,7 +125,7 @@ fn join_all(
     u: &mut dyn Coordinates,
     light: &Subpath,
     eye: &[PathVertex],
-    gathered: &mut Gathered,
+    gathered: &mut Gathered<'_>,
     witness: &mut impl Witness,
 ) {
     if !eye[eye.len() - 1].connectable {
@@ -142,7 +142,7 @@ fn emission(
     job: &Job<'_>,
     specular: bool,
     eye: &[PathVertex],
-    gathered: &mut Gathered,
+    gathered: &mut Gathered<'_>,
     witness: &mut impl Witness,
 ) {
     let z = &eye[eye.len() - 1];
@@ -163,7 +163,7 @@ fn escape(
     walk: &Walk,
     running: &Running,
     eye: &[PathVertex],
-    gathered: &mut Gathered,
+    gathered: &mut Gathered<'_>,
     witness: &mut impl Witness,
 ) {
     let radiance = job.scene.environment(walk.direction, job.wavelengths);

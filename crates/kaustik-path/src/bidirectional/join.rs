@@ -17,7 +17,7 @@ pub(super) fn next_event(
     job: &Job<'_>,
     u: &mut dyn Coordinates,
     eye: &[PathVertex],
-    gathered: &mut Gathered,
+    gathered: &mut Gathered<'_>,
     witness: &mut impl Witness,
 ) {
     let scene = job.scene;
@@ -87,7 +87,7 @@ pub(super) fn join(
     job: &Job<'_>,
     light: &[PathVertex],
     eye: &[PathVertex],
-    gathered: &mut Gathered,
+    gathered: &mut Gathered<'_>,
     witness: &mut impl Witness,
 ) {
     let scene = job.scene;

@@ -108,7 +108,7 @@ impl Job<'_> {
         witness: &mut impl Witness,
     ) {
         light::trace(self, u, &mut workspace.light, true, out, witness);
-        let mut gathered = Gathered::new(self.wavelengths);
+        let mut gathered = Gathered::new(self.wavelengths, self.builder.settings.largest);
         let other = OtherEnd::Any;
         let raster = eye::trace(self, u, workspace, other, &mut gathered, witness);
         out.merge(raster, &gathered);
@@ -135,7 +135,7 @@ impl Job<'_> {
         if at_lens {
             return;
         }
-        let mut gathered = Gathered::new(self.wavelengths);
+        let mut gathered = Gathered::new(self.wavelengths, self.builder.settings.largest);
         let raster = eye::trace(self, u, workspace, other, &mut gathered, witness);
         out.merge(raster, &gathered);
     }
