@@ -129,7 +129,7 @@ agreement_on! {
 #[ignore = "long"]
 fn endpoint_walks_and_other_weights_agree() {
     let scene = scene("cornell", SIDE);
-    let path = tiles_of_seeds(&scene, &settings(Method::Path, SIDE, 200), 0..16);
+    let path = tiles_of_seeds(&scene, &settings(Method::Path, SIDE, 200), 0..32);
     let mut variants = Vec::new();
     for (name, change) in [
         (
@@ -152,10 +152,10 @@ fn endpoint_walks_and_other_weights_agree() {
             o.target = kaustik::estimate::ScalarTarget::Luminance;
         }),
     ] {
-        let mut settings = settings(Method::Pssmlt, SIDE, 400);
+        let mut settings = settings(Method::Pssmlt, SIDE, 300);
         settings.options.normaliser = Normaliser::Initial;
         change(&mut settings.options);
-        let tiles = tiles_of_seeds(&scene, &settings, 0..16);
+        let tiles = tiles_of_seeds(&scene, &settings, 0..32);
         let verdict = agree(&path, &tiles, |_| true, 0.05);
         assert!(
             verdict.rejected.is_empty(),
