@@ -23,10 +23,10 @@ struct Row {
 
 /// Level, crate, crates of ours, crates of others, crates of ours in tests alone.
 const TABLE: &[(u8, &str, &str, &str, &str)] = &[
-    (0, "kaustik-pss", "", "", ""),
+    (0, "kaustik-pss", "", "serde", ""),
     (0, "kaustik-spectrum", "", "libm miniz_oxide thiserror", ""),
     (0, "kaustik-geometry", "", "glam obvhs thiserror", ""),
-    (1, "kaustik-mcmc", "pss", "libm proptest rand rand_pcg", ""),
+    (1, "kaustik-mcmc", "pss", "libm proptest rand rand_pcg serde", ""),
     (1, "kaustik-bsdf", "spectrum", "glam libm", ""),
     (
         1,

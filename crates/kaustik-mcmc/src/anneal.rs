@@ -101,13 +101,23 @@ where
 
 /// What an annealing has found.
 #[derive(Clone, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    serde(bound(
+        serialize = "S: serde::Serialize, V: serde::Serialize",
+        deserialize = "S: serde::Deserialize<'de>, V: serde::Deserialize<'de>"
+    ))
+)]
 pub struct Annealed<S, V, const K: usize> {
     /// The product of mean weights at each level, fit for the weights of a run; 0 from the
     /// level on where the population died, with error 0, because nothing is known of it.
     pub normalisers: RoughNormalisers<K>,
     /// The stages; `None` from the level on where the population died.
+    #[cfg_attr(feature = "serde", serde(with = "crate::serial::array"))]
     pub stages: [Option<Stage>; K],
     /// A state with its value for the replica of each level; `None` likewise.
+    #[cfg_attr(feature = "serde", serde(with = "crate::serial::array"))]
     pub starts: [Option<(S, V)>; K],
     /// Where the population died, if it did.
     ///

@@ -29,6 +29,7 @@ pub fn sample_generator(seed: u64, ladder: u64, step: u64) -> Pcg64Dxsm {
 /// The generators of all samples of one ladder: [`sample_generator`] with the work that
 /// does not depend on the step done once.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct SampleGenerators {
     lanes: [u64; 4],
 }

@@ -10,6 +10,7 @@ use crate::Draws;
 /// numbers here as in an independent step of a [`Point`](crate::Point) on the same
 /// generator.
 #[derive(Clone, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Independent<D> {
     draws: D,
 }

@@ -5,13 +5,23 @@
 /// difficult) tells whether a ladder works: states that are made and never arrive are of no use
 /// (Katzgraber et al. 2006; Syed et al. 2021).
 #[derive(Clone, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct IndexProcess<const K: usize> {
+    #[cfg_attr(
+        feature = "serde",
+        serde(
+            serialize_with = "crate::serial::array::serialize",
+            deserialize_with = "permutation"
+        )
+    )]
     lineages: [usize; K],
+    #[cfg_attr(feature = "serde", serde(with = "crate::serial::array"))]
     ends: [Option<End>; K],
 }
 
 /// Which end of the ladder a lineage has been at last.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 enum End {
     Bottom,
     /// At the top, and whether it came from the bottom.
@@ -76,6 +86,17 @@ impl<const K: usize> IndexProcess<K> {
             round_trip,
         }
     }
+}
+
+/// Each lineage stands at one level.
+#[cfg(feature = "serde")]
+fn permutation<'de, D: serde::Deserializer<'de>, const K: usize>(
+    deserializer: D,
+) -> Result<[usize; K], D::Error> {
+    let lineages: [usize; K] = crate::serial::array::deserialize(deserializer)?;
+    let all = (0..K).all(|lineage| lineages.contains(&lineage));
+    crate::serial::check(all, "a lineage is missing")?;
+    Ok(lineages)
 }
 
 #[cfg(test)]

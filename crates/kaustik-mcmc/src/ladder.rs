@@ -59,17 +59,35 @@ use crate::{
 /// assert!((b.values()[2] / exact - 1.0).abs() < 0.1);
 /// ```
 #[derive(Clone, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    serde(bound(
+        serialize = "S: serde::Serialize, V: serde::Serialize",
+        deserialize = "S: serde::Deserialize<'de>, V: serde::Deserialize<'de> + Default"
+    ))
+)]
 pub struct Ladder<S, V, const K: usize> {
+    #[cfg_attr(
+        feature = "serde",
+        serde(
+            serialize_with = "crate::serial::array::serialize",
+            deserialize_with = "serial::replicas"
+        )
+    )]
     replicas: [Metropolis<S, V, K>; K],
     graph: SwapGraph<K>,
+    #[cfg_attr(
+        feature = "serde",
+        serde(deserialize_with = "serial::schedule::<_, K>")
+    )]
     schedule: Schedule,
     /// Rounds of exchanges so far: whose turn it is.
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::serial::count"))]
     turn: u64,
     indices: IndexProcess<K>,
     statistics: LadderStatistics<K>,
     stepping_stone: SteppingStone<K>,
-    /// Equal weights, one for each pair.
-    ones: Vec<f64>,
 }
 
 impl<S, V: Default, const K: usize> Ladder<S, V, K> {
@@ -98,7 +116,6 @@ impl<S, V, const K: usize> Ladder<S, V, K> {
             indices: IndexProcess::new(),
             statistics: LadderStatistics::new(),
             stepping_stone: SteppingStone::line(),
-            ones: vec![1.0; K],
         }
     }
 
@@ -120,7 +137,6 @@ impl<S, V, const K: usize> Ladder<S, V, K> {
     /// Exchanges along other pairs.
     #[must_use]
     pub fn with_graph(mut self, graph: SwapGraph<K>) -> Self {
-        self.ones.resize(graph.pairs().len().max(1), 1.0);
         self.graph = graph;
         self
     }
@@ -187,10 +203,10 @@ impl<S, V, const K: usize> Ladder<S, V, K> {
             }
             _ if pairs == 0 => 0..0,
             Schedule::RandomPair => {
-                let pair = draws.index(&self.ones[..pairs]);
+                let pair = self.graph.any_pair(draws);
                 pair..pair + 1
             }
-            Schedule::RandomMatching => self.graph.matching(draws.index(&self.ones[..matchings])),
+            Schedule::RandomMatching => self.graph.matching(self.graph.any_matching(draws)),
             Schedule::Alternating => {
                 let turn = self.turn % matchings as u64;
                 self.graph.matching(turn as usize)
@@ -385,5 +401,7 @@ where
 
 #[cfg(test)]
 mod lazy_tests;
+#[cfg(feature = "serde")]
+mod serial;
 #[cfg(test)]
 mod tests;

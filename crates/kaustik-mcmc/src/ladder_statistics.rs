@@ -3,19 +3,24 @@ use crate::Acceptance;
 /// How exchanges of a [`Ladder`](crate::Ladder) went. Plain sums: ladders' statistics
 /// merge.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct LadderStatistics<const K: usize> {
     /// Rounds of exchanges.
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::serial::count"))]
     pub rounds: u64,
     /// Exchanges of levels a < b at `[a][b]`; other entries stay empty. (A proposal is an
     /// attempt.)
+    #[cfg_attr(feature = "serde", serde(with = "crate::serial::table"))]
     pub swaps: [[Acceptance; K]; K],
     /// Draws of a whole [permutation](crate::Schedule::Permutation); an accepted one is any
     /// but the identity.
     pub permutations: Acceptance,
     /// How often a lineage that was at level 0 has come to level K-1: tempered restarts.
     /// If level 0 draws independent states, each brings a new one to the top.
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::serial::count"))]
     pub restarts: u64,
     /// How often a lineage has come from level 0 to level K-1 and back to level 0.
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::serial::count"))]
     pub round_trips: u64,
 }
 

@@ -163,6 +163,8 @@ mod proposal;
 mod redistribute;
 mod resample;
 mod schedule;
+#[cfg(feature = "serde")]
+mod serial;
 mod sobol;
 mod statistics;
 mod stepping_stone;

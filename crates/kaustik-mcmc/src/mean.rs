@@ -3,7 +3,9 @@
 /// Two means merge into that of both streams. Merging is not associative to the last bit:
 /// merge in a fixed order where bits matter.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Mean {
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::serial::count"))]
     count: u64,
     mean: f64,
     /// Sum of squared deviations from the mean.

@@ -17,23 +17,34 @@ use crate::{
 /// that changes the level, the densities or the state from outside)
 /// [`flush`](Self::flush) reports the state that is still alive.
 #[derive(Clone, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Metropolis<S, V, const K: usize> {
+    #[cfg_attr(
+        feature = "serde",
+        serde(deserialize_with = "crate::serial::level::<_, K>")
+    )]
     pub(crate) level: usize,
     pub(crate) state: S,
     pub(crate) value: V,
+    #[cfg_attr(feature = "serde", serde(with = "crate::serial::densities"))]
     pub(crate) densities: [f64; K],
     pub(crate) pending: Pending,
     /// The value of the next proposal.
+    #[cfg_attr(feature = "serde", serde(skip))]
     pub(crate) proposed: V,
     pub(crate) statistics: Statistics<K>,
     /// Steps since the state was entered.
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::serial::count"))]
     pub(crate) stay: u64,
 }
 
 /// What the current state has to report when it dies.
 #[derive(Clone, Copy, Debug, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Pending {
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::serial::sound"))]
     pub(crate) weight: f64,
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::serial::sound"))]
     pub(crate) independent: f64,
 }
 

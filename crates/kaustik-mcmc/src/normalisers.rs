@@ -11,10 +11,12 @@ use crate::Mean;
 
 /// A number with its standard error.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Estimate {
     /// The estimate.
     pub value: f64,
     /// Its standard error: infinite where it is not known.
+    #[cfg_attr(feature = "serde", serde(with = "crate::serial::known"))]
     pub standard_error: f64,
 }
 
@@ -49,9 +51,12 @@ impl Estimate {
 /// weights(&running); // no: these change during the run
 /// ```
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct RoughNormalisers<const K: usize> {
+    #[cfg_attr(feature = "serde", serde(with = "crate::serial::array"))]
     estimates: [Estimate; K],
     /// How much went into them, for merging.
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::serial::sound"))]
     particles: f64,
 }
 
@@ -104,7 +109,9 @@ impl<const K: usize> RoughNormalisers<K> {
 /// Normalising constants as a run knows them so far: consistent, not unbiased, better with
 /// every sweep. For scaling what has been gathered, never for weights.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct RunningNormalisers<const K: usize> {
+    #[cfg_attr(feature = "serde", serde(with = "crate::serial::array"))]
     pub(crate) estimates: [Estimate; K],
 }
 

@@ -34,8 +34,11 @@ where
 
 /// The densities, at one level, of independent samples.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(from = "Written"))]
 pub struct Pool {
     densities: Vec<f64>,
+    #[cfg_attr(feature = "serde", serde(skip_serializing))]
     normaliser: Mean,
     defects: u64,
 }
@@ -86,8 +89,27 @@ impl Pool {
     }
 }
 
+/// The normaliser follows from the densities, to the bit.
+#[cfg(feature = "serde")]
+#[derive(serde::Deserialize)]
+struct Written {
+    densities: Vec<f64>,
+    #[serde(deserialize_with = "crate::serial::count")]
+    defects: u64,
+}
+
+#[cfg(feature = "serde")]
+impl From<Written> for Pool {
+    fn from(written: Written) -> Self {
+        let mut pool = Self::new(written.densities);
+        pool.defects += written.defects;
+        pool
+    }
+}
+
 /// A chosen sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Start {
     /// Its index in the pool, from which its generator is made.
     pub index: u64,

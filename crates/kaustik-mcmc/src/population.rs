@@ -42,6 +42,14 @@ use crate::{
 ///
 /// Ratios of Z_k, and whatever is divided by Z_k, are consistent but biased.
 #[derive(Clone, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    serde(
+        try_from = "serial::Written<S, V, K>",
+        bound(deserialize = "S: serde::Deserialize<'de>, V: serde::Deserialize<'de> + Default")
+    )
+)]
 pub struct Population<S, V, const K: usize> {
     particles: Vec<Metropolis<S, V, K>>,
     /// Which initial particle each descends from.
@@ -52,8 +60,10 @@ pub struct Population<S, V, const K: usize> {
     extinct: Option<Extinct>,
     normaliser: f64,
     /// Product of N / (N - 1) over independent choices of all N members.
+    #[cfg_attr(feature = "serde", serde(with = "crate::serial::known"))]
     correction: f64,
     defects: u64,
+    #[cfg_attr(feature = "serde", serde(skip))]
     memory: Memory,
 }
 
@@ -69,6 +79,7 @@ struct Memory {
 
 /// What it took to come to a level.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Stage {
     /// The level.
     pub level: usize,
@@ -91,6 +102,7 @@ pub struct Stage {
     /// used without the terms for the noise that multinomial choices would add, and was found
     /// within 7 % (itself the noise of 150 runs) of the spread of repeated runs, at four levels
     /// of a rare event with 1, 4 and 16 moves.
+    #[cfg_attr(feature = "serde", serde(with = "crate::serial::known"))]
     pub relative_variance: f64,
     /// Effective number of particles, (sum of weights)^2 / sum of squared weights, in [1, N]:
     /// before resampling. Much below N says that levels are too far apart.
@@ -108,6 +120,7 @@ pub struct Stage {
 /// That is a result (the estimate of that normaliser is 0), not a mistake: the level may be
 /// empty, or the population too small to find it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Extinct {
     /// The first level that nobody reached.
     pub level: usize,
@@ -407,5 +420,7 @@ impl<S, V, const K: usize> Population<S, V, K> {
     }
 }
 
+#[cfg(feature = "serde")]
+mod serial;
 #[cfg(test)]
 mod tests;

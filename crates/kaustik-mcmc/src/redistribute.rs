@@ -39,6 +39,8 @@ use crate::{Draws, Family, Kernel, Mean, Statistics};
 
 /// How weight is spread.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(try_from = "Written"))]
 pub struct Redistribution {
     steps: u32,
     unit: f64,
@@ -220,15 +222,20 @@ impl<V, F: FnMut(Deposit<'_, V>)> Depositor<V> for F {
 
 /// What redistribution knows about its own course. Plain sums: they merge.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct RedistributionStatistics {
     /// Starts of sound weight, zero included.
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::serial::count"))]
     pub starts: u64,
     /// Starts whose weight or density was NaN, infinite or negative, or whose density was
     /// zero at a positive weight. They deposit nothing.
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::serial::count"))]
     pub bad_starts: u64,
     /// Starts that would have had more chains than allowed.
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::serial::count"))]
     pub capped: u64,
     /// Chains.
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::serial::count"))]
     pub chains: u64,
     /// Weight that the filter has kept back.
     pub dropped: f64,
@@ -254,9 +261,11 @@ impl RedistributionStatistics {
 /// (That of a [`Point`](crate::Point) and of a `Vec` does not; a derived one does if a field
 /// allocates.)
 #[derive(Clone, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Redistributor<S, V> {
     /// Where the chain is; `None` before the first.
     current: Option<(S, V)>,
+    #[cfg_attr(feature = "serde", serde(skip))]
     proposed: V,
     statistics: RedistributionStatistics,
 }
@@ -396,6 +405,29 @@ impl<S: Clone, V: Clone + Default> Redistributor<S, V> {
 impl<S: Clone, V: Clone + Default> Default for Redistributor<S, V> {
     fn default() -> Self {
         Self::new()
+    }
+}
+
+#[cfg(feature = "serde")]
+#[derive(serde::Deserialize)]
+struct Written {
+    steps: u32,
+    unit: f64,
+    most: u32,
+    patience: Option<u64>,
+    plain: bool,
+}
+
+#[cfg(feature = "serde")]
+impl TryFrom<Written> for Redistribution {
+    type Error = RedistributionError;
+
+    fn try_from(written: Written) -> Result<Self, RedistributionError> {
+        Ok(Self {
+            patience: written.patience,
+            plain: written.plain,
+            ..Self::new(written.steps, written.unit)?.most_chains(written.most)
+        })
     }
 }
 

@@ -5,6 +5,7 @@ use crate::Draws;
 /// Both give each member i an expected number of N w_i / sum w copies, which is all that
 /// unbiasedness asks for. Neither copies a member of weight zero.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Resampling {
     /// One offset for N equidistant pointers into the cumulated weights (Kitagawa 1996):
     /// each member gets the integer below or above its expected number. Adds the least noise;

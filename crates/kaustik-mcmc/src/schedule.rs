@@ -8,6 +8,7 @@
 /// [Matchings](crate::SwapGraph#matchings) are the even and the odd pairs of a line, and
 /// their generalisation to other graphs.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Schedule {
     /// None: K chains side by side.
     Off,

@@ -92,6 +92,7 @@ fn plain(index: u32, dimension: usize) -> u32 {
 
 /// A scrambled sequence.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Sobol {
     /// One scrambling a dimension.
     keys: [u64; DIMENSIONS],

@@ -3,10 +3,13 @@ use crate::{Family, Mean, Move};
 
 /// Proposals of one kind: how many were made and what became of them.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Acceptance {
     /// Proposals made.
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::serial::count"))]
     pub proposed: u64,
     /// Proposals accepted.
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::serial::count"))]
     pub accepted: u64,
     /// Sum of the acceptance probabilities: less noisy than the count.
     pub expected: f64,
@@ -32,8 +35,8 @@ impl Acceptance {
     #[must_use]
     pub fn since(&self, earlier: &Self) -> Self {
         Self {
-            proposed: self.proposed - earlier.proposed,
-            accepted: self.accepted - earlier.accepted,
+            proposed: self.proposed.saturating_sub(earlier.proposed),
+            accepted: self.accepted.saturating_sub(earlier.accepted),
             expected: self.expected - earlier.expected,
         }
     }
@@ -48,20 +51,25 @@ impl Acceptance {
 
 /// What a chain knows about its own course. Plain sums: chains' statistics merge.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Statistics<const K: usize> {
     /// Steps taken.
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::serial::count"))]
     pub steps: u64,
     /// Acceptance by kind of move: [`Move::SMALL`], [`Move::LARGE`], the kernel's own.
     pub moves: [Acceptance; Move::KINDS],
     /// Each level's density over all independent proposals, defective ones counting as
     /// zero: unbiased estimates of the K normalising constants.
+    #[cfg_attr(feature = "serde", serde(with = "crate::serial::array"))]
     pub independent: [Mean; K],
     /// Proposals with a density or ratio that was NaN, infinite or negative. Each is a
     /// defect of the target or the kernel; none has entered a state or a recorder.
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::serial::count"))]
     pub defects: u64,
     /// The step (counted from 0) of the first defect.
     pub first_defect: Option<u64>,
     /// The largest number of successive steps that a chain stayed in one state.
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::serial::count"))]
     pub longest_stay: u64,
 }
 

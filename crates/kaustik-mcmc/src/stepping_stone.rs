@@ -44,25 +44,40 @@ const BATCHES: usize = 64;
 /// Ladders of one family are merged *before* the product is formed, in the order of their
 /// indices. Batches of different ladders may differ in length: each is a residual of its own.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct SteppingStone<const K: usize> {
     /// The level below each; 0 is below itself.
+    #[cfg_attr(
+        feature = "serde",
+        serde(
+            serialize_with = "crate::serial::array::serialize",
+            deserialize_with = "tree"
+        )
+    )]
     below: [usize; K],
     open: Batch<K>,
     /// Sweeps in the open batch.
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::serial::count"))]
     sweeps: u64,
     /// Sweeps in a closed batch.
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::serial::count"))]
     length: u64,
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "batches"))]
     closed: Vec<Batch<K>>,
     merged: Moments<K>,
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::serial::count"))]
     defects: u64,
 }
 
 /// Sums over successive sweeps, by the upper level of each stone.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Batch<const K: usize> {
     /// Of weight times q_k / q_j.
+    #[cfg_attr(feature = "serde", serde(with = "crate::serial::array"))]
     ratio: [f64; K],
     /// Of weights at level j.
+    #[cfg_attr(feature = "serde", serde(with = "crate::serial::array"))]
     weight: [f64; K],
 }
 
@@ -82,11 +97,16 @@ impl<const K: usize> Batch<K> {
 
 /// First and second moments of batches.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Moments<const K: usize> {
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::serial::count"))]
     batches: u64,
     sum: Batch<K>,
+    #[cfg_attr(feature = "serde", serde(with = "crate::serial::table"))]
     ratio_ratio: [[f64; K]; K],
+    #[cfg_attr(feature = "serde", serde(with = "crate::serial::table"))]
     ratio_weight: [[f64; K]; K],
+    #[cfg_attr(feature = "serde", serde(with = "crate::serial::table"))]
     weight_weight: [[f64; K]; K],
 }
 
@@ -263,6 +283,28 @@ impl<const K: usize> SteppingStone<K> {
         }
         moments
     }
+}
+
+/// Each level stands on one before it.
+#[cfg(feature = "serde")]
+fn tree<'de, D: serde::Deserializer<'de>, const K: usize>(
+    deserializer: D,
+) -> Result<[usize; K], D::Error> {
+    let below: [usize; K] = crate::serial::array::deserialize(deserializer)?;
+    let sound = below.iter().enumerate().skip(1).all(|(k, j)| *j < k);
+    crate::serial::check(sound, "a level stands on one that is not before it")?;
+    Ok(below)
+}
+
+/// There is room for one more, and for all that ever will be.
+#[cfg(feature = "serde")]
+fn batches<'de, D: serde::Deserializer<'de>, const K: usize>(
+    deserializer: D,
+) -> Result<Vec<Batch<K>>, D::Error> {
+    let mut closed: Vec<Batch<K>> = serde::Deserialize::deserialize(deserializer)?;
+    crate::serial::check(closed.len() < BATCHES, "too many batches")?;
+    closed.reserve_exact(BATCHES - closed.len());
+    Ok(closed)
 }
 
 impl<V, const K: usize> Recorder<V, K> for SteppingStone<K> {

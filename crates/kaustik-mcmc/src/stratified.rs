@@ -45,6 +45,8 @@ use crate::{Draws, SampleGenerators};
 /// # Ok::<(), kaustik_mcmc::StartError>(())
 /// ```
 #[derive(Clone, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(try_from = "Written"))]
 pub struct Stratification {
     sobol: Sobol,
     generators: SampleGenerators,
@@ -100,6 +102,39 @@ impl Stratification {
             step,
             draws: self.generators.at(step),
         }
+    }
+}
+
+#[cfg(feature = "serde")]
+#[derive(serde::Deserialize)]
+struct Written {
+    sobol: Sobol,
+    generators: SampleGenerators,
+    dimensions: [Vec<u8>; Stream::COUNT],
+    used: usize,
+}
+
+#[cfg(feature = "serde")]
+impl TryFrom<Written> for Stratification {
+    type Error = &'static str;
+
+    fn try_from(written: Written) -> Result<Self, Self::Error> {
+        let Written {
+            sobol,
+            generators,
+            dimensions,
+            used,
+        } = written;
+        let exists = |&dimension: &u8| dimension == NONE || usize::from(dimension) < used;
+        if used > DIMENSIONS || !dimensions.iter().flatten().all(exists) {
+            return Err("a dimension that does not exist");
+        }
+        Ok(Self {
+            sobol,
+            generators,
+            dimensions,
+            used,
+        })
     }
 }
 

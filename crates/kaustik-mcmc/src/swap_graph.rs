@@ -3,6 +3,8 @@
 use std::fmt;
 use std::ops::Range;
 
+use crate::Draws;
+
 /// The pairs of levels that may exchange states, parted into matchings.
 ///
 /// A line, where each level has two neighbours, is the usual graph. RELT (sec. 6) asks for
@@ -18,12 +20,19 @@ use std::ops::Range;
 /// pairs: in the order given, each pair joins the first matching in which neither of its
 /// levels occurs. With at most d pairs at a level this makes at most 2 d - 1 matchings.
 /// Wherever a [`Schedule`](crate::Schedule) says "matching", these are meant.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    serde(try_from = "Vec<(usize, usize)>", into = "Vec<(usize, usize)>")
+)]
 pub struct SwapGraph<const K: usize> {
     /// Pairs (a < b), ordered by matching.
     pairs: Vec<[usize; 2]>,
     /// Where matching c ends in `pairs`.
     ends: Vec<usize>,
+    /// Equal weights, one for each pair.
+    ones: Vec<f64>,
 }
 
 impl<const K: usize> SwapGraph<K> {
@@ -73,7 +82,9 @@ impl<const K: usize> SwapGraph<K> {
             }
         }
         let mut end = 0;
+        let pairs = matchings.concat();
         Self {
+            ones: vec![1.0; pairs.len()],
             ends: matchings
                 .iter()
                 .map(|m| {
@@ -81,7 +92,7 @@ impl<const K: usize> SwapGraph<K> {
                     end
                 })
                 .collect(),
-            pairs: matchings.concat(),
+            pairs,
         }
     }
 
@@ -95,6 +106,16 @@ impl<const K: usize> SwapGraph<K> {
         self.ends.len()
     }
 
+    /// One of the pairs, each with the same probability.
+    pub(crate) fn any_pair<D: Draws + ?Sized>(&self, draws: &mut D) -> usize {
+        draws.index(&self.ones)
+    }
+
+    /// One of the matchings, each with the same probability.
+    pub(crate) fn any_matching<D: Draws + ?Sized>(&self, draws: &mut D) -> usize {
+        draws.index(&self.ones[..self.matchings()])
+    }
+
     /// Where a matching stands in [`pairs`](Self::pairs).
     ///
     /// # Panics
@@ -103,6 +124,32 @@ impl<const K: usize> SwapGraph<K> {
     pub fn matching(&self, index: usize) -> Range<usize> {
         let start = index.checked_sub(1).map_or(0, |before| self.ends[before]);
         start..self.ends[index]
+    }
+}
+
+/// The pairs are the graph.
+impl<const K: usize> PartialEq for SwapGraph<K> {
+    fn eq(&self, other: &Self) -> bool {
+        self.pairs == other.pairs
+    }
+}
+
+impl<const K: usize> Eq for SwapGraph<K> {}
+
+#[cfg(feature = "serde")]
+impl<const K: usize> From<SwapGraph<K>> for Vec<(usize, usize)> {
+    /// The pairs in their order, which makes the same matchings again.
+    fn from(graph: SwapGraph<K>) -> Self {
+        graph.pairs.iter().map(|&[a, b]| (a, b)).collect()
+    }
+}
+
+#[cfg(feature = "serde")]
+impl<const K: usize> TryFrom<Vec<(usize, usize)>> for SwapGraph<K> {
+    type Error = SwapGraphError;
+
+    fn try_from(pairs: Vec<(usize, usize)>) -> Result<Self, SwapGraphError> {
+        Self::new(&pairs)
     }
 }
 

@@ -11,6 +11,8 @@ use crate::{Coordinates, Stream};
 ///
 /// Made by [`Recording`] or collected from `(stream, index, value)`.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(try_from = "Written", into = "Written"))]
 pub struct Recorded {
     values: BTreeMap<(Stream, u32), f64>,
     missing: Option<(Stream, u32)>,
@@ -83,6 +85,44 @@ impl FromIterator<(Stream, u32, f64)> for Recorded {
             point.set(stream, index, value);
         }
         point
+    }
+}
+
+/// A point as a list: not every format has maps with such keys.
+#[cfg(feature = "serde")]
+#[derive(serde::Serialize, serde::Deserialize)]
+struct Written {
+    coordinates: Vec<(Stream, u32, f64)>,
+    missing: Option<(Stream, u32)>,
+}
+
+#[cfg(feature = "serde")]
+impl From<Recorded> for Written {
+    fn from(point: Recorded) -> Self {
+        Self {
+            coordinates: point.iter().collect(),
+            missing: point.missing,
+        }
+    }
+}
+
+/// Indices are small (the contract of a builder). One beyond this in a file is a mistake or
+/// a trap: a chain would take memory up to it.
+#[cfg(feature = "serde")]
+const LARGEST_INDEX: u32 = (1 << 24) - 1;
+
+#[cfg(feature = "serde")]
+impl TryFrom<Written> for Recorded {
+    type Error = &'static str;
+
+    fn try_from(written: Written) -> Result<Self, Self::Error> {
+        let large = |&(_, index, _): &(Stream, u32, f64)| index > LARGEST_INDEX;
+        if written.coordinates.iter().any(large) {
+            return Err("a coordinate with an index of 2^24 or more");
+        }
+        let mut point: Self = written.coordinates.into_iter().collect();
+        point.missing = written.missing;
+        Ok(point)
     }
 }
 
@@ -161,6 +201,26 @@ mod tests {
         assert_eq!(point.missing(), Some((Stream::Light, 1)));
         point.clear();
         assert!(point.is_empty() && point.missing().is_none());
+    }
+
+    #[cfg(feature = "serde")]
+    #[test]
+    fn a_file_gives_back_the_point_or_an_error() {
+        let mut point = Recorded::new();
+        point.set(Stream::Light, 7, 1.0 / 3.0);
+        point.set(Stream::Camera, 0, 0.0);
+        point.get(Stream::Time, 2);
+        let file = serde_json::to_string(&point).unwrap();
+        let again: Recorded = serde_json::from_str(&file).unwrap();
+        assert_eq!(again, point);
+        for (from, to) in [("7", "16777216"), ("Light", "Shadow"), ("0.0", "\"x\"")] {
+            let broken = file.replacen(from, to, 1);
+            assert_ne!(broken, file);
+            assert!(
+                serde_json::from_str::<Recorded>(&broken).is_err(),
+                "{broken}"
+            );
+        }
     }
 
     proptest! {

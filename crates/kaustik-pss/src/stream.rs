@@ -1,6 +1,7 @@
 /// What a coordinate is for. Streams are numbered apart, so that a longer camera
 /// walk does not shift the meaning of the light walk's coordinates (Kelemen sec. 2).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[repr(u8)]
 pub enum Stream {
     /// The walk from the camera: raster position, lens, then each bounce.

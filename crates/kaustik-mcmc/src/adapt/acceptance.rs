@@ -30,12 +30,18 @@ use crate::{Acceptance, Scalable};
 /// }
 /// ```
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct AcceptanceAdaptation<M> {
     base: M,
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::serial::finite"))]
     target: f64,
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::serial::finite"))]
     gain: f64,
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::serial::finite"))]
     decay: f64,
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::serial::finite"))]
     log_scale: f64,
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::serial::count"))]
     rounds: u64,
     seen: Acceptance,
 }

@@ -14,9 +14,13 @@ use crate::{Acceptance, Power};
 /// 400,000 steps); [`AcceptanceAdaptation`](crate::AcceptanceAdaptation) on the same steps
 /// does better.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct DiminishingAdaptation {
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::serial::finite"))]
     size: f64,
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::serial::finite"))]
     target: f64,
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::serial::count"))]
     rounds: u64,
     seen: u64,
 }

@@ -11,14 +11,18 @@ use crate::Scalable;
 /// logarithm shrinks by 0.9 when the size moves and by 0.5 when it stays. So the search
 /// reaches about a factor of 10^6 either way, and freezes geometrically.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct JumpAdaptation<M> {
     base: M,
     /// log2 of the present scale.
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::serial::finite"))]
     centre: f64,
     /// log2 of the factor between trials.
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::serial::finite"))]
     spread: f64,
     /// Mean squared jumps of the trials so far, in the order of [`TRIALS`].
     jumps: [f64; 3],
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "trial"))]
     trial: usize,
 }
 
@@ -82,4 +86,11 @@ impl<M: Scalable> JumpAdaptation<M> {
     fn scaled(&self, octaves: f64) -> M {
         self.base.scaled(libm::exp2(octaves))
     }
+}
+
+#[cfg(feature = "serde")]
+fn trial<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<usize, D::Error> {
+    let trial = serde::Deserialize::deserialize(deserializer)?;
+    crate::serial::check(trial < TRIALS.len(), "a trial that does not exist")?;
+    Ok(trial)
 }

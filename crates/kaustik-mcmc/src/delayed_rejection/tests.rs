@@ -115,6 +115,8 @@ fn targets() -> impl Strategy<Value = Vec<f64>> {
 }
 
 proptest! {
+    #![proptest_config(ProptestConfig::with_cases(1000))]
+
     #[test]
     fn keeps_the_target_in_detailed_balance(
         pi in targets(), large in 0.0..=1.0f64, up in 0.05..0.95f64,

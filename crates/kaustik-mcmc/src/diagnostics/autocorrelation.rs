@@ -16,7 +16,9 @@ use crate::Mean;
 ///
 /// Consistent, not unbiased: tau comes out a little small (by about tau / B).
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Autocorrelation {
+    #[cfg_attr(feature = "serde", serde(with = "crate::serial::array"))]
     levels: [Level; LEVELS],
 }
 
@@ -25,6 +27,7 @@ const LEVELS: usize = 40;
 
 /// Batches of one length.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Level {
     means: Mean,
     /// A batch that waits for its other half.

@@ -6,11 +6,15 @@ use crate::Mean;
 /// Keeps up to 64 successive blocks; when they are full, neighbours are merged and blocks
 /// become twice as long. So the halves are exact to one block in 32.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Halves {
+    #[cfg_attr(feature = "serde", serde(with = "crate::serial::array"))]
     blocks: [Mean; BLOCKS],
     /// Blocks begun.
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "begun"))]
     begun: usize,
     /// Numbers in a full block.
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::serial::count"))]
     length: u64,
 }
 
@@ -73,6 +77,13 @@ impl Halves {
             merged(&self.blocks[full - half..full]),
         ])
     }
+}
+
+#[cfg(feature = "serde")]
+fn begun<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<usize, D::Error> {
+    let begun = serde::Deserialize::deserialize(deserializer)?;
+    crate::serial::check(begun <= BLOCKS, "too many blocks")?;
+    Ok(begun)
 }
 
 impl Default for Halves {

@@ -5,7 +5,9 @@ use crate::Mean;
 /// Push the numbers once a step, moved or not. The mean is the expected squared jump
 /// distance of Pasarica and Gelman 2010.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Jumps<const N: usize> {
+    #[cfg_attr(feature = "serde", serde(with = "crate::serial::optional_array"))]
     last: Option<[f64; N]>,
     circular: bool,
     squares: Mean,

@@ -85,6 +85,8 @@ fn mixture<W: Suitability<usize, 3> + Copy>(
 const TOLERANCE: f64 = 1e-14;
 
 proptest! {
+    #![proptest_config(ProptestConfig::with_cases(1000))]
+
     #[test]
     fn keeps_the_target_whatever_the_choice_depends_on(
         pi in prop::collection::vec(prop_oneof![1 => Just(0.0), 4 => 1e-3..1.0f64], 3..7),

@@ -3,6 +3,8 @@
 mod exponential;
 mod per_coordinate;
 mod power;
+#[cfg(feature = "serde")]
+mod serial;
 mod uniform;
 mod wrapped_cauchy;
 mod wrapped_normal;

@@ -22,6 +22,8 @@ use crate::{Draws, Mutation, Scalable};
 ///
 /// For mutations of different kinds let `M` be an enum of them.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(try_from = "Written<M>"))]
 pub struct PerCoordinate<M> {
     /// The first is for all that is not said otherwise.
     mutations: Vec<M>,
@@ -30,6 +32,7 @@ pub struct PerCoordinate<M> {
 
 /// Positions in the list of mutations.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Table {
     /// Of the first coordinates.
     first: Vec<u16>,
@@ -98,6 +101,28 @@ impl<M> PerCoordinate<M> {
         let position = u16::try_from(self.mutations.len()).expect("at most 65,535 mutations");
         self.mutations.push(mutation);
         position
+    }
+}
+
+#[cfg(feature = "serde")]
+#[derive(serde::Deserialize)]
+struct Written<M> {
+    mutations: Vec<M>,
+    streams: [Table; Stream::COUNT],
+}
+
+#[cfg(feature = "serde")]
+impl<M> TryFrom<Written<M>> for PerCoordinate<M> {
+    type Error = &'static str;
+
+    fn try_from(written: Written<M>) -> Result<Self, Self::Error> {
+        let Written { mutations, streams } = written;
+        let exists = |position: &u16| usize::from(*position) < mutations.len();
+        let sound = |table: &Table| table.first.iter().chain([&table.rest]).all(exists);
+        if !streams.iter().all(sound) {
+            return Err("a coordinate's mutation does not exist");
+        }
+        Ok(Self { mutations, streams })
     }
 }
 

@@ -1,6 +1,8 @@
 //! The lazy point: a state of infinitely many coordinates, of which few are ever made.
 
 mod record;
+#[cfg(feature = "serde")]
+mod serial;
 
 use kaustik_pss::{Coordinates, Stream};
 
@@ -8,6 +10,7 @@ use crate::{Draws, Mutation, Proposal};
 
 /// How a point moves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Step {
     /// Every coordinate takes one step of the point's mutation.
     Small,
@@ -42,6 +45,8 @@ pub enum Step {
 /// Coordinates are stored densely per stream, up to the largest index that was ever read.
 /// Once the largest index has been met, a step allocates nothing.
 #[derive(Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(try_from = "serial::Read<M>"))]
 pub struct Point<M> {
     pub(crate) mutation: M,
     pub(crate) streams: [Vec<Coordinate>; Stream::COUNT],
@@ -81,6 +86,11 @@ pub(crate) struct Clock {
 
 /// One stored coordinate.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    serde(try_from = "(f64, i64, i64)", into = "(f64, i64, i64)")
+)]
 pub(crate) struct Coordinate {
     /// In [0, 1).
     pub(crate) value: f64,
@@ -238,9 +248,7 @@ impl<M: Mutation> Point<M> {
 
     /// Restores every coordinate that the open proposal read, if there is one.
     pub(crate) fn roll_back(&mut self) {
-        for &Undo { stream, index, old } in &self.undo {
-            self.streams[stream as usize][index as usize] = old;
-        }
+        restore(&mut self.streams, &self.undo);
         self.undo.clear();
     }
 
@@ -275,6 +283,13 @@ impl<M: Mutation> Point<M> {
         } else if coordinate.modify + 1 < clock.time {
             catch_up(coordinate, address, clock, mutation, draws);
         }
+    }
+}
+
+/// Puts back what was.
+fn restore(streams: &mut [Vec<Coordinate>; Stream::COUNT], undo: &[Undo]) {
+    for &Undo { stream, index, old } in undo {
+        streams[stream as usize][index as usize] = old;
     }
 }
 

@@ -1,6 +1,7 @@
 //! Exact: populations small enough to be enumerated.
 
 use kaustik_pss::{Coordinates, Stream};
+use proptest::prelude::*;
 
 use super::*;
 use crate::testing::{Enumerator, GridStep, enumerate};
@@ -136,6 +137,49 @@ fn starts_and_visits_weighted_by_their_normaliser_are_unbiased() {
                 (found - exact).abs() < TOLERANCE,
                 "{count} {scheme:?} {moves}: {i} {found}"
             );
+        }
+    }
+}
+
+/// Densities of two levels at three states: the second is zero wherever the first is.
+fn nested() -> impl Strategy<Value = [[f64; 2]; STATES]> {
+    let density = || prop_oneof![1 => Just(0.0), 3 => 1e-3..1.0f64];
+    prop::array::uniform3((density(), density())).prop_map(|rows| {
+        rows.map(|(first, second)| [first, if first > 0.0 { second } else { 0.0 }])
+    })
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(1000))]
+
+    /// E[Z_k] = Z_k and E[Z_k h(start)] = integral of q_k h, whatever the levels.
+    #[test]
+    fn normalisers_are_unbiased_whatever_the_levels(
+        table in nested(), count in 1..4usize, moves in 0..2usize, multinomial in any::<bool>(),
+    ) {
+        let moves = if count == 3 { 0 } else { moves };
+        let scheme = [Resampling::Systematic, Resampling::Multinomial][usize::from(multinomial)];
+        let family = |state: &usize| table[*state];
+        let h = [0.3, 1.0, 7.0];
+        let mut found = [0.0; 4];
+        let law = enumerate(1, |draws| {
+            let samples = (0..count).map(|_| ((), draws.index(&[1.0; STATES])));
+            let samples: Vec<_> = samples.collect();
+            let mut population = Population::from_samples(samples, &family, scheme);
+            let annealed = anneal(&mut population, moves, &[Ring, Ring], &family, draws, &mut Ignore);
+            let z = annealed.normalisers.values();
+            let start = |k: usize| annealed.starts[k].map_or(0.0, |((), s)| z[k] * h[s]);
+            [z[0], z[1], start(0), start(1)].map(f64::to_bits)
+        });
+        for (values, p) in law {
+            for (sum, bits) in found.iter_mut().zip(values) {
+                *sum += p * f64::from_bits(bits);
+            }
+        }
+        for k in 0..2 {
+            let exact = |h: [f64; 3]| (0..STATES).map(|s| table[s][k] * h[s]).sum::<f64>() / 3.0;
+            prop_assert!((found[k] - exact([1.0; 3])).abs() < TOLERANCE, "{k}: {found:?}");
+            prop_assert!((found[2 + k] - exact(h)).abs() < TOLERANCE, "{k}: {found:?}");
         }
     }
 }

@@ -340,31 +340,47 @@ fn a_missing_undo_and_an_asymmetric_mutation_are_caught() {
     assert!(defect(&run(&drifting, 2, step(true))) > 1e-2);
 }
 
+/// Two coordinates sleep through two accepted steps.
+fn with_sleepers(mutation: GridStep, rng: &mut impl Draws) -> Point<GridStep> {
+    let mut point = Point::new(mutation);
+    for (step, reads) in [
+        (kaustik_mcmc::Step::Large, 3),
+        (kaustik_mcmc::Step::Small, 1),
+        (kaustik_mcmc::Step::Small, 1),
+    ] {
+        let mut proposal = point.propose(step, rng);
+        (0..reads).for_each(|i| {
+            proposal.get(Stream::Camera, i);
+        });
+        assert!(proposal.decide(1.0));
+    }
+    let owed = point_key(&point).iter().filter(|c| c.3 == 2).count();
+    assert_eq!(owed, 2);
+    point
+}
+
+fn assert_free_of_debt(point: &Point<GridStep>) {
+    assert_eq!(point_key(point).len(), 3);
+    assert!(point_key(point).iter().all(|coordinate| coordinate.3 == 0));
+}
+
 /// Points exchanged between two chains of different mutations, whose targets are the same,
 /// so that every exchange may be accepted.
 #[test]
 fn exchanged_points_carry_no_debt() {
-    let mut a = Point::new(near());
-    let mut b = Point::new(far());
     let mut rng = kaustik_mcmc::generator(1, 0);
-    for point in [&mut a, &mut b] {
-        for (large, reads) in [(true, 3u32), (false, 1), (false, 1)] {
-            let step = if large {
-                kaustik_mcmc::Step::Large
-            } else {
-                kaustik_mcmc::Step::Small
-            };
-            let mut proposal = point.propose(step, &mut rng);
-            (0..reads).for_each(|i| {
-                proposal.get(Stream::Camera, i);
-            });
-            assert!(proposal.decide(1.0));
-        }
-    }
+    let mut a = with_sleepers(near(), &mut rng);
+    let mut b = with_sleepers(far(), &mut rng);
     a.exchange(&mut b, &mut rng);
     assert_eq!((a.mutation(), b.mutation()), (&near(), &far()));
-    for point in [&a, &b] {
-        assert_eq!(point_key(point).len(), 3);
-        assert!(point_key(point).iter().all(|coordinate| coordinate.3 == 0));
-    }
+    [&a, &b].map(assert_free_of_debt);
+}
+
+#[test]
+fn entering_pays_the_debt() {
+    let mut rng = kaustik_mcmc::generator(2, 0);
+    let mut point = with_sleepers(near(), &mut rng);
+    let nothing = target(|_: &mut dyn Coordinates| 0.0);
+    PointKernel::new(&nothing, 0.5).enter(&mut point, &mut rng);
+    assert_free_of_debt(&point);
 }

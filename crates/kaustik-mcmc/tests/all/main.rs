@@ -9,12 +9,15 @@
 mod chain;
 mod estimators;
 mod exact;
+mod hostile;
+mod interleaved;
 mod kit;
 mod law;
 mod lazy;
 mod mutation;
 mod mutation_laws;
 mod per_coordinate;
+mod resume;
 mod roll_back;
 mod stationarity;
 mod unbiased;

@@ -1,0 +1,205 @@
+//! How states are written down and read again: parts that are common to all of them.
+//!
+//! Whatever comes from outside is checked where it is read, so that no later step panics on
+//! it: levels below K, lists of the right length, counters that leave room to count on,
+//! densities that are densities. What cannot harm (a mean of anything) is taken as it is.
+
+use std::fmt;
+use std::marker::PhantomData;
+
+use serde::de::{Deserialize, Deserializer, Error, IgnoredAny, SeqAccess, Visitor};
+use serde::ser::{Serialize, SerializeTuple, Serializer};
+
+/// Lists of fixed length of any length: serde itself ends at 32.
+pub(crate) mod array {
+    use super::*;
+
+    pub(crate) fn serialize<T: Serialize, S: Serializer, const N: usize>(
+        items: &[T; N],
+        serializer: S,
+    ) -> Result<S::Ok, S::Error> {
+        let mut tuple = serializer.serialize_tuple(N)?;
+        for item in items {
+            tuple.serialize_element(item)?;
+        }
+        tuple.end()
+    }
+
+    pub(crate) fn deserialize<'de, T, D, const N: usize>(
+        deserializer: D,
+    ) -> Result<[T; N], D::Error>
+    where
+        T: Deserialize<'de>,
+        D: Deserializer<'de>,
+    {
+        deserializer.deserialize_tuple(N, Items(PhantomData))
+    }
+}
+
+struct Items<T, const N: usize>(PhantomData<T>);
+
+impl<'de, T: Deserialize<'de>, const N: usize> Visitor<'de> for Items<T, N> {
+    type Value = [T; N];
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "a list of {N}")
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<[T; N], A::Error> {
+        let mut items = Vec::with_capacity(N);
+        while items.len() < N {
+            match list.next_element()? {
+                Some(item) => items.push(item),
+                None => return Err(Error::invalid_length(items.len(), &self)),
+            }
+        }
+        if list.next_element::<IgnoredAny>()?.is_some() {
+            return Err(Error::invalid_length(N + 1, &self));
+        }
+        items
+            .try_into()
+            .map_err(|items: Vec<T>| Error::invalid_length(items.len(), &"a list"))
+    }
+}
+
+/// A list as [`array`] has it, on its own or within another.
+struct Array<T, const N: usize>([T; N]);
+
+impl<T: Serialize, const N: usize> Serialize for Array<T, N> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        array::serialize(&self.0, serializer)
+    }
+}
+
+impl<'de, T: Deserialize<'de>, const N: usize> Deserialize<'de> for Array<T, N> {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        array::deserialize(deserializer).map(Self)
+    }
+}
+
+/// Square tables.
+pub(crate) mod table {
+    use super::*;
+
+    pub(crate) fn serialize<T: Serialize + Copy, S: Serializer, const N: usize>(
+        rows: &[[T; N]; N],
+        serializer: S,
+    ) -> Result<S::Ok, S::Error> {
+        array::serialize(&rows.map(Array), serializer)
+    }
+
+    pub(crate) fn deserialize<'de, T, D, const N: usize>(
+        deserializer: D,
+    ) -> Result<[[T; N]; N], D::Error>
+    where
+        T: Deserialize<'de>,
+        D: Deserializer<'de>,
+    {
+        let rows: [Array<T, N>; N] = array::deserialize(deserializer)?;
+        Ok(rows.map(|row| row.0))
+    }
+}
+
+/// Lists that may be missing.
+pub(crate) mod optional_array {
+    use super::*;
+
+    pub(crate) fn serialize<T: Serialize + Copy, S: Serializer, const N: usize>(
+        items: &Option<[T; N]>,
+        serializer: S,
+    ) -> Result<S::Ok, S::Error> {
+        items.map(Array).serialize(serializer)
+    }
+
+    pub(crate) fn deserialize<'de, T, D, const N: usize>(
+        deserializer: D,
+    ) -> Result<Option<[T; N]>, D::Error>
+    where
+        T: Deserialize<'de>,
+        D: Deserializer<'de>,
+    {
+        let items: Option<Array<T, N>> = Option::deserialize(deserializer)?;
+        Ok(items.map(|items| items.0))
+    }
+}
+
+/// Numbers that may be infinite, which stands for "not known" and which some formats (JSON)
+/// cannot write: as options.
+pub(crate) mod known {
+    use super::*;
+
+    pub(crate) fn serialize<S: Serializer>(x: &f64, serializer: S) -> Result<S::Ok, S::Error> {
+        let known = *x < f64::INFINITY;
+        known.then_some(*x).serialize(serializer)
+    }
+
+    pub(crate) fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f64, D::Error> {
+        let known = Option::deserialize(deserializer)?;
+        Ok(known.unwrap_or(f64::INFINITY))
+    }
+}
+
+/// Densities: finite, at least 0.
+pub(crate) mod densities {
+    use super::*;
+
+    pub(crate) use super::array::serialize;
+
+    pub(crate) fn deserialize<'de, D, const N: usize>(deserializer: D) -> Result<[f64; N], D::Error>
+    where
+        D: Deserializer<'de>,
+    {
+        let densities: [f64; N] = array::deserialize(deserializer)?;
+        check(
+            densities.iter().all(is_density),
+            "a density is not finite and at least 0",
+        )?;
+        Ok(densities)
+    }
+}
+
+fn is_density(x: &f64) -> bool {
+    x.is_finite() && *x >= 0.0
+}
+
+/// Refuses what does not hold.
+pub(crate) fn check<E: Error>(holds: bool, otherwise: &str) -> Result<(), E> {
+    if holds {
+        Ok(())
+    } else {
+        Err(E::custom(otherwise))
+    }
+}
+
+/// A number that must be finite and at least 0.
+pub(crate) fn sound<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f64, D::Error> {
+    let x = f64::deserialize(deserializer)?;
+    check(is_density(&x), "a number is not finite and at least 0")?;
+    Ok(x)
+}
+
+/// A number that must be finite.
+pub(crate) fn finite<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f64, D::Error> {
+    let x = f64::deserialize(deserializer)?;
+    check(x.is_finite(), "a number is not finite")?;
+    Ok(x)
+}
+
+/// What has been counted, with room to count on and to be merged.
+pub(crate) fn count<'de, D: Deserializer<'de>>(deserializer: D) -> Result<u64, D::Error> {
+    let count = u64::deserialize(deserializer)?;
+    check(count <= MOST, "a count beyond 2^62")?;
+    Ok(count)
+}
+
+/// No run counts so far.
+pub(crate) const MOST: u64 = 1 << 62;
+
+/// A level of K.
+pub(crate) fn level<'de, D: Deserializer<'de>, const K: usize>(
+    deserializer: D,
+) -> Result<usize, D::Error> {
+    let level = usize::deserialize(deserializer)?;
+    check(level < K, "a level that does not exist")?;
+    Ok(level)
+}
