@@ -53,7 +53,7 @@ const TABLE: &[(u8, &str, &str, &str, &str)] = &[
         4,
         "kaustik-estimate",
         "film mcmc path pss scene spectrum",
-        "",
+        "libm",
         "",
     ),
     (
