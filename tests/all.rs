@@ -25,6 +25,8 @@ mod bits;
 mod by_the_book;
 /// Pictures known in closed form.
 mod furnace;
+/// Replica exchange: variants, parts, replicas that do not run.
+mod replicas;
 /// Nothing depends on the unit of length.
 mod scale;
 /// What the tests of whole renders share.

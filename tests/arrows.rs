@@ -26,7 +26,13 @@ const TABLE: &[(u8, &str, &str, &str, &str)] = &[
     (0, "kaustik-pss", "", "serde", ""),
     (0, "kaustik-spectrum", "", "libm miniz_oxide thiserror", ""),
     (0, "kaustik-geometry", "", "glam obvhs thiserror", ""),
-    (1, "kaustik-mcmc", "pss", "libm proptest rand rand_pcg serde", ""),
+    (
+        1,
+        "kaustik-mcmc",
+        "pss",
+        "libm proptest rand rand_pcg serde",
+        "",
+    ),
     (1, "kaustik-bsdf", "spectrum", "glam libm", ""),
     (
         1,
@@ -53,7 +59,7 @@ const TABLE: &[(u8, &str, &str, &str, &str)] = &[
         4,
         "kaustik-estimate",
         "film mcmc path pss scene spectrum",
-        "",
+        "libm",
         "",
     ),
     (

@@ -32,6 +32,7 @@ pub(crate) fn settings(method: Method, side: u32, spp: u64) -> RenderSettings {
         ..RenderSettings::default()
     };
     settings.options.pilot = 20_000;
+    settings.options.particles = 2_000;
     settings
 }
 

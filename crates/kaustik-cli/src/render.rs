@@ -137,6 +137,11 @@ fn write(
         );
     }
     output::note(&line);
+    if let Some(replicas) = &statistics.replicas {
+        for notice in replicas.notices() {
+            output::note(&notice);
+        }
+    }
     let lost = statistics.nonfinite + statistics.film.non_finite + statistics.film.too_large;
     if lost > 0 {
         let place = statistics.first_nonfinite.map_or(String::new(), |place| {

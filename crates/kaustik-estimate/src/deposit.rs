@@ -2,7 +2,7 @@
 
 use kaustik_film::Film;
 use kaustik_mcmc::{Recorder, Visit};
-use kaustik_path::Contributions;
+use kaustik_path::{Class, Contributions};
 
 /// How large steps, which are independent samples, are put to use a second time.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -34,6 +34,25 @@ impl Scale {
             let raster = group[0].raster;
             let xyz = group.iter().map(|splat| splat.xyz).sum();
             film.splat_weighted(raster.x * self.width, raster.y * self.height, xyz, weight);
+        }
+    }
+
+    /// As [`splat`](Self::splat), for the classes that are wanted.
+    #[inline]
+    pub fn splat_classes(
+        self,
+        film: &Film,
+        value: &Contributions,
+        weight: f64,
+        wanted: impl Fn(Class) -> bool,
+    ) {
+        for group in value.splats().chunk_by(|a, b| a.raster == b.raster) {
+            let mut some = group.iter().filter(|splat| wanted(splat.class)).peekable();
+            if some.peek().is_some() {
+                let raster = group[0].raster;
+                let xyz = some.map(|splat| splat.xyz).sum();
+                film.splat_weighted(raster.x * self.width, raster.y * self.height, xyz, weight);
+            }
         }
     }
 }

@@ -2,13 +2,18 @@
 //!
 //! A chain knows values and densities; a film knows splats. Between them stands what a visit
 //! is worth: [`PathTarget`] evaluates paths, [`ScalarContribution`] reads the chain's density
-//! off them, [`KelemenDeposit`] weighs and splats every visit.
+//! off them, [`KelemenDeposit`] weighs and splats every visit. [`ReplicaFamily`] and
+//! [`ReplicaDeposit`] do the same for replica exchange.
 
 mod deposit;
+mod replica_set;
+mod replicas;
 mod scalar;
 mod target;
 
 pub use deposit::{KelemenDeposit, Mis, Scale};
 pub use kaustik_path::ScalarTarget;
+pub use replica_set::{ClassWeights, ReplicaSet, ReplicaSetError};
+pub use replicas::{ReplicaDeposit, ReplicaFamily, ReplicaWeights};
 pub use scalar::{Contribution, ScalarContribution};
 pub use target::PathTarget;

@@ -2,9 +2,9 @@
 
 use std::sync::atomic::AtomicBool;
 
-use kaustik_film::{Counters, Image};
+use kaustik_film::{Counters, Image, Layer};
 
-use crate::{ChainStatistics, Place, RenderError, RenderSettings};
+use crate::{ChainStatistics, Place, RenderError, RenderSettings, ReplicaStatistics};
 
 /// A method at work: ladders that can be driven on, and films that can be developed.
 ///
@@ -31,6 +31,16 @@ pub(crate) trait Engine: Send + Sync {
     /// The chains so far.
     fn chain_statistics(&self) -> Option<ChainStatistics> {
         None
+    }
+
+    /// The replicas so far.
+    fn replica_statistics(&self) -> Option<ReplicaStatistics> {
+        None
+    }
+
+    /// Parts of the picture, each weighted as it is in the whole. After [`develop`](Self::develop).
+    fn layers(&self) -> Result<Vec<Layer>, RenderError> {
+        Ok(Vec::new())
     }
 
     /// Contributions left out because they were not finite, and where the first arose.

@@ -15,11 +15,19 @@ pub enum Method {
     /// Primary sample space Metropolis light transport (Kelemen 2002).
     #[default]
     Pssmlt,
+    /// Replica exchange light transport (Kitaoka 2009).
+    Relt,
 }
 
 impl Method {
     /// All methods.
-    pub const ALL: [Self; 4] = [Self::Path, Self::Light, Self::Bdpt, Self::Pssmlt];
+    pub const ALL: [Self; 5] = [
+        Self::Path,
+        Self::Light,
+        Self::Bdpt,
+        Self::Pssmlt,
+        Self::Relt,
+    ];
 
     /// The name on the command line.
     pub fn name(self) -> &'static str {
@@ -28,6 +36,7 @@ impl Method {
             Self::Light => "light",
             Self::Bdpt => "bdpt",
             Self::Pssmlt => "pssmlt",
+            Self::Relt => "relt",
         }
     }
 
@@ -45,6 +54,9 @@ impl Method {
             }
             Self::Pssmlt => {
                 "Metropolis light transport on primary samples (Kelemen, Szirmay-Kalos 2002)"
+            }
+            Self::Relt => {
+                "replica exchange: chains of rising difficulty that swap states (Kitaoka et al. 2009)"
             }
         }
     }
@@ -99,6 +111,7 @@ pub struct Key {
 
 const EVERY: &[Method] = &Method::ALL;
 const CHAINS: &[Method] = &[Method::Pssmlt];
+const REPLICAS: &[Method] = &[Method::Relt];
 
 /// All keys.
 pub const KEYS: &[Key] = &[
@@ -130,7 +143,7 @@ pub const KEYS: &[Key] = &[
         range: "1..=10000000",
         meaning: "independent samples at the start: they choose the chains' first states, estimate the \
                   normalisation and fix the film's quantum (path, light, bdpt: a hundredth of it)",
-        methods: EVERY,
+        methods: &[Method::Path, Method::Light, Method::Bdpt, Method::Pssmlt],
     },
     Key {
         name: "nextevent",
@@ -153,14 +166,14 @@ pub const KEYS: &[Key] = &[
         range: "power|balance|maximum",
         meaning: "how the strategies of bidirectional paths share one path (Veach 1997, 9.2); pssmlt: \
                   builders simple and bidirectional",
-        methods: &[Method::Bdpt, Method::Pssmlt],
+        methods: &[Method::Bdpt, Method::Pssmlt, Method::Relt],
     },
     Key {
         name: "target",
         default: "xyz",
         range: "xyz|luminance",
         meaning: "the scalar that the chain follows: X+Y+Z, or luminance (which starves dispersion)",
-        methods: CHAINS,
+        methods: &[Method::Pssmlt, Method::Relt],
     },
     Key {
         name: "contribution",
@@ -199,5 +212,51 @@ pub const KEYS: &[Key] = &[
         meaning: "the scale of the image: from the pilot and all large steps, or from the pilot alone \
                   (exactly unbiased)",
         methods: CHAINS,
+    },
+    Key {
+        name: "replicas",
+        default: "standard",
+        range: "standard|uniform;D0,D1,D2,D3,D4,D5;...",
+        meaning: "what the chains of a ladder follow: the paper's four, or 2 to 8 of one's own, each \
+                  the weights of the six classes of paths (no class that the one before leaves out)",
+        methods: REPLICAS,
+    },
+    Key {
+        name: "delta",
+        default: "0.05",
+        range: "0 < delta <= 1",
+        meaning: "share of joined paths in the last of the standard replicas: lets it exchange",
+        methods: REPLICAS,
+    },
+    Key {
+        name: "beta",
+        default: "2",
+        range: "1 <= beta <= 8",
+        meaning: "exponent of the heuristic that combines the replicas",
+        methods: REPLICAS,
+    },
+    Key {
+        name: "exchange",
+        default: "full",
+        range: "full|pair|alternating|gibbs|none",
+        meaning: "exchanges after each sweep: even and odd pairs, one random pair (the paper), even and \
+                  odd by turns, a permutation of all (at most 5 replicas), none",
+        methods: REPLICAS,
+    },
+    Key {
+        name: "steps",
+        default: "paper",
+        range: "paper|adapted",
+        meaning: "small steps: 1/61, 1/61 and 1/96 up to 16 times as much, or these sizes times \
+                  factors that every ladder adapts to an acceptance of 0.234",
+        methods: REPLICAS,
+    },
+    Key {
+        name: "particles",
+        default: "10000",
+        range: "1000..=1000000",
+        meaning: "particles of the population annealing at the start: first states and constants of \
+                  the weights",
+        methods: REPLICAS,
     },
 ];

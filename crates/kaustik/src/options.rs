@@ -1,6 +1,7 @@
 //! The settings that `--set key=value` reaches.
 
-use kaustik_estimate::{Contribution, Mis, ScalarTarget};
+use kaustik_estimate::{Contribution, Mis, ReplicaSet, ScalarTarget};
+use kaustik_mcmc::Schedule;
 use kaustik_path::Heuristic;
 use kaustik_spectrum::WavelengthSampling;
 
@@ -39,6 +40,16 @@ pub enum Normaliser {
     Initial,
 }
 
+/// Sizes of small steps of `relt`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Steps {
+    /// Those that RELT 5.1.3 prints.
+    #[default]
+    Paper,
+    /// Adapted by each ladder.
+    Adapted,
+}
+
 /// All settings; a method reads those that [`Method::keys`] lists.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[expect(missing_docs, reason = "the table of keys says what each does")]
@@ -56,6 +67,13 @@ pub struct Options {
     pub small_step: SmallStep,
     pub mis: Mis,
     pub normaliser: Normaliser,
+    /// `None`: the standard set with `delta`.
+    pub replicas: Option<ReplicaSet>,
+    pub delta: f64,
+    pub beta: f64,
+    pub exchange: Schedule,
+    pub steps: Steps,
+    pub particles: u64,
 }
 
 impl Default for Options {
@@ -74,6 +92,12 @@ impl Default for Options {
             small_step: SmallStep::Kelemen(1.0 / 1024.0, 1.0 / 64.0),
             mis: Mis::default(),
             normaliser: Normaliser::default(),
+            replicas: None,
+            delta: ReplicaSet::DELTA,
+            beta: 2.0,
+            exchange: Schedule::Full,
+            steps: Steps::default(),
+            particles: 10_000,
         }
     }
 }
@@ -196,6 +220,19 @@ impl Options {
                 Normaliser::Initial => "initial",
             }
             .to_owned(),
+            "replicas" => (self.replicas).map_or("standard".to_owned(), |set| set.to_string()),
+            "delta" => self.delta.to_string(),
+            "beta" => self.beta.to_string(),
+            "exchange" => EXCHANGES
+                .iter()
+                .find(|(_, schedule)| *schedule == self.exchange)
+                .map_or(String::new(), |(word, _)| (*word).to_owned()),
+            "steps" => match self.steps {
+                Steps::Paper => "paper",
+                Steps::Adapted => "adapted",
+            }
+            .to_owned(),
+            "particles" => self.particles.to_string(),
             _ => String::new(),
         }
     }
@@ -250,11 +287,35 @@ impl Options {
                 let (running, initial) = (Normaliser::Running, Normaliser::Initial);
                 self.normaliser = word(value, &[("running", running), ("initial", initial)])?;
             }
+            "replicas" if value == "standard" => self.replicas = None,
+            "replicas" => self.replicas = Some(value.parse().ok()?),
+            "delta" => self.delta = number(value).filter(|d| *d > 0.0 && *d <= 1.0)?,
+            "beta" => self.beta = number(value).filter(|b| (1.0..=8.0).contains(b))?,
+            "exchange" => self.exchange = word(value, EXCHANGES)?,
+            "steps" => {
+                let (paper, adapted) = (Steps::Paper, Steps::Adapted);
+                self.steps = word(value, &[("paper", paper), ("adapted", adapted)])?;
+            }
+            "particles" => self.particles = integer(value, 1_000, 1_000_000)?,
             _ => return None,
         }
         Some(())
     }
+
+    /// The replicas of `relt`.
+    pub fn replica_set(&self) -> ReplicaSet {
+        (self.replicas).unwrap_or_else(|| ReplicaSet::standard(self.delta))
+    }
 }
+
+/// Words for exchanges.
+const EXCHANGES: &[(&str, Schedule)] = &[
+    ("full", Schedule::Full),
+    ("pair", Schedule::RandomPair),
+    ("alternating", Schedule::Alternating),
+    ("gibbs", Schedule::Permutation),
+    ("none", Schedule::Off),
+];
 
 fn word<T: Copy>(value: &str, words: &[(&str, T)]) -> Option<T> {
     words
@@ -326,6 +387,37 @@ mod tests {
             again
                 .set(Method::Pssmlt, &format!("{key}={value}"))
                 .unwrap();
+        }
+        assert_eq!(again, options);
+    }
+
+    #[test]
+    fn what_is_written_of_replicas_is_what_was_set() {
+        let mut options = Options::default();
+        for text in [
+            "replicas=uniform;1,0,1,1,1,1;0.5,0,0,1,1,1",
+            "beta=1.5",
+            "exchange=pair",
+            "steps=adapted",
+            "particles=2000",
+            "delta=0.1",
+        ] {
+            options.set(Method::Relt, text).unwrap();
+        }
+        assert_eq!(options.replica_set().count(), 3);
+        let mut again = Options::default();
+        for (key, value) in options.entries(Method::Relt) {
+            again.set(Method::Relt, &format!("{key}={value}")).unwrap();
+        }
+        assert_eq!(again, options);
+        for wrong in [
+            "replicas=uniform;1,0,0,0,0,0;0,1,0,0,0,0",
+            "beta=0.5",
+            "delta=0",
+            "exchange=some",
+            "particles=10",
+        ] {
+            assert!(again.set(Method::Relt, wrong).is_err(), "{wrong}");
         }
         assert_eq!(again, options);
     }

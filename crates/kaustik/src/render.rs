@@ -11,6 +11,7 @@ use kaustik_scene::Scene;
 use crate::engine::Engine;
 use crate::independent::IndependentEngine;
 use crate::pssmlt::PssmltEngine;
+use crate::relt;
 use crate::{
     Budget, Control, Method, Progress, RenderError, RenderSettings, RenderStatistics, features,
 };
@@ -84,7 +85,13 @@ pub fn render(
         first_nonfinite,
         film: engine.film_counters(),
         chain: engine.chain_statistics(),
+        replicas: engine.replica_statistics(),
     };
+    if settings.features {
+        for layer in engine.layers()? {
+            image.push_layer(layer)?;
+        }
+    }
     // The films are not needed any more, the feature planes are.
     drop(engine);
     if settings.features {
@@ -141,6 +148,7 @@ fn engine<'a>(
         Method::Light => Box::new(IndependentEngine::light(scene, settings)?),
         Method::Bdpt => Box::new(IndependentEngine::bdpt(scene, settings)?),
         Method::Pssmlt => Box::new(PssmltEngine::new(scene, settings)?),
+        Method::Relt => relt::engine(scene, settings)?,
     })
 }
 

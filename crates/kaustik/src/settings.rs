@@ -41,7 +41,8 @@ pub struct RenderSettings {
     pub max_depth: u32,
     /// The ladders that this process runs; `None` is all.
     pub ladders: Option<Range<u32>>,
-    /// Render albedo, normal and depth of what is seen first as layers.
+    /// Render albedo, normal and depth of what is seen first as layers, and keep the parts of the picture
+    /// that a method knows (`relt`: its replicas) as layers.
     pub features: bool,
 }
 
@@ -91,6 +92,18 @@ impl RenderSettings {
             Budget::Total(n) => self.share(n, ladder),
             Budget::Time(_) => u64::MAX,
         }
+    }
+
+    /// Steps of a ladder that takes them in sweeps of so many: whole sweeps within the budget, at
+    /// least one in all.
+    pub(crate) fn planned_sweeps(&self, ladder: u32, each: u64) -> u64 {
+        let total = match self.budget {
+            Budget::PerPixel(n) => n.saturating_mul(self.pixels()),
+            Budget::Total(n) => n,
+            Budget::Time(_) => return u64::MAX / each * each,
+        };
+        let sweeps = (total / each).max(u64::from(total > 0));
+        self.share(sweeps, ladder) * each
     }
 
     /// How many of `total` steps fall to a ladder: as even as can be, the first ladders take one more.

@@ -2,6 +2,8 @@ use kaustik_film::Counters;
 use kaustik_mcmc::Statistics;
 use serde::Serialize;
 
+use crate::ReplicaStatistics;
+
 /// What a render tells about itself; goes into the image file and into `--stats`.
 #[derive(Clone, Debug, Serialize)]
 pub struct RenderStatistics {
@@ -27,6 +29,8 @@ pub struct RenderStatistics {
     pub film: Counters,
     /// Of a chain method.
     pub chain: Option<ChainStatistics>,
+    /// Of replica exchange.
+    pub replicas: Option<ReplicaStatistics>,
 }
 
 /// A sample or step among all of a render.
@@ -58,7 +62,11 @@ pub struct ChainStatistics {
 }
 
 impl ChainStatistics {
-    pub(crate) fn new(statistics: &Statistics<1>, [b, error]: [f64; 2], b0: f64) -> Self {
+    pub(crate) fn new<const K: usize>(
+        statistics: &Statistics<K>,
+        [b, error]: [f64; 2],
+        b0: f64,
+    ) -> Self {
         Self {
             small_acceptance: statistics.small().rate(),
             large_acceptance: statistics.large().rate(),

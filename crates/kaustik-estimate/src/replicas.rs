@@ -1,0 +1,157 @@
+//! Replica exchange light transport: densities of the replicas, weights of their samples.
+
+use kaustik_film::Film;
+use kaustik_mcmc::{Family, Recorder, Visit};
+use kaustik_path::{Class, Contributions, ScalarTarget};
+
+use crate::{ClassWeights, ReplicaSet, Scale};
+
+/// The densities of K replicas: `q_0 = 1`, `q_k = sum of d_{k,n} L_n` (RELT eq. 19; spec
+/// relt.md 3, which counts from 1).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ReplicaFamily<const K: usize> {
+    rows: [ClassWeights; K],
+    target: ScalarTarget,
+}
+
+impl<const K: usize> ReplicaFamily<K> {
+    /// The first K replicas of a set.
+    ///
+    /// # Panics
+    /// If the set has fewer.
+    pub fn new(set: &ReplicaSet, target: ScalarTarget) -> Self {
+        Self {
+            rows: std::array::from_fn(|k| set.rows()[k]),
+            target,
+        }
+    }
+}
+
+impl<const K: usize> Family<Contributions, K> for ReplicaFamily<K> {
+    #[inline]
+    fn densities(&self, value: &Contributions) -> [f64; K] {
+        let classes = value.by_class(self.target);
+        let mut densities = [1.0; K];
+        for (density, row) in densities.iter_mut().zip(&self.rows).skip(1) {
+            *density = row.iter().zip(&classes).map(|(d, l)| d * l).sum();
+        }
+        densities
+    }
+}
+
+/// The fixed parts of the heuristic that combines the replicas (RELT eq. 22 and 23 as spec
+/// relt.md (5), (6) and (8) have them).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ReplicaWeights<const K: usize> {
+    /// `1 / b_hat_k`.
+    inverse: [f64; K],
+    beta: f64,
+    /// Replicas `0..shared` take part in the heuristic.
+    shared: usize,
+}
+
+impl<const K: usize> ReplicaWeights<K> {
+    /// From constants `b_hat_k` > 0 that never change, and the exponent `beta` >= 1.
+    ///
+    /// `specific`: the last replica is kept out of the heuristic, for implicit specular paths alone.
+    ///
+    /// # Panics
+    /// If a constant is not positive and finite, `beta` is below 1, or all replicas would be kept out.
+    pub fn new(rough: [f64; K], beta: f64, specific: bool) -> Self {
+        assert!(
+            rough.iter().all(|b| *b > 0.0 && b.is_finite()),
+            "constants {rough:?}"
+        );
+        assert!(beta >= 1.0, "beta is {beta}");
+        let shared = K - usize::from(specific);
+        assert!(shared > 0, "no replica for the heuristic");
+        Self {
+            inverse: rough.map(|b| 1.0 / b),
+            beta,
+            shared,
+        }
+    }
+
+    /// How many replicas share paths by the heuristic: all, or all but the specific one.
+    pub fn shared(&self) -> usize {
+        self.shared
+    }
+
+    /// `x^exponent`; the usual exponents cost no logarithm.
+    #[expect(clippy::float_cmp, reason = "a shortcut for exactly these numbers")]
+    #[inline]
+    fn power(x: f64, exponent: f64) -> f64 {
+        if exponent == 2.0 {
+            x * x
+        } else if exponent == 1.0 {
+            x
+        } else if exponent == 0.0 {
+            1.0
+        } else {
+            libm::pow(x, exponent)
+        }
+    }
+
+    /// What a sample of a sharing replica is multiplied by: `(q_k/b_hat_k)^(beta-1) / D` (spec (6)).
+    #[inline]
+    pub fn factor(&self, level: usize, densities: &[f64; K]) -> f64 {
+        let mut sum = 0.0;
+        for (density, inverse) in densities.iter().zip(&self.inverse).take(self.shared) {
+            sum += Self::power(density * inverse, self.beta);
+        }
+        Self::power(densities[level] * self.inverse[level], self.beta - 1.0) / sum
+    }
+
+    /// What implicit specular light of a sample of the specific replica is multiplied by:
+    /// `b_hat_K / q_K` (spec (8)).
+    #[inline]
+    pub fn specific_factor(&self, densities: &[f64; K]) -> f64 {
+        1.0 / (densities[K - 1] * self.inverse[K - 1])
+    }
+}
+
+/// Takes the visits of ladders of K replicas: one film each.
+///
+/// After N sweeps the image is `area / N * sum of b_k / b_hat_k * film_k` (spec (7), (8)), `area` being
+/// the raster area in pixels.
+///
+/// Without a specific replica every visit goes to its replica's film, weighted by
+/// [`factor`](ReplicaWeights::factor). With one, implicit specular light ([`Class::L0`]) goes to the
+/// last film alone, from visits of the last replica; all other light from visits of the other
+/// replicas to theirs. (The heuristic would leave specular light to the replicas that seldom meet it.)
+#[derive(Debug)]
+pub struct ReplicaDeposit<'a, const K: usize> {
+    /// A film for each replica.
+    pub films: &'a [Film; K],
+    /// Raster to pixels.
+    pub scale: Scale,
+    /// The heuristic.
+    pub weights: ReplicaWeights<K>,
+}
+
+impl<const K: usize> Recorder<Contributions, K> for ReplicaDeposit<'_, K> {
+    #[inline]
+    fn record(&mut self, visit: Visit<'_, Contributions, K>) {
+        if visit.weight <= 0.0 || visit.density() <= 0.0 || visit.value.splats().is_empty() {
+            return;
+        }
+        let film = &self.films[visit.level];
+        let weights = &self.weights;
+        if weights.shared == K {
+            let factor = weights.factor(visit.level, visit.densities);
+            self.scale.splat(film, visit.value, visit.weight * factor);
+        } else if visit.level < weights.shared {
+            let factor = weights.factor(visit.level, visit.densities);
+            let weight = visit.weight * factor;
+            self.scale
+                .splat_classes(film, visit.value, weight, |class| class != Class::L0);
+        } else {
+            let weight = visit.weight * weights.specific_factor(visit.densities);
+            self.scale
+                .splat_classes(film, visit.value, weight, |class| class == Class::L0);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,408 @@
+//! Replica exchange light transport (Kitaoka, Kitamura and Kishino 2009; spec: relt.md).
+
+mod start;
+
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+
+use kaustik_estimate::{
+    PathTarget, ReplicaDeposit, ReplicaFamily, ReplicaSet, ReplicaWeights, Scale,
+};
+use kaustik_film::{Counters, Film, Image, Layer, Quantum, develop};
+use kaustik_mcmc::{
+    AcceptanceAdaptation, Estimate, Exponential, Ladder, LadderStatistics, LevelKernel, Pcg64Dxsm,
+    Point, RoughNormalisers, RunningNormalisers, Schedule, Statistics, SteppingStone, generator,
+};
+use kaustik_path::{Bidirectional, Contributions, Form};
+use kaustik_scene::Scene;
+use rayon::prelude::*;
+
+use crate::control::is_stopped;
+use crate::engine::{Engine, Nonfinite, STRIDE, add_counters};
+use crate::render::builder_settings;
+use crate::{
+    ChainStatistics, Options, Place, RenderError, RenderSettings, ReplicaLevel, ReplicaStatistics,
+    Steps,
+};
+use start::{Started, anneal};
+
+/// A replica's place and what it brings.
+type State = (Point<Exponential>, Contributions);
+
+/// Sweeps of a ladder between two changes of its step sizes. Rounds of 16 were seen to bias a chain by
+/// 20 %, rounds of 1,000 within its error (spec relt.md 4).
+const ADAPTATION_ROUND: u64 = 1_000;
+
+/// Anneals, decides which replicas run, and starts the ladders.
+pub(crate) fn engine<'a>(
+    scene: &'a Scene,
+    settings: &RenderSettings,
+) -> Result<Box<dyn Engine + 'a>, RenderError> {
+    let set = settings.options.replica_set();
+    if settings.options.exchange == Schedule::Permutation && set.count() > Schedule::MOST_PERMUTED {
+        return Err(RenderError::Setting {
+            what: "exchange",
+            found: format!("gibbs with {} replicas", set.count()),
+            expected: format!("at most {} replicas", Schedule::MOST_PERMUTED),
+        });
+    }
+    let builder = Bidirectional {
+        settings: builder_settings(settings),
+        form: Form::Full,
+        heuristic: settings.options.heuristic,
+    };
+    let nonfinite = AtomicU64::new(0);
+    let target = PathTarget {
+        scene,
+        builder: &builder,
+        nonfinite: &nonfinite,
+    };
+    let started = match set.count() {
+        2 => anneal::<2>(target, &set, settings),
+        3 => anneal::<3>(target, &set, settings),
+        4 => anneal::<4>(target, &set, settings),
+        5 => anneal::<5>(target, &set, settings),
+        6 => anneal::<6>(target, &set, settings),
+        7 => anneal::<7>(target, &set, settings),
+        _ => anneal::<8>(target, &set, settings),
+    };
+    Ok(match started.starts.len() {
+        0 | 1 => Box::new(ReltEngine::<1>::new(scene, builder, settings, started)?),
+        2 => Box::new(ReltEngine::<2>::new(scene, builder, settings, started)?),
+        3 => Box::new(ReltEngine::<3>::new(scene, builder, settings, started)?),
+        4 => Box::new(ReltEngine::<4>::new(scene, builder, settings, started)?),
+        5 => Box::new(ReltEngine::<5>::new(scene, builder, settings, started)?),
+        6 => Box::new(ReltEngine::<6>::new(scene, builder, settings, started)?),
+        7 => Box::new(ReltEngine::<7>::new(scene, builder, settings, started)?),
+        _ => Box::new(ReltEngine::<8>::new(scene, builder, settings, started)?),
+    })
+}
+
+/// Small steps of a replica: RELT 5.1.3's sizes, s2 = 16 s1 (spec relt.md (10)). The specific replica's
+/// are smaller.
+fn mutation(set: &ReplicaSet, level: usize) -> Exponential {
+    let specific = set.is_specific() && level + 1 == set.count();
+    let s1 = if specific { 1.0 / 96.0 } else { 1.0 / 61.0 };
+    Exponential::new(s1, 16.0 * s1)
+}
+
+/// Kernels of all replicas: the uniform one draws anew, the others perturb.
+fn kernels<'a, const K: usize>(
+    target: PathTarget<'a>,
+    set: &ReplicaSet,
+) -> [LevelKernel<PathTarget<'a>, Exponential>; K] {
+    std::array::from_fn(|level| {
+        let large = if level == 0 { 1.0 } else { 0.0 };
+        LevelKernel::new(target, large, mutation(set, level))
+    })
+}
+
+/// Ladders of K replicas on K films.
+struct ReltEngine<'a, const K: usize> {
+    scene: &'a Scene,
+    builder: Bidirectional,
+    options: Options,
+    set: ReplicaSet,
+    family: ReplicaFamily<K>,
+    weights: ReplicaWeights<K>,
+    rough: [Estimate; K],
+    runs: Vec<Run<K>>,
+    films: [Film; K],
+    scale: Scale,
+    /// Raster area of the window in pixels.
+    area: f64,
+    particles: u64,
+    dropped: Option<String>,
+    lit: bool,
+}
+
+/// One ladder.
+struct Run<const K: usize> {
+    index: u32,
+    draws: Pcg64Dxsm,
+    ladder: Ladder<Point<Exponential>, Contributions, K>,
+    adaptations: [AcceptanceAdaptation<Exponential>; K],
+    sweeps: u64,
+    nonfinite: Nonfinite,
+}
+
+impl<'a, const K: usize> ReltEngine<'a, K> {
+    fn new(
+        scene: &'a Scene,
+        builder: Bidirectional,
+        settings: &RenderSettings,
+        started: Started,
+    ) -> Result<Self, RenderError> {
+        let options = settings.options;
+        let set = options.replica_set();
+        let family = ReplicaFamily::new(&set, options.target);
+        let rough: [Estimate; K] = std::array::from_fn(|k| started.rough[k]);
+        // Without its replica, implicit specular light goes back to the others (spec 6.6).
+        let specific = set.is_specific() && K == set.count();
+        let layout = settings.layout();
+        let quantum = Quantum::from_mean(started.mean / 3.0);
+        let mut films = Vec::with_capacity(K);
+        for _ in 0..K {
+            films.push(Film::with_layout(&layout, quantum)?);
+        }
+        let Ok(films) = <[Film; K]>::try_from(films) else {
+            unreachable!("K films were made");
+        };
+        Ok(Self {
+            scene,
+            builder,
+            options,
+            set,
+            family,
+            weights: ReplicaWeights::new(rough.map(|b| b.value), options.beta, specific),
+            rough,
+            lit: started.mean > 0.0,
+            particles: started.particles,
+            dropped: started.dropped.clone(),
+            runs: runs(&family, &set, settings, started),
+            films,
+            scale: Scale {
+                width: f64::from(settings.width),
+                height: f64::from(settings.height),
+            },
+            area: layout.extended_bounds().area(),
+        })
+    }
+
+    fn deposit(&self) -> ReplicaDeposit<'_, K> {
+        ReplicaDeposit {
+            films: &self.films,
+            scale: self.scale,
+            weights: self.weights,
+        }
+    }
+
+    /// Drives one ladder on.
+    fn drive(&self, run: &mut Run<K>, sweeps: u64, stop: Option<&AtomicBool>) {
+        let nonfinite = AtomicU64::new(0);
+        let target = PathTarget {
+            scene: self.scene,
+            builder: &self.builder,
+            nonfinite: &nonfinite,
+        };
+        let kernels = kernels::<K>(target, &self.set);
+        let mut deposit = self.deposit();
+        for done in 0..sweeps {
+            if done % STRIDE == 0 && is_stopped(stop) {
+                return;
+            }
+            (run.ladder).sweep(&kernels, &self.family, &mut run.draws, &mut deposit);
+            let found = nonfinite.load(Ordering::Relaxed);
+            if found > 0 {
+                nonfinite.store(0, Ordering::Relaxed);
+                run.nonfinite.count(found, run.sweeps * K as u64);
+            }
+            run.sweeps += 1;
+            if self.options.steps == Steps::Adapted && run.sweeps.is_multiple_of(ADAPTATION_ROUND) {
+                run.adapt();
+            }
+        }
+    }
+
+    fn sweeps(&self) -> u64 {
+        self.runs.iter().map(|run| run.sweeps).sum()
+    }
+
+    /// A replica's statistics in all ladders, in their order.
+    fn level(&self, level: usize) -> Statistics<K> {
+        let mut all = Statistics::new();
+        for run in &self.runs {
+            all.merge(run.ladder.replicas()[level].statistics());
+        }
+        all
+    }
+
+    /// The normalisers of all ladders together (spec (4)): pooled before the product is formed.
+    fn running(&self) -> RunningNormalisers<K> {
+        let mut all = SteppingStone::line();
+        for run in &self.runs {
+            all.merge(run.ladder.stepping_stone());
+        }
+        all.normalisers(1.0)
+    }
+
+    /// Do the running normalisers scale the films? In a render shorter than its annealing the rough ones
+    /// are better (spec 7.5).
+    fn is_running(&self) -> bool {
+        self.sweeps() >= self.particles
+    }
+
+    /// `b_k / b_hat_k` (spec (7)).
+    fn scales(&self) -> [f64; K] {
+        if !self.is_running() {
+            return [1.0; K];
+        }
+        let rough = RoughNormalisers::guess(self.rough.map(|b| b.value));
+        self.running().over(&rough)
+    }
+
+    /// Films with what turns them into parts of the picture.
+    fn parts(&self) -> Vec<(&Film, f64)> {
+        let per_sweep = self.area / self.sweeps().max(1) as f64;
+        let scales = self.scales().map(|scale| scale * per_sweep);
+        self.films.iter().zip(scales).collect()
+    }
+}
+
+impl<const K: usize> Run<K> {
+    /// Ends a round: new step sizes for all replicas but the uniform one.
+    fn adapt(&mut self) {
+        for (level, adaptation) in self.adaptations.iter_mut().enumerate().skip(1) {
+            let small = *self.ladder.replicas()[level].statistics().small();
+            let mutation = adaptation.end_round(&small);
+            // pays what sleeping coordinates owe to the old sizes
+            self.ladder.set_mutation(level, mutation, &mut self.draws);
+        }
+    }
+}
+
+/// The ladders of this process.
+fn runs<const K: usize>(
+    family: &ReplicaFamily<K>,
+    set: &ReplicaSet,
+    settings: &RenderSettings,
+    started: Started,
+) -> Vec<Run<K>> {
+    let mut levels: Vec<_> = started.starts.into_iter().map(Vec::into_iter).collect();
+    let run = |index: u32| {
+        let starts: Vec<State> = levels.iter_mut().filter_map(Iterator::next).collect();
+        let starts: [State; K] = starts.try_into().ok()?;
+        Some(Run {
+            index,
+            draws: generator(settings.seed, u64::from(index)),
+            ladder: Ladder::new(starts, family).with_schedule(settings.options.exchange),
+            adaptations: std::array::from_fn(|k| AcceptanceAdaptation::new(mutation(set, k))),
+            sweeps: 0,
+            nonfinite: Nonfinite::default(),
+        })
+    };
+    settings.ladder_range().map_while(run).collect()
+}
+
+impl<const K: usize> Engine for ReltEngine<'_, K> {
+    fn advance(&mut self, plan: &[u64], stop: Option<&AtomicBool>) -> u64 {
+        let before = self.sweeps();
+        let mut runs = std::mem::take(&mut self.runs);
+        runs.par_iter_mut()
+            .zip(plan)
+            .with_max_len(1)
+            .for_each(|(run, &steps)| self.drive(run, steps / K as u64, stop));
+        self.runs = runs;
+        (self.sweeps() - before) * K as u64
+    }
+
+    fn planned(&self, ladder: u32, settings: &RenderSettings) -> u64 {
+        settings.planned_sweeps(ladder, K as u64)
+    }
+
+    fn grain(&self, _ladder: u32) -> u64 {
+        K as u64
+    }
+
+    fn develop(&mut self) -> Result<Image, RenderError> {
+        let mut runs = std::mem::take(&mut self.runs);
+        for run in &mut runs {
+            run.ladder.flush(&mut self.deposit());
+        }
+        self.runs = runs;
+        Ok(develop(&self.parts())?)
+    }
+
+    fn layers(&self) -> Result<Vec<Layer>, RenderError> {
+        let mut layers = Vec::with_capacity(K);
+        for (index, part) in self.parts().into_iter().enumerate() {
+            let image = develop(&[part])?;
+            let channels = ["R", "G", "B"].into_iter().zip(image.rgb());
+            let channels = channels.map(|(name, plane)| (name, plane.to_vec()));
+            layers.push(Layer::new(
+                &format!("replica-{}", index + 1),
+                channels.collect(),
+            ));
+        }
+        Ok(layers)
+    }
+
+    fn chain_statistics(&self) -> Option<ChainStatistics> {
+        let mut all = Statistics::new();
+        for level in 0..K {
+            all.merge(&self.level(level));
+        }
+        let first = 1.min(K - 1);
+        let b = self.running().estimates()[first];
+        let b = if self.is_running() {
+            b
+        } else {
+            self.rough[first]
+        };
+        let normaliser = [b.value, b.standard_error];
+        Some(ChainStatistics::new(
+            &all,
+            normaliser,
+            self.rough[first].value,
+        ))
+    }
+
+    fn replica_statistics(&self) -> Option<ReplicaStatistics> {
+        let mut exchanges = LadderStatistics::new();
+        for run in &self.runs {
+            exchanges.merge(run.ladder.statistics());
+        }
+        let running = self.running();
+        let uniform = self.level(0);
+        let apart = running.discrepancies(&uniform.independent);
+        let level = |k: usize| {
+            let statistics = self.level(k);
+            let moves = if k == 0 {
+                statistics.large()
+            } else {
+                statistics.small()
+            };
+            let steps = self.runs.iter().map(|run| {
+                let point = run.ladder.replicas()[k].state();
+                point.mutation().sizes().1
+            });
+            ReplicaLevel {
+                weights: self.set.rows()[k],
+                rough: self.rough[k].value,
+                rough_error: known(self.rough[k].standard_error),
+                normalisation: running.values()[k],
+                normalisation_error: known(running.estimates()[k].standard_error),
+                independent: uniform.independent[k].mean(),
+                independent_error: known(uniform.independent[k].standard_error()),
+                discrepancy: known(apart[k]),
+                acceptance: moves.rate(),
+                step: steps.sum::<f64>() / self.runs.len().max(1) as f64,
+            }
+        };
+        Some(ReplicaStatistics {
+            levels: (0..K).map(level).collect(),
+            sweeps: self.sweeps(),
+            exchange_acceptance: (1..K).map(|k| exchanges.swap(k - 1, k).rate()).collect(),
+            round_trips: exchanges.round_trips,
+            particles: self.particles,
+            dropped: self.dropped.clone(),
+            running: self.is_running(),
+        })
+    }
+
+    fn nonfinite(&self) -> (u64, Option<Place>) {
+        Nonfinite::all(self.runs.iter().map(|run| (run.index, run.nonfinite)))
+    }
+
+    fn film_counters(&self) -> Counters {
+        (self.films.iter().map(Film::counters)).fold(Counters::default(), add_counters)
+    }
+
+    fn is_lit(&self) -> bool {
+        self.lit
+    }
+}
+
+/// JSON knows neither infinity nor NaN.
+fn known(x: f64) -> Option<f64> {
+    x.is_finite().then_some(x)
+}

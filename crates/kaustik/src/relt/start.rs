@@ -1,0 +1,161 @@
+//! How replicas start: by population annealing (RELT 4.3, Algorithm 2; spec relt.md 7).
+
+use kaustik_estimate::{PathTarget, ReplicaFamily, ReplicaSet, ScalarTarget};
+use kaustik_mcmc::{
+    Estimate, Extinct, Ignore, Metropolis, Pcg64Dxsm, Population, Resampling, SampleGenerators,
+    generator,
+};
+use rayon::prelude::*;
+
+use super::{State, kernels, mutation};
+use crate::RenderSettings;
+
+/// Small steps of every particle at a level: copies must come apart (spec 7.2).
+const MOVES: usize = 2;
+/// An annealing that dies is tried again so often, each time with twice the particles (spec 7.3).
+const AGAIN: u32 = 3;
+/// Below this share of the replica before, the specific one is not worth its steps (spec 6.6). Its whole
+/// density counts, not only what particles have seen of its light: in water under a small lamp that is nothing, and
+/// a third of the picture.
+const NEGLIGIBLE: f64 = 1e-3;
+/// Ladders that no render has, for the generators of the attempts and levels.
+const LADDERS: u64 = 16;
+
+/// What an annealing leaves.
+pub(super) struct Started {
+    /// For each replica that is to run, a state for each ladder of this process.
+    pub(super) starts: Vec<Vec<State>>,
+    /// Integrals of the replicas' densities: constants of the weights.
+    pub(super) rough: Vec<Estimate>,
+    /// Mean of X + Y + Z over the independent samples.
+    pub(super) mean: f64,
+    /// Particles of the last attempt.
+    pub(super) particles: u64,
+    /// Why replicas do not run.
+    pub(super) dropped: Option<String>,
+}
+
+/// Anneals until the population lives or has been tried often enough, and drops what nobody reaches
+/// and what is negligible.
+pub(super) fn anneal<const K: usize>(
+    target: PathTarget<'_>,
+    set: &ReplicaSet,
+    settings: &RenderSettings,
+) -> Started {
+    let mut attempt = 0;
+    loop {
+        let (mut started, extinct) = climb::<K>(target, set, settings, attempt);
+        // Without any light there is nothing to look for with more particles.
+        if extinct.is_some() && attempt < AGAIN && started.mean > 0.0 {
+            attempt += 1;
+            continue;
+        }
+        if let Some(Extinct { level }) = extinct {
+            started.dropped = Some(format!(
+                "replicas from the {}. on do not run: none of {} particles reached it",
+                level + 1,
+                started.particles
+            ));
+        } else if set.is_specific()
+            && started.rough[K - 1].value < NEGLIGIBLE * started.rough[K - 2].value
+        {
+            started.starts.truncate(K - 1);
+            started.rough.truncate(K - 1);
+            started.dropped = Some(format!(
+                "the specific replica does not run: its normalisation is below {NEGLIGIBLE} of that of \
+                 the replica before"
+            ));
+        }
+        return started;
+    }
+}
+
+fn climb<const K: usize>(
+    target: PathTarget<'_>,
+    set: &ReplicaSet,
+    settings: &RenderSettings,
+    attempt: u32,
+) -> (Started, Option<Extinct>) {
+    let family = ReplicaFamily::<K>::new(set, settings.options.target);
+    let kernels = kernels::<K>(target, set);
+    let particles = settings.options.particles << attempt;
+    let ladder = |level: usize| u64::MAX - u64::from(attempt) * LADDERS - level as u64;
+    let samples = samples(target, &family, set, settings.seed, ladder(0), particles);
+    let light = samples.iter().map(|(_, value)| {
+        let classes = value.by_class(ScalarTarget::Xyz);
+        classes.iter().sum::<f64>()
+    });
+    let mean = light.sum::<f64>() / particles as f64;
+    let mut population = Population::from_samples(samples, &family, Resampling::Systematic);
+    let mut central = generator(settings.seed, ladder(K));
+    let mut started = Started {
+        starts: Vec::new(),
+        rough: Vec::new(),
+        mean,
+        particles,
+        dropped: None,
+    };
+    for (level, kernel) in kernels.iter().enumerate() {
+        let stage = match population.advance(level, kernel, &mut central) {
+            Ok(stage) => stage,
+            Err(extinct) => return (started, Some(extinct)),
+        };
+        if level > 0 {
+            let generators = SampleGenerators::new(settings.seed, ladder(level));
+            (population.particles_mut().par_iter_mut().enumerate())
+                .with_min_len(64)
+                .for_each(|(slot, particle)| {
+                    let mut draws = generators.at(slot as u64);
+                    for _ in 0..MOVES {
+                        particle.step(kernel, &family, &mut draws, &mut Ignore);
+                    }
+                });
+        }
+        started.rough.push(stage.normaliser);
+        (started.starts).push(choose(&population, settings, &mut central));
+    }
+    (started, None)
+}
+
+/// Independent samples, each from a generator of its own, in the order of their indices.
+fn samples<const K: usize>(
+    target: PathTarget<'_>,
+    family: &ReplicaFamily<K>,
+    set: &ReplicaSet,
+    seed: u64,
+    ladder: u64,
+    count: u64,
+) -> Vec<State> {
+    let generators = SampleGenerators::new(seed, ladder);
+    (0..count as usize)
+        .into_par_iter()
+        .with_min_len(64)
+        .map(|index| {
+            let mut draws = generators.at(index as u64);
+            let chain = Metropolis::start(&target, family, 0, mutation(set, 0), &mut draws);
+            (chain.state().clone(), chain.value().clone())
+        })
+        .collect()
+}
+
+/// A state for each ladder of this process. All ladders choose, so that a share of them starts as it
+/// would among all.
+fn choose<const K: usize>(
+    population: &Climbing<K>,
+    settings: &RenderSettings,
+    draws: &mut Pcg64Dxsm,
+) -> Vec<State> {
+    let range = settings.ladder_range();
+    let mut chosen = Vec::with_capacity(range.len());
+    for ladder in 0..settings.options.ladders {
+        let particle = population.choose(draws);
+        if range.contains(&ladder) {
+            chosen.extend(particle.map(|p| (p.state().clone(), p.value().clone())));
+        }
+    }
+    chosen
+}
+
+/// A population of paths.
+type Climbing<const K: usize> =
+    Population<kaustik_mcmc::Point<kaustik_mcmc::Exponential>, kaustik_path::Contributions, K>;

@@ -1,0 +1,72 @@
+use serde::Serialize;
+
+/// What replicas tell about themselves; goes into the image file and into `--stats`.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ReplicaStatistics {
+    /// The replicas that ran, the uniform one first.
+    pub levels: Vec<ReplicaLevel>,
+    /// Sweeps of all ladders: steps of each replica.
+    pub sweeps: u64,
+    /// Mean acceptance of exchanges between neighbours, by the lower one.
+    pub exchange_acceptance: Vec<f64>,
+    /// How often a state's lineage went from the first replica to the last and back.
+    pub round_trips: u64,
+    /// Particles of the annealing.
+    pub particles: u64,
+    /// Why replicas that were asked for did not run; `None` if all did.
+    pub dropped: Option<String>,
+    /// Are the films scaled by the running normalisers? Very short renders keep the rough ones.
+    pub running: bool,
+}
+
+/// One replica.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ReplicaLevel {
+    /// Weights of the six classes of paths in its density; zeros for the uniform replica.
+    pub weights: [f64; 6],
+    /// Rough integral of its density, from the annealing: the constant in the weights.
+    pub rough: f64,
+    /// Its standard error.
+    pub rough_error: Option<f64>,
+    /// Running estimate by stepping stones, which scales the film (RELT eq. 10).
+    pub normalisation: f64,
+    /// Its standard error; `None` while nothing is known of it.
+    pub normalisation_error: Option<f64>,
+    /// The mean over the uniform replica's own samples: independent of the chains' course, noisier.
+    pub independent: f64,
+    /// Its standard error.
+    pub independent_error: Option<f64>,
+    /// How many standard errors lie between the last two.
+    pub discrepancy: Option<f64>,
+    /// Mean acceptance of its steps.
+    pub acceptance: f64,
+    /// Largest small step, mean over the ladders.
+    pub step: f64,
+}
+
+impl ReplicaStatistics {
+    /// Beyond so many standard errors two estimates of one number call for a word.
+    const SUSPECT: f64 = 5.0;
+
+    /// What whoever renders should be told.
+    pub fn notices(&self) -> Vec<String> {
+        let mut lines = Vec::new();
+        if let Some(why) = &self.dropped {
+            lines.push(format!("note: {why}"));
+        }
+        for (index, level) in self.levels.iter().enumerate() {
+            if level.discrepancy.is_some_and(|z| z.abs() > Self::SUSPECT) {
+                lines.push(format!(
+                    "warning: the normalisation of replica {} is {:.6} by exchange and {:.6} by \
+                     independent samples, more than {} standard errors apart: render longer, or \
+                     with another seed",
+                    index + 1,
+                    level.normalisation,
+                    level.independent,
+                    Self::SUSPECT
+                ));
+            }
+        }
+        lines
+    }
+}

@@ -1,0 +1,181 @@
+//! Replica exchange: its picture, its parts, what it does without a replica.
+
+use kaustik::mcmc::Schedule;
+use kaustik::path::Class;
+use kaustik::{Budget, Control, Method, RenderSettings, Rendered, Steps, render};
+
+use crate::support::{Runs, agree, means, picture, scene, settings, tiles_of_seeds};
+
+fn rendered(words: &str, settings: &RenderSettings) -> Rendered {
+    let scene = scene(words, settings.width);
+    render(&scene, settings, &mut Control::default()).expect("a render")
+}
+
+/// Every way to exchange and to step has the same picture, that of a path tracer.
+#[test]
+fn all_variants_agree_roughly_with_path() {
+    const SIDE: u32 = 16;
+    let scene = scene("cornell", SIDE);
+    let path = tiles_of_seeds(&scene, &settings(Method::Path, SIDE, 256), 0..8);
+    type Change = fn(&mut kaustik::Options);
+    let variants: [(&str, Change); 6] = [
+        ("default", |_| {}),
+        ("pair", |o| o.exchange = Schedule::RandomPair),
+        ("gibbs, beta 1", |o| {
+            o.exchange = Schedule::Permutation;
+            o.beta = 1.0;
+        }),
+        ("none", |o| o.exchange = Schedule::Off),
+        ("adapted", |o| {
+            o.steps = Steps::Adapted;
+            o.ladders = 4;
+        }),
+        ("two replicas", |o| {
+            o.replicas = Some("uniform;1,0,1,1,1,1".parse().expect("a set"));
+        }),
+    ];
+    for (name, change) in variants {
+        let mut settings = settings(Method::Relt, SIDE, 256);
+        change(&mut settings.options);
+        let verdict = agree(
+            &path,
+            &tiles_of_seeds(&scene, &settings, 0..8),
+            |_| true,
+            0.1,
+        );
+        assert!(verdict.rejected.is_empty(), "{name}: {verdict:?}");
+        assert!(verdict.uncertain.is_empty(), "{name}: {verdict:?}");
+    }
+}
+
+/// Tiles where the pictures differ by more than a share of their mean, noise apart, and those where
+/// noise is too large to tell.
+fn further_apart(a: &[[Runs; 3]], b: &[[Runs; 3]], share: f64) -> [Vec<usize>; 2] {
+    let mut lists = [Vec::new(), Vec::new()];
+    for (tile, (a, b)) in a.iter().zip(b).enumerate() {
+        let (a, b) = (a[1], b[1]);
+        let error = (a.variance + b.variance).sqrt();
+        if (a.mean - b.mean).abs() > share * a.mean + 3.0 * error {
+            lists[0].push(tile);
+        }
+        if error > share * a.mean {
+            lists[1].push(tile);
+        }
+    }
+    lists
+}
+
+#[test]
+#[ignore = "long"]
+fn it_agrees_with_path_within_one_percent_on_cornell() {
+    const SIDE: u32 = 64;
+    let scene = scene("cornell", SIDE);
+    let path = tiles_of_seeds(&scene, &settings(Method::Path, SIDE, 400), 0..16);
+    let relt = tiles_of_seeds(&scene, &settings(Method::Relt, SIDE, 1_000), 0..16);
+    let [apart, uncertain] = further_apart(&path, &relt, 0.01);
+    assert!(apart.is_empty(), "{apart:?}");
+    assert!(uncertain.len() <= 3, "{uncertain:?}");
+}
+
+#[test]
+#[ignore = "long"]
+fn it_agrees_with_path_through_glass() {
+    const SIDE: u32 = 32;
+    let scene = scene("glass-cube?light=0.8", SIDE);
+    let path = tiles_of_seeds(&scene, &settings(Method::Path, SIDE, 4_000), 0..16);
+    let relt = tiles_of_seeds(&scene, &settings(Method::Relt, SIDE, 4_000), 0..16);
+    let verdict = agree(&path, &relt, |_| true, 0.03);
+    assert!(verdict.rejected.is_empty(), "{verdict:?}");
+    assert!(verdict.uncertain.len() <= 3, "{verdict:?}");
+}
+
+/// Paths of one edge are all of a class that no replica but the uniform one follows.
+#[test]
+fn what_no_chain_reaches_is_left_to_the_uniform_replica() {
+    let with = |method| RenderSettings {
+        max_depth: 1,
+        ..settings(method, 16, 512)
+    };
+    let done = rendered("furnace?kind=diffuse", &with(Method::Relt));
+    let replicas = done.statistics.replicas.expect("statistics of replicas");
+    assert_eq!(replicas.levels.len(), 1);
+    assert!(replicas.dropped.is_some() && replicas.notices().len() == 1);
+    let path = means(&rendered("furnace?kind=diffuse", &with(Method::Path)).image);
+    for (found, wanted) in means(&done.image).into_iter().zip(path) {
+        assert!((found / wanted - 1.0).abs() < 0.02, "{found} {wanted}");
+    }
+}
+
+/// A specific replica whose light is next to nothing does not run, and its light is not lost.
+#[test]
+fn a_negligible_replica_is_dropped_and_its_light_kept() {
+    let words = "furnace?kind=glass";
+    let mut small = settings(Method::Relt, 16, 256);
+    // scaled so far down that its normaliser is negligible
+    let set = "uniform;1,0,1,1,1,1;1,0,0,1,1,1;1e-6,0,0,0,0,1e-8";
+    small.options.replicas = Some(set.parse().expect("a set"));
+    let done = rendered(words, &small);
+    let replicas = done.statistics.replicas.expect("statistics of replicas");
+    assert_eq!(replicas.levels.len(), 3);
+    assert!(replicas.dropped.is_some());
+    for mean in means(&done.image) {
+        assert!((mean - 1.0).abs() < 0.03, "{mean}");
+    }
+    let kept = rendered(words, &settings(Method::Relt, 16, 256));
+    let replicas = kept.statistics.replicas.expect("statistics of replicas");
+    assert!(replicas.dropped.is_none() && replicas.levels.len() == 4);
+    assert!(replicas.levels[3].weights[Class::L0 as usize] > 0.0);
+    for mean in means(&kept.image) {
+        assert!((mean - 1.0).abs() < 0.03, "{mean}");
+    }
+}
+
+#[test]
+fn the_replicas_layers_add_up_to_the_picture() {
+    let settings = RenderSettings {
+        features: true,
+        ..settings(Method::Relt, 16, 64)
+    };
+    let image = rendered("glass-cube?light=0.8", &settings).image;
+    for (name, plane) in ["R", "G", "B"].into_iter().zip(image.rgb()) {
+        let part = |k: u32| {
+            let layer = image.layer(&format!("replica-{k}")).expect("its layer");
+            layer.channel(name).expect("its channel").to_vec()
+        };
+        let parts = [1, 2, 3, 4].map(part);
+        for (pixel, &whole) in plane.iter().enumerate() {
+            let sum: f32 = parts.iter().map(|part| part[pixel]).sum();
+            assert!(
+                (sum - whole).abs() <= 1e-4 * whole.abs().max(1.0),
+                "{sum} {whole}"
+            );
+        }
+    }
+}
+
+/// Budgets count paths: a sweep of four replicas is four.
+#[test]
+fn a_sweep_is_one_mutation_a_replica() {
+    let with = |total| RenderSettings {
+        budget: Budget::Total(total),
+        ..settings(Method::Relt, 16, 1)
+    };
+    for (total, steps) in [(1, 4), (1_003, 1_000), (4_096, 4_096)] {
+        let done = rendered("cornell", &with(total));
+        assert_eq!(done.statistics.steps, steps);
+        let replicas = done.statistics.replicas.expect("statistics of replicas");
+        assert_eq!(replicas.sweeps, steps / 4);
+    }
+}
+
+#[test]
+fn gibbs_takes_no_more_replicas_than_it_can() {
+    let mut six = settings(Method::Relt, 16, 1);
+    let set = format!("uniform{}", ";1,0,1,1,1,1".repeat(5));
+    six.options.replicas = Some(set.parse().expect("a set"));
+    six.options.exchange = Schedule::Permutation;
+    let scene = scene("cornell", 16);
+    assert!(render(&scene, &six, &mut Control::default()).is_err());
+    six.options.exchange = Schedule::Full;
+    assert!(picture(&scene, &six).rgb()[1].iter().any(|&v| v > 0.0));
+}
