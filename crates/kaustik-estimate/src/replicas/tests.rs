@@ -19,7 +19,7 @@ fn classes(u: f64) -> [f64; 6] {
     let lit = if u < 0.9 { 1.0 } else { 0.0 };
     [
         lit * 30.0 * bump(0.735, 0.008),
-        if u > 0.85 || u < 0.2 { 0.7 } else { 0.0 },
+        if (0.2..=0.85).contains(&u) { 0.0 } else { 0.7 },
         lit * (1.0 + 0.8 * libm::sin(9.0 * u)),
         if u < 0.3 { 0.2 } else { 0.0 },
         lit * 2.0 * bump(0.35, 0.03),
