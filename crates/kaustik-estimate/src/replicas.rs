@@ -80,6 +80,10 @@ impl<const K: usize> ReplicaWeights<K> {
     /// `x^exponent`; the usual exponents cost no logarithm.
     #[expect(clippy::float_cmp, reason = "a shortcut for exactly these numbers")]
     #[inline]
+    #[expect(
+        clippy::float_cmp,
+        reason = "only these very exponents have a shortcut"
+    )]
     fn power(x: f64, exponent: f64) -> f64 {
         if exponent == 2.0 {
             x * x
