@@ -78,7 +78,6 @@ impl<const K: usize> ReplicaWeights<K> {
     }
 
     /// `x^exponent`; the usual exponents cost no logarithm.
-    #[expect(clippy::float_cmp, reason = "a shortcut for exactly these numbers")]
     #[inline]
     #[expect(
         clippy::float_cmp,

@@ -122,12 +122,25 @@
 //! its independent proposals.)
 //! Kelemen's printed form, with an estimate of b inside the weights, is not.
 //!
+//! # To read on
+//!
+//! * [`guide::algorithms`]: each algorithm with its source, what it assumes, what is unbiased and
+//!   what only consistent, and when to use which.
+//! * [`guide::graphics`]: the words and equation numbers of Kelemen, Kitaoka, Cline and Batty.
+//! * [`guide::statistics`]: what is unlike other libraries of Markov chains.
+//! * [`guide::keeping`]: determinism, threads, states written and read again (feature `serde`).
+//! * [`testing`]: proving a kernel of one's own (feature `testing`).
+//!
+//! # Features
+//!
+//! None by default: the dependencies are then `rand`'s traits, one generator and `libm`.
+//! `testing` adds the kit with proptest's strategies, `serde` the states as files.
+//!
 //! # Determinism and replay
 //!
 //! Nothing here reads a clock or a global generator. [`generator`] belongs to a ladder (a
 //! chain or a set of chains that exchange), [`sample_generator`] to a single sample, which
-//! is made again from (seed, ladder, step) alone. Values are pinned by tests; exp and ln
-//! come from `libm`, so that they are the same on every machine.
+//! is made again from (seed, ladder, step) alone.
 //!
 //! # Errors
 //!
@@ -143,6 +156,7 @@ mod diagnostics;
 mod draws;
 mod family;
 mod generator;
+pub mod guide;
 mod independent;
 mod index_process;
 mod kernel;

@@ -109,15 +109,15 @@ pub(crate) const POINT: &[Fault] = &[
     fault(
         "rejection forgets what was seen",
         "point/mod.rs",
-        "self.streams[stream as usize][index as usize] = old;",
-        "let slot = &mut self.streams[stream as usize][index as usize];\n            *slot = Coordinate { seen: slot.seen, ..old };",
+        "        streams[stream as usize][index as usize] = old;",
+        "        let slot = &mut streams[stream as usize][index as usize];\n        *slot = Coordinate { seen: slot.seen, ..old };",
         "lazy::lazy_is_eager_with_sleepers_of_several_ages",
     ),
     fault(
         "the first coordinate is not rolled back",
         "point/mod.rs",
-        "in &self.undo {",
-        "in self.undo.iter().skip(1) {",
+        "for &Undo { stream, index, old } in undo {",
+        "for &Undo { stream, index, old } in undo.iter().skip(1) {",
         "stationarity::point_kernel_is_reversible roll_back::every_way_to_reject_restores",
     ),
     fault(
