@@ -7,7 +7,7 @@
 use std::fmt;
 use std::marker::PhantomData;
 
-use serde::de::{Deserialize, Deserializer, Error, IgnoredAny, SeqAccess, Visitor};
+use serde::de::{Deserialize, Deserializer, Error, SeqAccess, Visitor};
 use serde::ser::{Serialize, SerializeTuple, Serializer};
 
 /// Lists of fixed length of any length: serde itself ends at 32.
@@ -52,9 +52,6 @@ impl<'de, T: Deserialize<'de>, const N: usize> Visitor<'de> for Items<T, N> {
                 Some(item) => items.push(item),
                 None => return Err(Error::invalid_length(items.len(), &self)),
             }
-        }
-        if list.next_element::<IgnoredAny>()?.is_some() {
-            return Err(Error::invalid_length(N + 1, &self));
         }
         items
             .try_into()

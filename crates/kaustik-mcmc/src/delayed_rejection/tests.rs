@@ -8,7 +8,8 @@ use proptest::prelude::*;
 use super::{SecondStage, second_acceptance};
 use crate::testing::{Enumerator, GridStep, Law, TransitionMatrix, point_key};
 use crate::{
-    Draws, Ignore, Kernel, Metropolis, Move, Point, PointKernel, Visit, acceptance, decide, target,
+    Draws, Exponential, Ignore, Kernel, Metropolis, Move, Point, PointKernel, Visit, acceptance,
+    decide, generator, target,
 };
 
 /// On a ring: anywhere, with chance `large`, and after a rejection a neighbour; otherwise
@@ -251,6 +252,24 @@ fn lazy_points_keep_the_target() {
     let found = place(&law);
     let defect: f64 = exact.iter().map(|(v, p)| (p - found[v]).abs()).sum();
     assert!(defect < 1e-12, "{defect}");
+}
+
+/// What the second try is for: in a narrow place, where independent proposals fail, it moves.
+#[test]
+fn the_second_try_stays_near() {
+    let toy = target(|u: &mut dyn Coordinates| u.get(Stream::Camera, 0));
+    let narrow = |x: &f64| [if (x - 0.5).abs() < 0.1 { 1.0 } else { 0.0 }];
+    let kernel = PointKernel::new(&toy, 1.0);
+    let mut rng = generator(8, 0);
+    let start = || Metropolis::start(&&toy, &narrow, 0, Exponential::default(), &mut rng);
+    let mut chain = std::iter::repeat_with(start)
+        .find(|chain| chain.density() > 0.0)
+        .expect("one in five");
+    let mut rng = generator(8, 1);
+    let moves = (0..1000).filter(|_| chain.step_delayed(&kernel, &narrow, &mut rng, &mut Ignore));
+    // alone, one of five proposals would be accepted; two independent ones: 0.36
+    let moves = moves.count();
+    assert!(moves > 900, "{moves} moves of 1000");
 }
 
 /// NaN, infinity and negative densities are counted and neither entered nor recorded.

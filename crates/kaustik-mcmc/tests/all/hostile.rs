@@ -19,6 +19,7 @@ fn broken(file: &Value, visit: &mut dyn FnMut(Value)) {
         json!(-1),
         json!(0),
         json!(1),
+        json!(1000),
         json!(4_611_686_018_427_387_904u64),
         json!(u64::MAX),
         json!(1e300),
@@ -197,44 +198,66 @@ fn all_else_is_refused_or_used() {
     assert!(refused > 20);
 }
 
+/// Whether a file with another value in one place is read.
+fn reads<T: Serialize + DeserializeOwned>(state: &T, path: &str, value: &Value) -> bool {
+    let mut file: Value = serde_json::from_str(&written(state)).expect("JSON");
+    *file.pointer_mut(path).unwrap_or_else(|| panic!("{path}")) = value.clone();
+    serde_json::from_value::<T>(file).is_ok()
+}
+
+fn assert_refused<T: Serialize + DeserializeOwned>(state: &T, places: &[(&str, Value)]) {
+    for (path, value) in places {
+        assert!(!reads(state, path, value), "{path} = {value} was read");
+    }
+}
+
 /// The places that a check was written for, each by a file that breaks it alone.
 #[test]
 fn what_cannot_be_is_refused() {
     let mut rng = generator(54, 0);
     let sizes = [Exponential::default(); 2];
     let ladder = Ladder::start(&Walk, &small_family, sizes, &mut rng);
-    let file: Value = serde_json::from_str(&written(&ladder)).expect("JSON");
-    let reads = |path: &str, value: Value| {
-        let mut file = file.clone();
-        *file.pointer_mut(path).unwrap_or_else(|| panic!("{path}")) = value;
-        serde_json::from_value::<Ladder<kaustik_mcmc::Point<Exponential>, Vec<f64>, 2>>(file)
-            .is_ok()
-    };
-    assert!(reads("/turn", json!(7)));
-    for (path, value) in [
-        ("/turn", json!(u64::MAX)),
-        ("/replicas", json!([])),
-        ("/replicas/0/level", json!(1)),
-        ("/replicas/1/level", json!(2)),
-        ("/replicas/0/densities", json!([1.0])),
-        ("/replicas/0/densities", json!([1.0, 1.0, 1.0])),
-        ("/replicas/0/densities/1", json!(-1.0)),
-        ("/replicas/0/pending/weight", json!(-1.0)),
-        ("/replicas/0/state/time", json!(-1)),
-        ("/replicas/0/state/time", json!(i64::MAX)),
-        ("/replicas/0/state/large_time", json!(1)),
-        ("/replicas/0/state/streams/0/0/0", json!(1.0)),
-        ("/replicas/0/state/streams/0/0/1", json!(1)),
-        ("/replicas/0/state/streams/0/0/2", json!(-2)),
-        ("/replicas/0/state/streams", json!([[], []])),
-        ("/replicas/0/state/mutation/1", json!(0.75)),
-        ("/graph", json!([[0, 2]])),
-        ("/graph", json!([[0, 1], [1, 0]])),
-        ("/indices/lineages", json!([1, 1])),
-        ("/stepping_stone/below", json!([0, 1])),
-        ("/statistics/swaps", json!([[], []])),
-        ("/statistics/rounds", json!(u64::MAX)),
-    ] {
-        assert!(!reads(path, value.clone()), "{path} = {value} was read");
-    }
+    assert!(reads(&ladder, "/turn", &json!(7)));
+    assert_refused(
+        &ladder,
+        &[
+            ("/turn", json!(u64::MAX)),
+            ("/replicas", json!([])),
+            ("/replicas/0/level", json!(1)),
+            ("/replicas/1/level", json!(2)),
+            ("/replicas/0/densities", json!([1.0])),
+            ("/replicas/0/densities", json!([1.0, 1.0, 1.0])),
+            ("/replicas/0/densities/1", json!(-1.0)),
+            ("/replicas/0/pending/weight", json!(-1.0)),
+            ("/replicas/0/state/time", json!(-1)),
+            ("/replicas/0/state/time", json!(i64::MAX)),
+            ("/replicas/0/state/large_time", json!(1)),
+            ("/replicas/0/state/streams/0/0/0", json!(1.0)),
+            ("/replicas/0/state/streams/0/0/1", json!(1)),
+            ("/replicas/0/state/streams/0/0/2", json!(-2)),
+            ("/replicas/0/state/streams", json!([[], []])),
+            ("/replicas/0/state/mutation/1", json!(0.75)),
+            ("/graph", json!([[0, 2]])),
+            ("/graph", json!([[0, 1], [1, 0]])),
+            ("/indices/lineages", json!([1, 1])),
+            ("/stepping_stone/below", json!([0, 1])),
+            ("/statistics/swaps", json!([[], []])),
+            ("/statistics/rounds", json!(u64::MAX)),
+        ],
+    );
+    let chain = ladder.replicas()[1].clone();
+    assert!(reads(&chain, "/level", &json!(0)));
+    assert_refused(&chain, &[("/level", json!(2)), ("/level", json!(-1))]);
+    let scheme = Resampling::Systematic;
+    let population = Population::start(3, &Walk, &small_family, &sizes[0], scheme, &mut rng);
+    assert!(reads(&population, "/founders/0", &json!(2)));
+    assert_refused(
+        &population,
+        &[
+            ("/founders/0", json!(3)),
+            ("/founders", json!([0, 1])),
+            ("/particles/1/level", json!(1)),
+            ("/level", json!(2)),
+        ],
+    );
 }

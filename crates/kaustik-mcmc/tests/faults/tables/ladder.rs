@@ -59,7 +59,7 @@ pub(crate) const EXCHANGE: &[Fault] = &[
         "metropolis.rs",
         "        std::mem::swap(&mut self.value, &mut other.value);\n",
         "",
-        "lib:ladder::tests::sweeps_keep_the_product_of_all_targets",
+        "lib:ladder::tests::permutations_are_drawn_from_their_exact_law",
     ),
     fault(
         "exchange: permutation transposed",

@@ -127,7 +127,7 @@ pub(crate) const COORDINATES: &[Fault] = &[
         "mutation/per_coordinate.rs",
         "self.at(stream, index).mutate_at(stream, index, x, draws)",
         "self.mutations[0].mutate_at(stream, index, x, draws)",
-        "per_coordinate::each_address_has_its_own per_coordinate::debts_are_paid_in_a_coordinates_own_coin",
+        "per_coordinate::debts_are_paid_in_a_coordinates_own_coin",
     ),
     fault(
         "per coordinate: forgets as the first does",

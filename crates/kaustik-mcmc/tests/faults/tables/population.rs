@@ -76,10 +76,10 @@ pub(crate) const POPULATION: &[Fault] = &[
         "lib:population::tests::the_squared_error_is_an_unbiased_variance",
     ),
     fault(
-        "annealing: the start is always the first",
+        "annealing: the start is the best",
         "population.rs",
         "let index = descend(self.particles.len(), |i| i as f64, draws);",
-        "let index = 0 * descend(self.particles.len(), |i| i as f64, draws);",
+        "let density = |i: &usize| self.particles[*i].density();\n        let index = (0..self.particles.len()).max_by(|a, b| density(a).total_cmp(&density(b))).unwrap_or(0);",
         "lib:population::tests::starts_and_visits_weighted_by_their_normaliser_are_unbiased",
     ),
 ];
