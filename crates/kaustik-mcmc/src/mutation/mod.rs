@@ -44,7 +44,7 @@ pub trait Mutation {
     ///
     /// A [`Point`](crate::Point) calls this, also when it replays what a coordinate slept
     /// through. The default forgets the address.
-    #[inline]
+    #[inline(always)] // or objects (`dyn Draws`) pay a second call a coordinate: a third of its time
     fn mutate_at<D: Draws + ?Sized>(
         &self,
         stream: Stream,
