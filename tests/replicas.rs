@@ -4,7 +4,7 @@ use kaustik::mcmc::Schedule;
 use kaustik::path::Class;
 use kaustik::{Budget, Control, Method, RenderSettings, Rendered, Steps, render};
 
-use crate::support::{Runs, agree, means, picture, scene, settings, tiles_of_seeds};
+use crate::support::{Tile, agree, means, picture, scene, settings, tiles_of_seeds};
 
 fn rendered(words: &str, settings: &RenderSettings) -> Rendered {
     let scene = scene(words, settings.width);
@@ -50,10 +50,10 @@ fn all_variants_agree_roughly_with_path() {
 
 /// Tiles where the pictures differ by more than a share of their mean, noise apart, and those where
 /// noise is too large to tell.
-fn further_apart(a: &[[Runs; 3]], b: &[[Runs; 3]], share: f64) -> [Vec<usize>; 2] {
+fn further_apart(a: &[Tile], b: &[Tile], share: f64) -> [Vec<usize>; 2] {
     let mut lists = [Vec::new(), Vec::new()];
     for (tile, (a, b)) in a.iter().zip(b).enumerate() {
-        let (a, b) = (a[1], b[1]);
+        let (a, b) = (a.luminance, b.luminance);
         let error = (a.variance + b.variance).sqrt();
         if (a.mean - b.mean).abs() > share * a.mean + 3.0 * error {
             lists[0].push(tile);

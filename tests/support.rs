@@ -1,5 +1,10 @@
 //! What the tests of whole renders share: scenes, renders, tiles, Welch's test.
 
+use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
+use std::fs;
+use std::path::Path;
+
 use kaustik::film::Image;
 use kaustik::path::features;
 use kaustik::scene::{Description, Scene, SceneOptions, builtin};
@@ -135,34 +140,80 @@ pub(crate) fn two_sided_t(t: f64, freedom: f64) -> f64 {
     statrs::function::beta::beta_reg(freedom / 2.0, 0.5, freedom / (freedom + t * t))
 }
 
-/// Tile means of several seeds: `[tile][channel]` of [`Runs`].
+/// What independent pictures say of a tile.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Tile {
+    /// Red, green, blue.
+    pub(crate) channels: [Runs; 3],
+    pub(crate) luminance: Runs,
+}
+
+impl Tile {
+    fn of(runs: &[[f64; 3]]) -> Self {
+        let channel = |c| runs.iter().map(|rgb| rgb[c]).collect::<Vec<f64>>();
+        let luminance = |rgb: &[f64; 3]| 0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2];
+        Self {
+            channels: [0, 1, 2].map(|c| Runs::of(&channel(c))),
+            luminance: Runs::of(&runs.iter().map(luminance).collect::<Vec<f64>>()),
+        }
+    }
+}
+
+/// Tile means of several seeds.
 pub(crate) fn tiles_of_seeds(
     scene: &Scene,
     settings: &RenderSettings,
     seeds: std::ops::Range<u64>,
-) -> Vec<[Runs; 3]> {
-    tiles_of(seeds.map(|seed| {
-        picture(
-            scene,
-            &RenderSettings {
-                seed,
-                ..settings.clone()
-            },
-        )
-    }))
+) -> Vec<Tile> {
+    tiles_of(seeds.map(|seed| of_seed(scene, settings, seed)))
 }
 
-/// Tile means of independent pictures: `[tile][channel]` of [`Runs`].
-pub(crate) fn tiles_of(pictures: impl Iterator<Item = Image>) -> Vec<[Runs; 3]> {
-    let runs: Vec<_> = pictures.map(|image| tile_means(&image)).collect();
-    (0..runs[0].len())
-        .map(|tile| {
-            [0, 1, 2].map(|channel| {
-                let values: Vec<f64> = runs.iter().map(|run| run[tile][channel]).collect();
-                Runs::of(&values)
-            })
-        })
-        .collect()
+fn of_seed(scene: &Scene, settings: &RenderSettings, seed: u64) -> Image {
+    picture(
+        scene,
+        &RenderSettings {
+            seed,
+            ..settings.clone()
+        },
+    )
+}
+
+/// As [`tiles_of_seeds`], but what `KAUSTIK_KEEP` names as a folder keeps each seed's tiles under
+/// `name` and a later run reads them: hours can be spent in pieces. One folder for one state of
+/// the sources.
+pub(crate) fn kept_tiles_of_seeds(
+    name: &str,
+    scene: &Scene,
+    settings: &RenderSettings,
+    seeds: std::ops::Range<u64>,
+) -> Vec<Tile> {
+    let Some(folder) = std::env::var_os("KAUSTIK_KEEP") else {
+        return tiles_of_seeds(scene, settings, seeds);
+    };
+    let plain = name.replace(|c: char| !c.is_ascii_alphanumeric(), "_");
+    let file = Path::new(&folder).join(format!("{plain}.json"));
+    let text = fs::read_to_string(&file).unwrap_or_else(|_| "{}".to_owned());
+    let mut kept: BTreeMap<u64, Vec<[f64; 3]>> = serde_json::from_str(&text).expect("kept tiles");
+    for seed in seeds.clone() {
+        if let Entry::Vacant(vacant) = kept.entry(seed) {
+            vacant.insert(tile_means(&of_seed(scene, settings, seed)));
+            let beside = file.with_extension("new");
+            let text = serde_json::to_string(&kept).expect("numbers");
+            fs::write(&beside, text).expect("the folder KAUSTIK_KEEP names");
+            fs::rename(&beside, &file).expect("the folder KAUSTIK_KEEP names");
+        }
+    }
+    by_tile(&seeds.map(|seed| kept[&seed].clone()).collect::<Vec<_>>())
+}
+
+/// Tile means of independent pictures.
+pub(crate) fn tiles_of(pictures: impl Iterator<Item = Image>) -> Vec<Tile> {
+    by_tile(&pictures.map(|image| tile_means(&image)).collect::<Vec<_>>())
+}
+
+fn by_tile(runs: &[Vec<[f64; 3]>]) -> Vec<Tile> {
+    let of = |tile| Tile::of(&runs.iter().map(|run| run[tile]).collect::<Vec<_>>());
+    (0..runs[0].len()).map(of).collect()
 }
 
 /// The verdict on two methods: tiles that differ, tiles whose error is too large to tell.
@@ -177,30 +228,21 @@ pub(crate) struct Verdict {
 }
 
 /// Welch's test in every channel of every tile that `counts`, Sidak-corrected to 0.01 in all.
-pub(crate) fn agree(
-    a: &[[Runs; 3]],
-    b: &[[Runs; 3]],
-    counts: impl Fn(usize) -> bool,
-    share: f64,
-) -> Verdict {
+/// Errors are those of luminance: channels near zero have no meaningful relative error.
+pub(crate) fn agree(a: &[Tile], b: &[Tile], counts: impl Fn(usize) -> bool, share: f64) -> Verdict {
     let tiles: Vec<usize> = (0..a.len()).filter(|&tile| counts(tile)).collect();
     let level = 1.0 - (1.0f64 - 0.01).powf(1.0 / (3 * tiles.len()).max(1) as f64);
-    let differs = |tile: usize| (0..3).any(|c| a[tile][c].p_value(&b[tile][c]) < level);
+    let differs = |tile: &usize| {
+        let [a, b] = [&a[*tile], &b[*tile]];
+        (0..3).any(|c| a.channels[c].p_value(&b.channels[c]) < level)
+    };
     let error = |tile: usize| {
-        // Of luminance: channels near zero have no meaningful relative error.
-        let weights = [0.2126, 0.7152, 0.0722];
-        let mean: f64 = (0..3).map(|c| weights[c] * a[tile][c].mean).sum();
-        let variance: f64 = (0..3)
-            .map(|c| weights[c] * (a[tile][c].variance + b[tile][c].variance).sqrt())
-            .sum();
-        if mean > 0.0 { variance / mean } else { 0.0 }
+        let [a, b] = [a[tile].luminance, b[tile].luminance];
+        let pooled = (a.variance + b.variance).sqrt();
+        if a.mean > 0.0 { pooled / a.mean } else { 0.0 }
     };
     Verdict {
-        rejected: tiles
-            .iter()
-            .copied()
-            .filter(|&tile| differs(tile))
-            .collect(),
+        rejected: tiles.iter().copied().filter(differs).collect(),
         uncertain: tiles
             .iter()
             .copied()
