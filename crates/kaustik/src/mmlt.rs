@@ -3,9 +3,7 @@
 
 use kaustik_estimate::ScalarContribution;
 use kaustik_mcmc::{Independent, SampleGenerators};
-use kaustik_path::{
-    Bidirectional, Contributions, Form, Multiplexed, TechniqueShares, Techniques,
-};
+use kaustik_path::{Bidirectional, Contributions, Form, Multiplexed, TechniqueShares, Techniques};
 use kaustik_scene::Scene;
 use rayon::prelude::*;
 
@@ -19,7 +17,10 @@ const TECHNIQUE_LADDER: u64 = u64::MAX - 3;
 const MOST_SAMPLES: u64 = 200_000;
 
 /// The builder, with probabilities by the light that its own samples saw.
-pub(crate) fn builder(scene: &Scene, settings: &RenderSettings) -> Result<Multiplexed, RenderError> {
+pub(crate) fn builder(
+    scene: &Scene,
+    settings: &RenderSettings,
+) -> Result<Multiplexed, RenderError> {
     if settings.max_depth > Techniques::MOST_EDGES {
         return Err(RenderError::Setting {
             what: "max-depth",

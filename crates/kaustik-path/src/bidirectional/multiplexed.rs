@@ -178,7 +178,10 @@ impl Job<'_> {
 
     /// Walks from an emitter to as many vertices; for t = 1 and t = 0 the path is finished here. `true` if
     /// there is a vertex to be joined to one of the eye.
-    #[expect(clippy::too_many_arguments, reason = "all that a walk reads and writes")]
+    #[expect(
+        clippy::too_many_arguments,
+        reason = "all that a walk reads and writes"
+    )]
     fn from_light(
         &self,
         vertices: u32,

@@ -256,8 +256,8 @@ mod tests {
             let sum: f64 = table.all().map(|technique| technique.probability).sum();
             assert!((sum - 1.0).abs() < 1e-12, "{sum}");
             assert!(table.all().all(|technique| technique.probability > 0.0));
-            let likely = table.all().filter(|technique| technique.s <= 1);
-            assert!(likely.clone().all(|technique| technique.t >= 2));
+            let mut from_eye = table.all().filter(|technique| technique.s <= 1);
+            assert!(from_eye.all(|technique| technique.t >= 2));
         }
     }
 
