@@ -80,7 +80,11 @@ impl Rival {
         options.p_large = self.p_large;
         // The scale of each run is its pilot's: it must not be what limits the comparison.
         options.normaliser = Normaliser::Initial;
-        options.pilot = (self.spp * 500).clamp(20_000, 4_000_000);
+        options.pilot = match self.method {
+            // One strategy a sample: a scale as good as that of `pssmlt` takes more of them.
+            Method::Mmlt => (self.spp * 2_000).clamp(100_000, 8_000_000),
+            _ => (self.spp * 500).clamp(20_000, 4_000_000),
+        };
         settings
     }
 }
@@ -125,6 +129,7 @@ fn methods_agree_roughly() {
         Rival::new(Method::Light, 16),
         Rival::new(Method::Pssmlt, 32),
         Rival::new(Method::Bdpt, 8),
+        Rival::new(Method::Mmlt, 64),
     ];
     assert_agreement("cornell", 16, &rivals.map(|r| r.within(0.2)), 8, 1.0);
 }
@@ -148,33 +153,39 @@ macro_rules! agreement_on {
 agreement_on! {
     methods_agree_on_cornell: "cornell", 400, [
         Rival::new(Method::Light, 600), Rival::new(Method::Pssmlt, 5_000), Rival::new(Method::Bdpt, 300),
+        Rival::new(Method::Mmlt, 10_000),
     ];
     methods_agree_on_direct_light: "cornell-direct", 200, [
         Rival::new(Method::Light, 600), Rival::new(Method::Pssmlt, 4_000), Rival::new(Method::Bdpt, 200),
+        Rival::new(Method::Mmlt, 8_000),
     ];
     methods_agree_on_indirect_light: "cornell-indirect", 12_000, [
         Rival::new(Method::Light, 1_000),
         Rival::new(Method::Pssmlt, 700).with(Builder::Bidirectional, 0.7),
         Rival::new(Method::Pssmlt, 3_500).within(0.03),
         Rival::new(Method::Bdpt, 300),
+        Rival::new(Method::Mmlt, 7_000).within(0.03),
     ];
     methods_agree_on_ring_and_sphere: "ring-and-sphere?light=0.8", 4_500, [
         Rival::new(Method::Light, 600),
         Rival::new(Method::Pssmlt, 1_200).with(Builder::Bidirectional, 0.6),
         Rival::new(Method::Pssmlt, 3_500).within(0.03),
         Rival::new(Method::Bdpt, 1_200),
+        Rival::new(Method::Mmlt, 7_000).within(0.03),
     ];
     methods_agree_on_glass_cube: "glass-cube?light=0.8", 14_000, [
         Rival::new(Method::Light, 1_000),
         Rival::new(Method::Pssmlt, 21_000).with(Builder::Unidirectional, 0.9),
         Rival::new(Method::Pssmlt, 3_500).within(0.03),
         Rival::new(Method::Bdpt, 3_000),
+        Rival::new(Method::Mmlt, 7_000).within(0.03),
     ];
     methods_agree_on_water: "water-cornell?light=0.8", 17_000, [
         Rival::new(Method::Light, 1_000),
         Rival::new(Method::Pssmlt, 62_000).with(Builder::Unidirectional, 0.9),
         Rival::new(Method::Pssmlt, 3_500).within(0.03),
         Rival::new(Method::Bdpt, 12_000),
+        Rival::new(Method::Mmlt, 7_000).within(0.03),
     ];
 }
 

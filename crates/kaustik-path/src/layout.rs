@@ -20,6 +20,10 @@ pub const LENS: u32 = 2;
 pub const STOP_AT_LENS: u32 = 0;
 /// The same at the emitter.
 pub const STOP_AT_EMITTER: u32 = 1;
+/// The length of a multiplexed path.
+pub const LENGTH: u32 = 2;
+/// Its strategy.
+pub const STRATEGY: u32 = 3;
 
 /// First of a vertex's [`BOUNCE`] coordinates in a stream with this head.
 #[inline]

@@ -20,7 +20,9 @@ mod scalar;
 mod unidirectional;
 mod walk;
 
-pub use bidirectional::{Bidirectional, Form, Heuristic};
+pub use bidirectional::{
+    Bidirectional, Form, Heuristic, Multiplexed, Technique, TechniqueShares, Techniques,
+};
 pub use builder::{BuilderSettings, PathBuilder};
 pub use class::Class;
 pub use contributions::{Contributions, Splat};

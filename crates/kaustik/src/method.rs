@@ -15,17 +15,20 @@ pub enum Method {
     /// Primary sample space Metropolis light transport (Kelemen 2002).
     #[default]
     Pssmlt,
+    /// Multiplexed Metropolis light transport (Hachisuka 2014).
+    Mmlt,
     /// Replica exchange light transport (Kitaoka 2009).
     Relt,
 }
 
 impl Method {
     /// All methods.
-    pub const ALL: [Self; 5] = [
+    pub const ALL: [Self; 6] = [
         Self::Path,
         Self::Light,
         Self::Bdpt,
         Self::Pssmlt,
+        Self::Mmlt,
         Self::Relt,
     ];
 
@@ -36,6 +39,7 @@ impl Method {
             Self::Light => "light",
             Self::Bdpt => "bdpt",
             Self::Pssmlt => "pssmlt",
+            Self::Mmlt => "mmlt",
             Self::Relt => "relt",
         }
     }
@@ -54,6 +58,9 @@ impl Method {
             }
             Self::Pssmlt => {
                 "Metropolis light transport on primary samples (Kelemen, Szirmay-Kalos 2002)"
+            }
+            Self::Mmlt => {
+                "Metropolis light transport over one strategy of bidirectional paths at a time (Hachisuka et al. 2014)"
             }
             Self::Relt => {
                 "replica exchange: chains of rising difficulty that swap states (Kitaoka et al. 2009)"
@@ -110,7 +117,10 @@ pub struct Key {
 }
 
 const EVERY: &[Method] = &Method::ALL;
-const CHAINS: &[Method] = &[Method::Pssmlt];
+const WALKS: &[Method] = &[Method::Pssmlt];
+const CHAINS: &[Method] = &[Method::Pssmlt, Method::Mmlt];
+const METROPOLIS: &[Method] = &[Method::Pssmlt, Method::Mmlt, Method::Relt];
+const MULTIPLEXED: &[Method] = &[Method::Mmlt];
 const REPLICAS: &[Method] = &[Method::Relt];
 
 /// All keys.
@@ -143,7 +153,13 @@ pub const KEYS: &[Key] = &[
         range: "1..=10000000",
         meaning: "independent samples at the start: they choose the chains' first states, estimate the \
                   normalisation and fix the film's quantum (path, light, bdpt: a hundredth of it)",
-        methods: &[Method::Path, Method::Light, Method::Bdpt, Method::Pssmlt],
+        methods: &[
+            Method::Path,
+            Method::Light,
+            Method::Bdpt,
+            Method::Pssmlt,
+            Method::Mmlt,
+        ],
     },
     Key {
         name: "nextevent",
@@ -158,7 +174,7 @@ pub const KEYS: &[Key] = &[
         range: "unidirectional|endpoint|simple|bidirectional",
         meaning: "how paths are made: a walk joined to emitters at every vertex, or at its end only; \
                   walks from both sides joined at their ends, or everywhere (Kelemen sec. 2)",
-        methods: CHAINS,
+        methods: WALKS,
     },
     Key {
         name: "heuristic",
@@ -166,21 +182,29 @@ pub const KEYS: &[Key] = &[
         range: "power|balance|maximum",
         meaning: "how the strategies of bidirectional paths share one path (Veach 1997, 9.2); pssmlt: \
                   builders simple and bidirectional",
-        methods: &[Method::Bdpt, Method::Pssmlt, Method::Relt],
+        methods: &[Method::Bdpt, Method::Pssmlt, Method::Mmlt, Method::Relt],
+    },
+    Key {
+        name: "strategies",
+        default: "learned",
+        range: "learned|even",
+        meaning: "how often the strategies of a length are tried: by the light that each brings to a \
+                  pilot, with a quarter for all alike; or all alike (Hachisuka 2014)",
+        methods: MULTIPLEXED,
     },
     Key {
         name: "target",
         default: "xyz",
         range: "xyz|luminance",
         meaning: "the scalar that the chain follows: X+Y+Z, or luminance (which starves dispersion)",
-        methods: &[Method::Pssmlt, Method::Relt],
+        methods: METROPOLIS,
     },
     Key {
         name: "contribution",
         default: "sum",
         range: "sum|maximum",
         meaning: "how what one point contributes makes one scalar: the sum, or the largest single path",
-        methods: CHAINS,
+        methods: WALKS,
     },
     Key {
         name: "plarge",

@@ -40,6 +40,16 @@ pub enum Normaliser {
     Initial,
 }
 
+/// How often `mmlt` tries the strategies of a length.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Strategies {
+    /// By the light that each brings to a pilot.
+    #[default]
+    Learned,
+    /// All alike.
+    Even,
+}
+
 /// Sizes of small steps of `relt`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Steps {
@@ -61,6 +71,7 @@ pub struct Options {
     pub next_event: bool,
     pub builder: Builder,
     pub heuristic: Heuristic,
+    pub strategies: Strategies,
     pub target: ScalarTarget,
     pub contribution: Contribution,
     pub p_large: f64,
@@ -86,6 +97,7 @@ impl Default for Options {
             next_event: true,
             builder: Builder::default(),
             heuristic: Heuristic::default(),
+            strategies: Strategies::default(),
             target: ScalarTarget::default(),
             contribution: Contribution::default(),
             p_large: 0.3,
@@ -199,6 +211,11 @@ impl Options {
                 Heuristic::Maximum => "maximum",
             }
             .to_owned(),
+            "strategies" => match self.strategies {
+                Strategies::Learned => "learned",
+                Strategies::Even => "even",
+            }
+            .to_owned(),
             "target" => match self.target {
                 ScalarTarget::Xyz => "xyz",
                 ScalarTarget::Luminance => "luminance",
@@ -264,6 +281,10 @@ impl Options {
                     ("maximum", Heuristic::Maximum),
                 ];
                 self.heuristic = word(value, &words)?;
+            }
+            "strategies" => {
+                let (learned, even) = (Strategies::Learned, Strategies::Even);
+                self.strategies = word(value, &[("learned", learned), ("even", even)])?;
             }
             "target" => {
                 let (xyz, y) = (ScalarTarget::Xyz, ScalarTarget::Luminance);

@@ -17,7 +17,8 @@ use crate::control::is_stopped;
 use crate::engine::{Engine, Nonfinite, STRIDE, add_counters};
 use crate::render::builder_settings;
 use crate::{
-    Builder, ChainStatistics, Normaliser, Options, Place, RenderError, RenderSettings, SmallStep,
+    Builder, ChainStatistics, Method, Normaliser, Options, Place, RenderError, RenderSettings,
+    SmallStep, mmlt,
 };
 
 /// The pilot's samples come from a ladder that no render has.
@@ -92,17 +93,7 @@ impl<'a> PssmltEngine<'a> {
     /// Runs the pilot and starts the chains.
     pub(crate) fn new(scene: &'a Scene, settings: &RenderSettings) -> Result<Self, RenderError> {
         let options = settings.options;
-        let builder: Box<dyn PathBuilder> = match options.builder {
-            Builder::Unidirectional => Box::new(Unidirectional {
-                settings: builder_settings(settings),
-                next_event: options.next_event,
-            }),
-            Builder::Endpoint => Box::new(Endpoint {
-                settings: builder_settings(settings),
-            }),
-            Builder::Simple => Box::new(bidirectional(settings, Form::Simple)),
-            Builder::Bidirectional => Box::new(bidirectional(settings, Form::Full)),
-        };
+        let builder = builder(scene, settings)?;
         let family = ScalarContribution {
             target: options.target,
             contribution: options.contribution,
@@ -205,6 +196,25 @@ impl<'a> PssmltEngine<'a> {
         }
         mean
     }
+}
+
+/// What makes paths of a point.
+fn builder(scene: &Scene, settings: &RenderSettings) -> Result<Box<dyn PathBuilder>, RenderError> {
+    let options = &settings.options;
+    if settings.method == Method::Mmlt {
+        return Ok(Box::new(mmlt::builder(scene, settings)?));
+    }
+    Ok(match options.builder {
+        Builder::Unidirectional => Box::new(Unidirectional {
+            settings: builder_settings(settings),
+            next_event: options.next_event,
+        }),
+        Builder::Endpoint => Box::new(Endpoint {
+            settings: builder_settings(settings),
+        }),
+        Builder::Simple => Box::new(bidirectional(settings, Form::Simple)),
+        Builder::Bidirectional => Box::new(bidirectional(settings, Form::Full)),
+    })
 }
 
 fn bidirectional(settings: &RenderSettings, form: Form) -> Bidirectional {

@@ -147,7 +147,7 @@ fn engine<'a>(
         Method::Path => Box::new(IndependentEngine::path(scene, settings)?),
         Method::Light => Box::new(IndependentEngine::light(scene, settings)?),
         Method::Bdpt => Box::new(IndependentEngine::bdpt(scene, settings)?),
-        Method::Pssmlt => Box::new(PssmltEngine::new(scene, settings)?),
+        Method::Pssmlt | Method::Mmlt => Box::new(PssmltEngine::new(scene, settings)?),
         Method::Relt => relt::engine(scene, settings)?,
     })
 }

@@ -16,7 +16,7 @@ use crate::contributions::Gathered;
 use crate::walk::Walk;
 use crate::{Class, camera_walk, layout};
 
-const BOUNCES: (Stream, u32) = (Stream::Camera, layout::CAMERA_HEAD);
+pub(super) const BOUNCES: (Stream, u32) = (Stream::Camera, layout::CAMERA_HEAD);
 
 /// What the vertices of the eye are joined to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -94,7 +94,7 @@ pub(super) fn trace(
 }
 
 /// How the walk leaves the lens.
-fn start(job: &Job<'_>, walk: &mut Walk) -> Departure {
+pub(super) fn start(job: &Job<'_>, walk: &mut Walk) -> Departure {
     let onward = job.builder.form.at_lens();
     walk.throughput /= onward.onward as f32;
     walk.start = walk.throughput.mean();
@@ -138,7 +138,7 @@ fn join_all(
 }
 
 /// s = 0: what the surface just met emits.
-fn emission(
+pub(super) fn emission(
     job: &Job<'_>,
     specular: bool,
     eye: &[PathVertex],
@@ -158,7 +158,7 @@ fn emission(
 }
 
 /// s = 0: what a walk that left the scene sees.
-fn escape(
+pub(super) fn escape(
     job: &Job<'_>,
     walk: &Walk,
     running: &Running,
@@ -218,7 +218,7 @@ impl Job<'_> {
         let sample = walk.bounce(self.scene, &scatter, u, bounces)?;
         // Where the simple form may stop, that is roulette enough.
         let roulette = self.builder.form == Form::Full || last.onward.onward >= 1.0;
-        if roulette && !walk.survives(u, bounces) {
+        if self.roulette && roulette && !walk.survives(u, bounces) {
             return None;
         }
         let (densities, odds) = if sample.delta {

@@ -18,7 +18,7 @@ use crate::light::lens_coordinates;
 use crate::walk::Walk;
 use crate::{Class, Contributions, layout};
 
-const BOUNCES: (Stream, u32) = (Stream::Light, layout::LIGHT_HEAD);
+pub(super) const BOUNCES: (Stream, u32) = (Stream::Light, layout::LIGHT_HEAD);
 
 /// Walks from an emitter. In the full form every vertex is joined to the lens; in the simple form the
 /// last one is, if `to_lens`, and the result tells whether there is a last one to be joined.
@@ -104,7 +104,7 @@ pub(super) fn trace(
 }
 
 /// The walk at its emitter, how it leaves it, and from where.
-fn start<'a>(job: &Job<'a>, emission: &EmissionSample) -> (Walk<'a>, Departure, DVec3) {
+pub(super) fn start<'a>(job: &Job<'a>, emission: &EmissionSample) -> (Walk<'a>, Departure, DVec3) {
     let onward = job.builder.form.at_emitter();
     let throughput = emission.weight / onward.onward as f32;
     let walk = Walk {
@@ -135,16 +135,16 @@ fn start<'a>(job: &Job<'a>, emission: &EmissionSample) -> (Walk<'a>, Departure, 
 }
 
 /// What an edge toward the lens carries.
-struct Sent<'a> {
-    throughput: Spectrum,
+pub(super) struct Sent<'a> {
+    pub(super) throughput: Spectrum,
     /// The solids around its start.
-    interior: Interior,
-    departure: &'a Departure,
-    walk: &'a Walk<'a>,
+    pub(super) interior: Interior,
+    pub(super) departure: &'a Departure,
+    pub(super) walk: &'a Walk<'a>,
 }
 
 /// t = 0: the walk runs into the lens.
-fn meet_lens(
+pub(super) fn meet_lens(
     job: &Job<'_>,
     sent: &Sent<'_>,
     hit: &LensHit,
@@ -175,7 +175,7 @@ fn meet_lens(
 }
 
 /// t = 1: joins the last vertex to a point of the lens.
-fn join_lens(
+pub(super) fn join_lens(
     job: &Job<'_>,
     u: &mut dyn Coordinates,
     path: &Subpath,
@@ -241,7 +241,7 @@ fn join_lens(
 
 impl Job<'_> {
     /// The lens on the walk's next edge, where the window shows it.
-    fn lens_ahead(&self, walk: &Walk) -> Option<LensHit> {
+    pub(super) fn lens_ahead(&self, walk: &Walk) -> Option<LensHit> {
         let origin = walk.ray.origin.as_dvec3();
         let hit = self.scene.camera().meet_lens(origin, walk.direction)?;
         self.builder.settings.serves(hit.raster).then_some(hit)

@@ -5,7 +5,9 @@ mod form;
 mod heuristic;
 mod join;
 mod light;
+mod multiplexed;
 mod running;
+mod techniques;
 mod vertex;
 mod weights;
 mod witness;
@@ -20,6 +22,8 @@ use kaustik_spectrum::Wavelengths;
 
 pub use form::Form;
 pub use heuristic::Heuristic;
+pub use multiplexed::Multiplexed;
+pub use techniques::{Technique, TechniqueShares, Techniques};
 
 use crate::contributions::Gathered;
 use crate::{BuilderSettings, Contributions, PathBuilder, layout};
@@ -64,6 +68,8 @@ struct Job<'a> {
     wavelengths: &'a Wavelengths,
     /// Density of a raster point: one over the window's area.
     raster_pdf: f64,
+    /// Walks of no length given beforehand end by it.
+    roulette: bool,
 }
 
 impl Bidirectional {
@@ -83,6 +89,7 @@ impl Bidirectional {
             scene,
             wavelengths: &wavelengths,
             raster_pdf: 1.0 / self.settings.window_area(),
+            roulette: true,
         };
         match self.form {
             Form::Full => job.full(u, out, workspace, witness),

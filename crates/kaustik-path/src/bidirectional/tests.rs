@@ -4,6 +4,8 @@
 mod analytic;
 /// Each strategy alone in a room whose light is known.
 mod furnace;
+/// One strategy at a time against all at once.
+mod multiplexed;
 /// The weights' definition.
 mod reference;
 /// The renderer's own paths.

@@ -1,7 +1,7 @@
 use glam::DVec2;
 use kaustik_path::{
-    Bidirectional, BuilderSettings, Endpoint, Form, Heuristic, LightTracing, PathBuilder,
-    Unidirectional,
+    Bidirectional, BuilderSettings, Endpoint, Form, Heuristic, LightTracing, Multiplexed,
+    PathBuilder, Techniques, Unidirectional,
 };
 use kaustik_scene::Scene;
 
@@ -25,7 +25,9 @@ fn path(settings: BuilderSettings) -> Unidirectional {
 }
 
 /// Builders that are compared with the path tracer.
-const OTHERS: usize = 6;
+const OTHERS: usize = 7;
+/// A multiplexed sample costs a fraction of the others, and shows as much less.
+const CHEAPER: u32 = 8;
 
 /// Level of one comparison, so that all of a run together reject the truth once in a hundred
 /// times (Sidak).
@@ -55,6 +57,11 @@ fn complaints(
         form,
         heuristic,
     };
+    let lens = scene.camera().has_aperture();
+    let multiplexed = Multiplexed::new(
+        joined(Form::Full, Heuristic::Power),
+        Techniques::even(1, settings.max_edges, lens),
+    );
     let others: [(&str, &dyn PathBuilder); OTHERS] = [
         ("light", &LightTracing { settings }),
         ("endpoint", &Endpoint { settings }),
@@ -62,10 +69,12 @@ fn complaints(
         ("full, balance", &joined(Form::Full, Heuristic::Balance)),
         ("full, maximum", &joined(Form::Full, Heuristic::Maximum)),
         ("simple", &joined(Form::Simple, Heuristic::Power)),
+        ("multiplexed", &multiplexed),
     ];
     let mut complaints = Vec::new();
     for (method, builder) in others {
-        let other = image_means(scene, builder, samples, 2);
+        let cheaper = if method == "multiplexed" { CHEAPER } else { 1 };
+        let other = image_means(scene, builder, samples * cheaper, 2);
         let (differing, error) = compare(&path, &other);
         if !differing.is_empty() {
             complaints.push(format!(

@@ -3,7 +3,7 @@ use std::collections::HashSet;
 use kaustik_mcmc::{Independent, generator};
 use kaustik_path::{
     Bidirectional, BuilderSettings, Contributions, Endpoint, Form, Heuristic, LightTracing,
-    PathBuilder, Unidirectional,
+    Multiplexed, PathBuilder, Techniques, Unidirectional,
 };
 use kaustik_pss::{Coordinates, Recorded, Recording, Stream};
 use kaustik_scene::{Scene, builtin};
@@ -54,6 +54,15 @@ fn builders() -> Vec<Box<dyn PathBuilder>> {
                 heuristic: Heuristic::Power,
             }));
         }
+        let full = Bidirectional {
+            settings,
+            form: Form::Full,
+            heuristic: Heuristic::Power,
+        };
+        builders.push(Box::new(Multiplexed::new(
+            full,
+            Techniques::even(1, 8, true),
+        )));
         for next_event in [false, true] {
             builders.push(Box::new(Unidirectional {
                 settings,

@@ -1,6 +1,6 @@
 use kaustik_path::{
-    Bidirectional, BuilderSettings, Endpoint, Form, Heuristic, LightTracing, PathBuilder,
-    Unidirectional,
+    Bidirectional, BuilderSettings, Endpoint, Form, Heuristic, LightTracing, Multiplexed,
+    PathBuilder, Techniques, Unidirectional,
 };
 use kaustik_scene::{Scene, builtin};
 use kaustik_spectrum::Illuminant;
@@ -32,7 +32,11 @@ fn means(scene: &Scene, max_edges: u32, samples: u32) -> Vec<(&'static str, Esti
             heuristic,
         })
     };
-    let builders: [(&str, Box<dyn PathBuilder>); 8] = [
+    let multiplexed = Multiplexed::new(
+        *joined(Form::Full, Heuristic::Power),
+        Techniques::even(1, max_edges, false),
+    );
+    let builders: [(&str, Box<dyn PathBuilder>); 9] = [
         ("next event", Box::new(walk(true))),
         ("implicit hits", Box::new(walk(false))),
         ("endpoint", Box::new(Endpoint { settings })),
@@ -40,6 +44,7 @@ fn means(scene: &Scene, max_edges: u32, samples: u32) -> Vec<(&'static str, Esti
         ("full, balance", joined(Form::Full, Heuristic::Balance)),
         ("full, maximum", joined(Form::Full, Heuristic::Maximum)),
         ("simple", joined(Form::Simple, Heuristic::Power)),
+        ("multiplexed", Box::new(multiplexed)),
         ("light", Box::new(LightTracing { settings })),
     ];
     builders

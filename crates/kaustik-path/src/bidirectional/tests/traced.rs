@@ -229,7 +229,7 @@ fn lens_of(scene: &Scene, point: &mut Recorded, collected: &Collected) -> DVec3 
     origin.as_vec3().as_dvec3()
 }
 
-fn compile(description: &Description) -> Scene {
+pub(super) fn compile(description: &Description) -> Scene {
     let options = SceneOptions {
         width: 16,
         height: 16,
@@ -238,7 +238,8 @@ fn compile(description: &Description) -> Scene {
     Scene::new(description, &options).expect("a sound scene")
 }
 
-fn scenes() -> Vec<(String, Scene)> {
+/// All built-in scenes, the furnaces of all kinds, and one with a lens at the end.
+pub(super) fn scenes() -> Vec<(String, Scene)> {
     let kinds = ["glass", "rough", "plate"].map(|kind| format!("furnace?kind={kind}"));
     let names = builtin::list().iter().map(|scene| scene.name.to_owned());
     let mut scenes: Vec<_> = (names.chain(kinds))
