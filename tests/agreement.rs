@@ -130,6 +130,7 @@ fn methods_agree_roughly() {
         Rival::new(Method::Pssmlt, 32),
         Rival::new(Method::Bdpt, 8),
         Rival::new(Method::Mmlt, 64),
+        Rival::new(Method::ErptPss, 16),
     ];
     assert_agreement("cornell", 16, &rivals.map(|r| r.within(0.2)), 8, 1.0);
 }

@@ -211,7 +211,7 @@ pub use mutation::{
     Exponential, Mutation, PerCoordinate, Power, Scalable, Uniform, WrappedCauchy, WrappedNormal,
 };
 pub use normalisers::{Estimate, RoughNormalisers, RunningNormalisers};
-pub use point::{Current, Point, Step};
+pub use point::{Current, Point, Seeding, Step};
 pub use pool::{Pool, Start, StartError, sample};
 pub use population::{Extinct, Population, Stage};
 pub use proposal::Proposal;

@@ -1,4 +1,5 @@
-//! Methods of independent samples: path tracing, light tracing, bidirectional path tracing.
+//! Methods of independent samples: path tracing, light tracing, bidirectional path tracing; and of such
+//! samples redistributed by short chains.
 
 use std::sync::atomic::AtomicBool;
 
@@ -12,9 +13,11 @@ use rayon::prelude::*;
 
 use crate::control::is_stopped;
 use crate::engine::{Engine, Nonfinite, STRIDE};
+use crate::erpt_pss::{Chains, Paths, PssRedistribution};
+use crate::pssmlt::builder;
 use crate::render::builder_settings;
 use crate::stratified::{Stratified, mix};
-use crate::{Budget, Place, RenderError, RenderSettings};
+use crate::{Budget, ChainStatistics, Place, RenderError, RenderSettings};
 
 /// The pilot needs only the order of magnitude.
 const PILOT_SHARE: u64 = 100;
@@ -37,6 +40,7 @@ pub(crate) struct IndependentEngine<'a> {
     /// A sample touches one pixel only.
     single_pixel: bool,
     lit: bool,
+    redistribution: Option<PssRedistribution>,
 }
 
 /// A grid over the window, one cell a pixel (nearly so where a filter reaches over the edge).
@@ -54,6 +58,8 @@ struct SampleStream {
     generators: SampleGenerators,
     value: Contributions,
     nonfinite: Nonfinite,
+    /// Runs chains from the samples, where the method does.
+    chains: Option<Box<Chains>>,
 }
 
 impl<'a> IndependentEngine<'a> {
@@ -88,6 +94,27 @@ impl<'a> IndependentEngine<'a> {
         Self::new(scene, settings, Box::new(builder), None)
     }
 
+    /// Samples of any builder, each redistributed over the image by short chains.
+    pub(crate) fn erpt_pss(
+        scene: &'a Scene,
+        settings: &RenderSettings,
+    ) -> Result<Self, RenderError> {
+        let cells = Cells::new(settings);
+        let engine = Self::new(scene, settings, builder(scene, settings)?, Some(cells))?;
+        let redistribution = PssRedistribution::new(scene, engine.builder.as_ref(), settings);
+        let mut streams = engine.streams;
+        for stream in &mut streams {
+            stream.chains = Some(Box::new(Chains::new(settings, stream.ladder)));
+        }
+        // Chains leave their pixel: only whole passes leave the picture even.
+        Ok(Self {
+            streams,
+            single_pixel: false,
+            redistribution: Some(redistribution),
+            ..engine
+        })
+    }
+
     fn new(
         scene: &'a Scene,
         settings: &RenderSettings,
@@ -102,6 +129,7 @@ impl<'a> IndependentEngine<'a> {
             generators: SampleGenerators::new(settings.seed, u64::from(ladder)),
             value: Contributions::default(),
             nonfinite: Nonfinite::default(),
+            chains: None,
         };
         Ok(Self {
             scene,
@@ -117,6 +145,7 @@ impl<'a> IndependentEngine<'a> {
             cells,
             single_pixel: layout.filter.is_single_pixel(),
             lit: scene.has_light(),
+            redistribution: None,
         })
     }
 
@@ -158,6 +187,7 @@ impl Engine for IndependentEngine<'_> {
             scale,
             cells,
             single_pixel,
+            redistribution,
             ..
         } = self;
         let job = Job {
@@ -170,6 +200,7 @@ impl Engine for IndependentEngine<'_> {
             // A pass that is broken off leaves the picture uneven; where samples touch more than
             // their own pixel nothing could make it even again.
             stop: stop.filter(|_| cells.is_none() || *single_pixel),
+            redistribution: redistribution.as_ref(),
         };
         streams
             .par_iter_mut()
@@ -231,6 +262,12 @@ impl Engine for IndependentEngine<'_> {
         Ok(image)
     }
 
+    fn chain_statistics(&self) -> Option<ChainStatistics> {
+        let redistribution = self.redistribution.as_ref()?;
+        let chains = self.streams.iter().filter_map(|s| s.chains.as_deref());
+        Some(redistribution.statistics(chains))
+    }
+
     fn nonfinite(&self) -> (u64, Option<Place>) {
         Nonfinite::all(
             self.streams
@@ -257,6 +294,7 @@ struct Job<'a> {
     scale: Scale,
     cells: Option<Cells>,
     stop: Option<&'a AtomicBool>,
+    redistribution: Option<&'a PssRedistribution>,
 }
 
 impl SampleStream {
@@ -271,21 +309,38 @@ impl SampleStream {
             }
             let mut coordinates = Independent::new(self.generators.at(self.step));
             match &mut tour {
-                None => job
-                    .builder
-                    .build(job.scene, &mut coordinates, &mut self.value),
+                None => self.sample(job, &mut coordinates),
                 Some(tour) => {
                     let mut coordinates = tour.confine(seed, coordinates);
                     tour.go_on();
-                    job.builder
-                        .build(job.scene, &mut coordinates, &mut self.value);
+                    self.sample(job, &mut coordinates);
                 }
             }
-            self.nonfinite
-                .count(u64::from(self.value.nonfinite()), self.step);
-            job.scale.splat(job.film, &self.value, 1.0);
             self.step += 1;
         }
+    }
+
+    /// One sample, and where its light goes.
+    #[inline]
+    fn sample<C: Coordinates>(&mut self, job: &Job<'_>, coordinates: &mut C) {
+        let (scene, builder) = (job.scene, job.builder);
+        let nonfinite = match (job.redistribution, &mut self.chains) {
+            (Some(redistribution), Some(chains)) => {
+                let place = Paths {
+                    scene,
+                    builder,
+                    film: job.film,
+                    scale: job.scale,
+                };
+                chains.run(redistribution, &place, coordinates, self.step)
+            }
+            _ => {
+                builder.build(scene, coordinates, &mut self.value);
+                job.scale.splat(job.film, &self.value, 1.0);
+                u64::from(self.value.nonfinite())
+            }
+        };
+        self.nonfinite.count(nonfinite, self.step);
     }
 
     /// Whole passes over the ladder's cells; `None` in the middle of one.

@@ -24,6 +24,7 @@
 
 mod control;
 mod engine;
+mod erpt_pss;
 mod error;
 mod features;
 mod independent;

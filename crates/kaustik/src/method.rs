@@ -19,17 +19,20 @@ pub enum Method {
     Mmlt,
     /// Replica exchange light transport (Kitaoka 2009).
     Relt,
+    /// Energy redistribution on primary samples (Cline 2005; spec: erpt.md 6).
+    ErptPss,
 }
 
 impl Method {
     /// All methods.
-    pub const ALL: [Self; 6] = [
+    pub const ALL: [Self; 7] = [
         Self::Path,
         Self::Light,
         Self::Bdpt,
         Self::Pssmlt,
         Self::Mmlt,
         Self::Relt,
+        Self::ErptPss,
     ];
 
     /// The name on the command line.
@@ -41,6 +44,7 @@ impl Method {
             Self::Pssmlt => "pssmlt",
             Self::Mmlt => "mmlt",
             Self::Relt => "relt",
+            Self::ErptPss => "erpt-pss",
         }
     }
 
@@ -64,6 +68,9 @@ impl Method {
             }
             Self::Relt => {
                 "replica exchange: chains of rising difficulty that swap states (Kitaoka et al. 2009)"
+            }
+            Self::ErptPss => {
+                "energy redistribution: path samples spread over their neighbours by short chains (Cline et al. 2005)"
             }
         }
     }
@@ -117,9 +124,11 @@ pub struct Key {
 }
 
 const EVERY: &[Method] = &Method::ALL;
-const WALKS: &[Method] = &[Method::Pssmlt];
+const WALKS: &[Method] = &[Method::Pssmlt, Method::ErptPss];
+const SMALL_STEPS: &[Method] = &[Method::Pssmlt, Method::Mmlt, Method::ErptPss];
+const REDISTRIBUTION: &[Method] = &[Method::ErptPss];
 const CHAINS: &[Method] = &[Method::Pssmlt, Method::Mmlt];
-const METROPOLIS: &[Method] = &[Method::Pssmlt, Method::Mmlt, Method::Relt];
+const METROPOLIS: &[Method] = &[Method::Pssmlt, Method::Mmlt, Method::Relt, Method::ErptPss];
 const MULTIPLEXED: &[Method] = &[Method::Mmlt];
 const REPLICAS: &[Method] = &[Method::Relt];
 
@@ -159,6 +168,7 @@ pub const KEYS: &[Key] = &[
             Method::Bdpt,
             Method::Pssmlt,
             Method::Mmlt,
+            Method::ErptPss,
         ],
     },
     Key {
@@ -166,7 +176,7 @@ pub const KEYS: &[Key] = &[
         default: "on",
         range: "on|off",
         meaning: "join every vertex to an emitter; off: emitters are found by running into them",
-        methods: &[Method::Path, Method::Pssmlt],
+        methods: &[Method::Path, Method::Pssmlt, Method::ErptPss],
     },
     Key {
         name: "builder",
@@ -182,7 +192,13 @@ pub const KEYS: &[Key] = &[
         range: "power|balance|maximum",
         meaning: "how the strategies of bidirectional paths share one path (Veach 1997, 9.2); pssmlt: \
                   builders simple and bidirectional",
-        methods: &[Method::Bdpt, Method::Pssmlt, Method::Mmlt, Method::Relt],
+        methods: &[
+            Method::Bdpt,
+            Method::Pssmlt,
+            Method::Mmlt,
+            Method::Relt,
+            Method::ErptPss,
+        ],
     },
     Key {
         name: "strategies",
@@ -219,7 +235,7 @@ pub const KEYS: &[Key] = &[
         range: "kelemen|kelemen:S1:S2|uniform:FRACTION",
         meaning: "small steps: exponential between S1 and S2 (1/1024 and 1/64), or uniform within a \
                   fraction of the domain",
-        methods: CHAINS,
+        methods: SMALL_STEPS,
     },
     Key {
         name: "mis",
@@ -282,5 +298,27 @@ pub const KEYS: &[Key] = &[
         meaning: "particles of the population annealing at the start: first states and constants of \
                   the weights",
         methods: REPLICAS,
+    },
+    Key {
+        name: "length",
+        default: "100",
+        range: "1..=100000",
+        meaning: "steps of each chain that spreads the light of a sample (Batty: 100 to 1000)",
+        methods: REDISTRIBUTION,
+    },
+    Key {
+        name: "chains",
+        default: "1",
+        range: "0.01 <= mean <= 100",
+        meaning: "chains a sample in the mean; how many a sample has goes with the light that it brings",
+        methods: REDISTRIBUTION,
+    },
+    Key {
+        name: "consecutive",
+        default: "off",
+        range: "off|1..=100000",
+        meaning: "Cline's filter: a chain that stayed in one place for more proposals than this leaves \
+                  nothing for its staying. Biased: light is lost (the report uses 10 and 20)",
+        methods: REDISTRIBUTION,
     },
 ];

@@ -85,6 +85,10 @@ pub struct Options {
     pub exchange: Schedule,
     pub steps: Steps,
     pub particles: u64,
+    pub length: u32,
+    pub chains: f64,
+    /// `None`: no filter.
+    pub consecutive: Option<u64>,
 }
 
 impl Default for Options {
@@ -110,6 +114,9 @@ impl Default for Options {
             exchange: Schedule::Full,
             steps: Steps::default(),
             particles: 10_000,
+            length: 100,
+            chains: 1.0,
+            consecutive: None,
         }
     }
 }
@@ -250,6 +257,9 @@ impl Options {
             }
             .to_owned(),
             "particles" => self.particles.to_string(),
+            "length" => self.length.to_string(),
+            "chains" => self.chains.to_string(),
+            "consecutive" => (self.consecutive).map_or("off".to_owned(), |n| n.to_string()),
             _ => String::new(),
         }
     }
@@ -318,6 +328,10 @@ impl Options {
                 self.steps = word(value, &[("paper", paper), ("adapted", adapted)])?;
             }
             "particles" => self.particles = integer(value, 1_000, 1_000_000)?,
+            "length" => self.length = integer(value, 1, 100_000)? as u32,
+            "chains" => self.chains = number(value).filter(|n| (0.01..=100.0).contains(n))?,
+            "consecutive" if value == "off" => self.consecutive = None,
+            "consecutive" => self.consecutive = Some(integer(value, 1, 100_000)?),
             _ => return None,
         }
         Some(())

@@ -22,7 +22,7 @@ use crate::{
 };
 
 /// The pilot's samples come from a ladder that no render has.
-const PILOT_LADDER: u64 = u64::MAX;
+pub(crate) const PILOT_LADDER: u64 = u64::MAX;
 /// So does the choice of the starts.
 const CHOICE_LADDER: u64 = u64::MAX - 1;
 /// And so do the samples that fix the constant in the weights: it must not depend on the pool, or the
@@ -33,7 +33,7 @@ const CONSTANT_SHARE: u64 = 10;
 
 /// Either kind of small step.
 #[derive(Clone, Debug)]
-enum Small {
+pub(crate) enum Small {
     Kelemen(Exponential),
     Uniform(Uniform),
 }
@@ -56,7 +56,7 @@ impl Mutation for Small {
 }
 
 impl Small {
-    fn new(step: SmallStep) -> Self {
+    pub(crate) fn new(step: SmallStep) -> Self {
         match step {
             SmallStep::Kelemen(s1, s2) => Self::Kelemen(Exponential::new(s1, s2)),
             SmallStep::Uniform(fraction) => Self::Uniform(Uniform::new(fraction)),
@@ -199,7 +199,10 @@ impl<'a> PssmltEngine<'a> {
 }
 
 /// What makes paths of a point.
-fn builder(scene: &Scene, settings: &RenderSettings) -> Result<Box<dyn PathBuilder>, RenderError> {
+pub(crate) fn builder(
+    scene: &Scene,
+    settings: &RenderSettings,
+) -> Result<Box<dyn PathBuilder>, RenderError> {
     let options = &settings.options;
     if settings.method == Method::Mmlt {
         return Ok(Box::new(mmlt::builder(scene, settings)?));
@@ -227,7 +230,7 @@ fn bidirectional(settings: &RenderSettings, form: Form) -> Bidirectional {
 
 /// Densities of independent samples of a ladder, in parallel, in the order of their indices; NaN where
 /// there is none.
-fn pilot(
+pub(crate) fn pilot(
     target: PathTarget<'_>,
     family: ScalarContribution,
     settings: &RenderSettings,

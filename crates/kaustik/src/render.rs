@@ -149,6 +149,7 @@ fn engine<'a>(
         Method::Bdpt => Box::new(IndependentEngine::bdpt(scene, settings)?),
         Method::Pssmlt | Method::Mmlt => Box::new(PssmltEngine::new(scene, settings)?),
         Method::Relt => relt::engine(scene, settings)?,
+        Method::ErptPss => Box::new(IndependentEngine::erpt_pss(scene, settings)?),
     })
 }
 

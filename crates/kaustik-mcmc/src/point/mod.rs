@@ -1,8 +1,11 @@
 //! The lazy point: a state of infinitely many coordinates, of which few are ever made.
 
 mod record;
+mod seeded;
 #[cfg(feature = "serde")]
 mod serial;
+
+pub use seeded::Seeding;
 
 use kaustik_pss::{Coordinates, Stream};
 

@@ -79,7 +79,7 @@ impl<M> Point<M> {
 }
 
 /// The nearest number of [0, 1); 0 for NaN.
-fn on_circle(x: f64) -> f64 {
+pub(super) fn on_circle(x: f64) -> f64 {
     if x.is_nan() {
         0.0
     } else {

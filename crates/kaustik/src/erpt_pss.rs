@@ -1,0 +1,149 @@
+//! Energy redistribution on primary samples (Cline, Talbot and Egbert 2005; spec: erpt.md 6).
+//!
+//! Each sample of a path builder has light; chains of small steps carry equal parts of it to
+//! neighbouring points, as many chains as it has parts. Whatever the chains do, the mean of what
+//! they leave is the light of the sample, spread as the target is: unbiased, without a start-up phase
+//! and without a normaliser.
+
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use kaustik_estimate::{PathTarget, ScalarContribution, Scale};
+use kaustik_film::Film;
+use kaustik_mcmc::{
+    Deposit, Mean, Point, PointKernel, Redistribution, RedistributionStatistics, Redistributor,
+    SampleGenerators, Target,
+};
+use kaustik_path::{Contributions, PathBuilder};
+use kaustik_pss::Coordinates;
+use kaustik_scene::Scene;
+
+use crate::pssmlt::{PILOT_LADDER, Small, pilot};
+use crate::{ChainStatistics, RenderSettings};
+
+/// The decisions of a ladder's chains come from streams beside those of its samples.
+const CHAIN_LADDERS: u64 = 1 << 32;
+
+/// What all chains have in common.
+pub(crate) struct PssRedistribution {
+    /// `None` if the pilot saw no light: samples then fall where they are, which is as unbiased.
+    plan: Option<Redistribution>,
+    family: ScalarContribution,
+    /// Mean scalar contribution of the pilot.
+    pilot: f64,
+}
+
+/// Where paths run, and where their light goes.
+pub(crate) struct Paths<'a> {
+    pub(crate) scene: &'a Scene,
+    pub(crate) builder: &'a dyn PathBuilder,
+    pub(crate) film: &'a Film,
+    pub(crate) scale: Scale,
+}
+
+/// The chains of one ladder.
+pub(crate) struct Chains {
+    generators: SampleGenerators,
+    seed: Point<Small>,
+    value: Contributions,
+    redistributor: Redistributor<Point<Small>, Contributions>,
+    weights: Mean,
+}
+
+impl PssRedistribution {
+    /// Draws the pilot that fixes the light of a deposit: samples of its own, so that the light is a constant.
+    pub(crate) fn new(scene: &Scene, builder: &dyn PathBuilder, settings: &RenderSettings) -> Self {
+        let options = &settings.options;
+        let family = ScalarContribution {
+            target: options.target,
+            contribution: options.contribution,
+        };
+        let nonfinite = AtomicU64::new(0);
+        let target = PathTarget {
+            scene,
+            builder,
+            nonfinite: &nonfinite,
+        };
+        let mut weights = Mean::new();
+        pilot(target, family, settings, PILOT_LADDER, 0..options.pilot)
+            .into_iter()
+            .filter(|density| density.is_finite())
+            .for_each(|density| weights.push(density));
+        let unit = weights.mean() / f64::from(options.length) / options.chains;
+        let plan = Redistribution::new(options.length, unit).ok();
+        Self {
+            plan: plan.map(|plan| match options.consecutive {
+                Some(patience) => plan.patience(patience),
+                None => plan,
+            }),
+            family,
+            pilot: weights.mean(),
+        }
+    }
+
+    /// All ladders' chains, in their order.
+    pub(crate) fn statistics<'a>(
+        &self,
+        chains: impl Iterator<Item = &'a Chains>,
+    ) -> ChainStatistics {
+        let (mut all, mut weights) = (RedistributionStatistics::default(), Mean::new());
+        for chains in chains {
+            all.merge(chains.redistributor.statistics());
+            weights.merge(&chains.weights);
+        }
+        ChainStatistics::new(
+            &all.chain,
+            [weights.mean(), weights.standard_error()],
+            self.pilot,
+        )
+    }
+}
+
+impl Chains {
+    pub(crate) fn new(settings: &RenderSettings, ladder: u32) -> Self {
+        Self {
+            generators: SampleGenerators::new(settings.seed, CHAIN_LADDERS + u64::from(ladder)),
+            seed: Point::new(Small::new(settings.options.small_step)),
+            value: Contributions::default(),
+            redistributor: Redistributor::new(),
+            weights: Mean::new(),
+        }
+    }
+
+    /// One sample and its chains; how many contributions were not finite.
+    pub(crate) fn run<C: Coordinates>(
+        &mut self,
+        common: &PssRedistribution,
+        paths: &Paths<'_>,
+        coordinates: &mut C,
+        step: u64,
+    ) -> u64 {
+        let nonfinite = AtomicU64::new(0);
+        let target = PathTarget {
+            scene: paths.scene,
+            builder: paths.builder,
+            nonfinite: &nonfinite,
+        };
+        target.evaluate(&mut self.seed.seed(coordinates), &mut self.value);
+        let weight = common.family.of(&self.value);
+        self.weights.push(weight);
+        match &common.plan {
+            None => paths.scale.splat(paths.film, &self.value, 1.0),
+            Some(_) if weight <= 0.0 => {} // nothing to spread
+            Some(plan) => {
+                let mut deposit = |deposit: Deposit<'_, Contributions>| {
+                    let share = deposit.weight() / deposit.density;
+                    paths.scale.splat(paths.film, deposit.value, share);
+                };
+                self.redistributor.run(
+                    plan,
+                    (&self.seed, &self.value, weight),
+                    &PointKernel::new(target, 0.0),
+                    &common.family,
+                    &mut self.generators.at(step),
+                    &mut deposit,
+                );
+            }
+        }
+        nonfinite.load(Ordering::Relaxed)
+    }
+}
