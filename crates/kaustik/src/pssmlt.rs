@@ -30,6 +30,8 @@ const CHOICE_LADDER: u64 = u64::MAX - 1;
 const CONSTANT_LADDER: u64 = u64::MAX - 2;
 /// It needs to be no better than roughly right.
 const CONSTANT_SHARE: u64 = 10;
+/// Where light is hard to find at all, so many times the pool's samples look for it.
+const PATIENCE: u64 = 10;
 
 /// Either kind of small step.
 #[derive(Clone, Debug)]
@@ -74,7 +76,7 @@ pub(crate) struct PssmltEngine<'a> {
     chain_film: Film,
     large_film: Option<Film>,
     pool: Mean,
-    /// The constant in the weights; 0 if the pilot saw nothing.
+    /// The constant in the weights; 0 if neither pool nor pilot saw any light.
     b0: f64,
     scale: Scale,
     /// Raster area of the window in pixels.
@@ -111,12 +113,14 @@ impl<'a> PssmltEngine<'a> {
             PILOT_LADDER,
             0..options.pilot,
         ));
+        // Kelemen's printed weights want b itself, the others a constant that knows nothing of the pool.
+        let of_pool = Some(pool.normaliser().mean()).filter(|b| *b > 0.0);
+        let rough = || rough_constant(target, family, settings);
         let b0 = match options.mis {
-            Mis::Printed => pool.normaliser().mean(), // these weights want b itself
-            Mis::Split | Mis::Off => {
-                rough_constant(target, family, settings).unwrap_or_else(|| pool.normaliser().mean())
-            }
-        };
+            Mis::Printed => of_pool.or_else(rough),
+            Mis::Split | Mis::Off => rough().or(of_pool),
+        }
+        .unwrap_or(0.0);
         let chains = start_chains(target, family, &pool, settings)?;
         let layout = settings.layout();
         let quantum = Quantum::from_mean(b0 / 3.0);
@@ -249,7 +253,7 @@ pub(crate) fn pilot(
 }
 
 /// A rough estimate of b that knows nothing of the pool: samples of its own, a share of the pool's
-/// number, and more until some see light. `None` if as many as the pool's see none.
+/// number, and more until some see light. `None` if [`PATIENCE`] times as many as the pool's see none.
 fn rough_constant(
     target: PathTarget<'_>,
     family: ScalarContribution,
@@ -257,7 +261,7 @@ fn rough_constant(
 ) -> Option<f64> {
     let share = (settings.options.pilot / CONSTANT_SHARE).max(1);
     let mut mean = Mean::new();
-    for round in 0..CONSTANT_SHARE {
+    for round in 0..PATIENCE * CONSTANT_SHARE {
         let samples = round * share..(round + 1) * share;
         pilot(target, family, settings, CONSTANT_LADDER, samples)
             .into_iter()
@@ -270,8 +274,10 @@ fn rough_constant(
     None
 }
 
-/// A chain for every ladder of this process; none if the pool saw nothing. All ladders choose, so that
-/// a share of them starts as it would among all.
+/// A chain for every ladder of this process. All ladders choose, so that a share of them starts as it
+/// would among all. After a pool that saw nothing they start in the dark: what their large steps find
+/// is as right as ever, while the film of the chains counts for nothing (b = 0) until a running
+/// normaliser knows better.
 fn start_chains(
     target: PathTarget<'_>,
     family: ScalarContribution,
@@ -282,19 +288,24 @@ fn start_chains(
     let range = settings.ladder_range();
     let mut chains = Vec::new();
     for ladder in 0..settings.options.ladders {
-        let Some(start) = pool.choose(&mut choice) else {
-            break;
-        };
+        let start = pool.choose(&mut choice);
         if !range.contains(&ladder) {
             continue;
         }
-        let mut draws = sample_generator(settings.seed, PILOT_LADDER, start.index);
+        let mut own = generator(settings.seed, u64::from(ladder));
         let small = Small::new(settings.options.small_step);
+        let metropolis = match start {
+            Some(start) => {
+                let mut draws = sample_generator(settings.seed, PILOT_LADDER, start.index);
+                Metropolis::rebuild(&target, &family, 0, small, &start, &mut draws)?
+            }
+            None => Metropolis::start(&target, &family, 0, small, &mut own),
+        };
         chains.push(Chain {
             ladder,
             nonfinite: Nonfinite::default(),
-            metropolis: Metropolis::rebuild(&target, &family, 0, small, &start, &mut draws)?,
-            draws: generator(settings.seed, u64::from(ladder)),
+            metropolis,
+            draws: own,
         });
     }
     Ok(chains)
@@ -360,6 +371,6 @@ impl Engine for PssmltEngine<'_> {
     }
 
     fn is_lit(&self) -> bool {
-        self.pool.mean() > 0.0
+        self.b0 > 0.0
     }
 }
