@@ -23,6 +23,8 @@ mod agreement;
 mod bits;
 /// A second path tracer, and what it takes to tell a wrong one from a right one.
 mod by_the_book;
+/// Direct light beside chains.
+mod direct;
 /// Pictures known in closed form.
 mod furnace;
 /// Replica exchange: variants, parts, replicas that do not run.

@@ -68,7 +68,12 @@ impl Multiplexed {
         witness: &mut impl Witness,
     ) {
         out.clear();
-        let sampling = self.paths.settings.wavelengths;
+        let settings = &self.paths.settings;
+        let edges = technique.s + technique.t - 1;
+        if edges < settings.min_edges || edges > settings.max_edges {
+            return;
+        }
+        let sampling = settings.wavelengths;
         let wavelengths = Wavelengths::sample(u.get(Stream::Wavelength, 0), sampling);
         let job = Job {
             builder: &self.paths,
