@@ -21,8 +21,12 @@ mod vocabulary;
 mod agreement;
 /// The same bits for any number of threads, and across a glTF file.
 mod bits;
+/// The scale of a chain's picture and its error.
+mod brightness;
 /// A second path tracer, and what it takes to tell a wrong one from a right one.
 mod by_the_book;
+/// Direct light beside chains.
+mod direct;
 /// Pictures known in closed form.
 mod furnace;
 /// Replica exchange: variants, parts, replicas that do not run.

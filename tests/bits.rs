@@ -2,7 +2,7 @@
 
 use kaustik::film::Filter;
 use kaustik::scene::{builtin, gltf};
-use kaustik::{Budget, Method, RenderSettings};
+use kaustik::{Budget, Direct, Method, RenderSettings};
 
 use crate::support::{compile, picture, scene, settings};
 
@@ -17,11 +17,18 @@ fn bits(image: &kaustik::film::Image) -> Vec<u32> {
 #[test]
 fn threads_do_not_show() {
     let scene = scene("glass-cube?light=0.8", 24);
-    for method in Method::ALL {
+    let together = Method::ALL.map(|method| settings(method, 24, 1));
+    let apart = [Method::Pssmlt, Method::Mmlt, Method::Relt].map(|method| {
+        let mut settings = settings(method, 24, 1);
+        settings.options.direct = Direct::Apart;
+        settings
+    });
+    for settings in together.into_iter().chain(apart) {
+        let method = settings.method;
         for budget in [Budget::PerPixel(3), Budget::Total(5_001)] {
             let settings = RenderSettings {
                 budget,
-                ..settings(method, 24, 1)
+                ..settings.clone()
             };
             let one = bits(&picture(
                 &scene,

@@ -102,7 +102,7 @@ pub(crate) struct RenderWords {
     /// Tone curve of the PNG: srgb or filmic
     #[arg(long, value_name = "CURVE", default_value_t = ToneCurve::Srgb)]
     pub(crate) tone: ToneCurve,
-    /// Leave out the layers albedo, normal, depth and those of replicas
+    /// Leave out the layers albedo, normal, depth and those of parts of the picture
     #[arg(long)]
     pub(crate) no_features: bool,
     /// No progress, no remarks; errors only

@@ -281,6 +281,26 @@ impl Image {
         }
     }
 
+    /// Adds the main layer of another image, pixel by pixel.
+    ///
+    /// # Errors
+    /// If it has not as many pixels.
+    pub fn add(&mut self, other: &Self) -> Result<(), ImageError> {
+        for (channel, plane) in self.layers[0].channels.iter_mut().zip(other.rgb()) {
+            if channel.samples.len() != plane.len() {
+                return Err(ImageError::Samples {
+                    channel: channel.name.clone(),
+                    found: plane.len(),
+                    expected: channel.samples.len(),
+                });
+            }
+            for (sample, more) in channel.samples.iter_mut().zip(plane) {
+                *sample += more;
+            }
+        }
+        Ok(())
+    }
+
     /// A copy of the main layer's pixels in a window given in coordinates of the full image.
     ///
     /// # Errors

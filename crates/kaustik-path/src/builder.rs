@@ -17,6 +17,8 @@ pub trait PathBuilder: Send + Sync {
 /// What all builders are told.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BuilderSettings {
+    /// Shortest path in edges: what is shorter is left out, the rest is what it is without.
+    pub min_edges: u32,
     /// Longest path in edges, at least 1 (1: emitters seen directly).
     pub max_edges: u32,
     /// Keep the largest single `C_{s,t}` ([`Contributions::largest`]), for Kelemen's maximum: it costs
@@ -34,6 +36,7 @@ pub struct BuilderSettings {
 impl Default for BuilderSettings {
     fn default() -> Self {
         Self {
+            min_edges: 1,
             max_edges: 64,
             largest: false,
             wavelengths: WavelengthSampling::Hero,

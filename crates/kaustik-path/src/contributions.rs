@@ -93,6 +93,9 @@ impl Contributions {
     #[inline]
     pub(crate) fn merge(&mut self, raster: DVec2, gathered: &Gathered<'_>) {
         for class in Class::ALL {
+            if gathered.used & (1 << class as u8) == 0 {
+                continue;
+            }
             let xyz = gathered.sum(class);
             match quality(xyz) {
                 Quality::Light => self.splats.push(Splat { raster, xyz, class }),
@@ -158,6 +161,8 @@ pub(crate) struct Gathered<'w> {
     all: [Spectrum; Class::COUNT],
     /// From paths with a dispersive refraction: their hero counts alone.
     hero: [Spectrum; Class::COUNT],
+    /// Classes that something was added to, a bit each.
+    used: u8,
     /// `None` where nobody asks for it.
     largest: Option<Largest>,
 }
@@ -169,6 +174,7 @@ impl<'w> Gathered<'w> {
             wavelengths,
             all: [Spectrum::ZERO; Class::COUNT],
             hero: [Spectrum::ZERO; Class::COUNT],
+            used: 0,
             largest: largest.then(Largest::default),
         }
     }
@@ -182,6 +188,7 @@ impl<'w> Gathered<'w> {
                 largest.see(xyz);
             }
         }
+        self.used |= 1 << class as u8;
         if dispersive {
             self.hero[class as usize] += value;
         } else {

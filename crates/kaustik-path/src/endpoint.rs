@@ -44,8 +44,11 @@ impl Endpoint {
         let mut share = 0.0;
         let mut vertex = Vertex::default();
         while walk.advance(scene, u, &mut vertex).is_some() {
-            emission(scene, walk, &vertex, origin, share, gathered);
-            if walk.edges == self.settings.max_edges {
+            let settings = &self.settings;
+            if walk.edges >= settings.min_edges {
+                emission(scene, walk, &vertex, origin, share, gathered);
+            }
+            if walk.edges == settings.max_edges {
                 return;
             }
             let scatter = walk.scatter(scene, &vertex);
@@ -57,7 +60,9 @@ impl Endpoint {
                         next_event: 1.0 - onward,
                         scattering: onward,
                     };
-                    next_event(scene, walk, &scatter, shares, u, gathered);
+                    if walk.edges + 1 >= settings.min_edges {
+                        next_event(scene, walk, &scatter, shares, u, gathered);
+                    }
                     return;
                 }
                 walk.throughput /= onward as f32;
@@ -72,7 +77,9 @@ impl Endpoint {
                 return;
             }
         }
-        escape(scene, walk, origin, share, gathered);
+        if walk.edges >= self.settings.min_edges {
+            escape(scene, walk, origin, share, gathered);
+        }
     }
 }
 

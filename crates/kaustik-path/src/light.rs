@@ -28,7 +28,9 @@ impl PathBuilder for LightTracing {
         let wavelengths = Wavelengths::sample(u.get(Stream::Wavelength, 0), sampling);
         let emission = scene.sample_emission(&wavelengths, |i| u.get(Stream::Light, i));
         let Some(emission) = emission else { return };
-        if let Some(area) = &emission.area {
+        if let Some(area) = &emission.area
+            && self.settings.min_edges <= 1
+        {
             self.join_emitter(scene, area, &wavelengths, u, out);
         }
         self.walk(scene, &emission, &wavelengths, u, out);
@@ -70,7 +72,9 @@ impl LightTracing {
                 walk.throughput *= scene.fading(emission, distance);
             }
             let scatter = walk.scatter(scene, &vertex);
-            self.join(scene, &walk, &scatter, u, out);
+            if walk.edges + 1 >= self.settings.min_edges {
+                self.join(scene, &walk, &scatter, u, out);
+            }
             if walk.bounce(scene, &scatter, u, BOUNCES).is_none() || !walk.survives(u, BOUNCES) {
                 return;
             }

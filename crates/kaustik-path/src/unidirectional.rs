@@ -56,12 +56,15 @@ impl Unidirectional {
         let mut origin = None;
         let mut vertex = Vertex::default();
         while walk.advance(scene, u, &mut vertex).is_some() {
-            emission(scene, walk, &vertex, origin, 1.0, gathered);
-            if walk.edges == self.settings.max_edges {
+            let Self { settings, .. } = self;
+            if walk.edges >= settings.min_edges {
+                emission(scene, walk, &vertex, origin, 1.0, gathered);
+            }
+            if walk.edges == settings.max_edges {
                 return;
             }
             let scatter = walk.scatter(scene, &vertex);
-            if self.next_event {
+            if self.next_event && walk.edges + 1 >= settings.min_edges {
                 next_event(scene, walk, &scatter, Shares::BOTH, u, gathered);
             }
             let Some(sample) = walk.bounce(scene, &scatter, u, BOUNCES) else {
@@ -73,7 +76,9 @@ impl Unidirectional {
                 return;
             }
         }
-        escape(scene, walk, origin, 1.0, gathered);
+        if walk.edges >= self.settings.min_edges {
+            escape(scene, walk, origin, 1.0, gathered);
+        }
     }
 }
 

@@ -4,7 +4,9 @@ use std::sync::atomic::AtomicBool;
 
 use kaustik_film::{Counters, Image, Layer};
 
-use crate::{ChainStatistics, Place, RenderError, RenderSettings, ReplicaStatistics};
+use crate::{
+    ChainStatistics, DirectStatistics, Place, RenderError, RenderSettings, ReplicaStatistics,
+};
 
 /// A method at work: ladders that can be driven on, and films that can be developed.
 ///
@@ -35,6 +37,11 @@ pub(crate) trait Engine: Send + Sync {
 
     /// The replicas so far.
     fn replica_statistics(&self) -> Option<ReplicaStatistics> {
+        None
+    }
+
+    /// Direct light that is rendered apart, so far.
+    fn direct_statistics(&self) -> Option<DirectStatistics> {
         None
     }
 

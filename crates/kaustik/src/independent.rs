@@ -150,8 +150,37 @@ impl<'a> IndependentEngine<'a> {
     }
 
     /// Samples of all streams.
-    fn steps(&self) -> u64 {
+    pub(crate) fn steps(&self) -> u64 {
         self.streams.iter().map(|stream| stream.step).sum()
+    }
+
+    /// The picture of all steps taken.
+    pub(crate) fn picture(&self) -> Result<Image, RenderError> {
+        let Some(cells) = self.cells else {
+            let factor = self.area / self.steps().max(1) as f64;
+            return Ok(develop(&[(&self.film, factor)])?);
+        };
+        let cell_area = self.area / cells.count() as f64;
+        let even = self
+            .streams
+            .iter()
+            .map(|stream| stream.passes(&cells))
+            .collect::<Vec<_>>();
+        if let Some(passes) = all_equal(&even) {
+            return Ok(develop(&[(&self.film, cell_area / passes.max(1) as f64)])?);
+        }
+        // Every pixel has its own number of samples (one pixel a cell).
+        let mut image = develop(&[(&self.film, 1.0)])?;
+        let mut factors = vec![0.0_f32; cells.count() as usize];
+        for stream in &self.streams {
+            let [first, end] = cells.of_ladder(stream.ladder);
+            for cell in first..end {
+                let visits = stream.visits(&cells, cell - first);
+                factors[cell as usize] = if visits > 0 { 1.0 / visits as f32 } else { 0.0 };
+            }
+        }
+        image.scale_pixels(|index| factors[index]);
+        Ok(image)
     }
 }
 
@@ -235,31 +264,7 @@ impl Engine for IndependentEngine<'_> {
     }
 
     fn develop(&mut self) -> Result<Image, RenderError> {
-        let Some(cells) = self.cells else {
-            let factor = self.area / self.steps().max(1) as f64;
-            return Ok(develop(&[(&self.film, factor)])?);
-        };
-        let cell_area = self.area / cells.count() as f64;
-        let even = self
-            .streams
-            .iter()
-            .map(|stream| stream.passes(&cells))
-            .collect::<Vec<_>>();
-        if let Some(passes) = all_equal(&even) {
-            return Ok(develop(&[(&self.film, cell_area / passes.max(1) as f64)])?);
-        }
-        // Every pixel has its own number of samples (one pixel a cell).
-        let mut image = develop(&[(&self.film, 1.0)])?;
-        let mut factors = vec![0.0_f32; cells.count() as usize];
-        for stream in &self.streams {
-            let [first, end] = cells.of_ladder(stream.ladder);
-            for cell in first..end {
-                let visits = stream.visits(&cells, cell - first);
-                factors[cell as usize] = if visits > 0 { 1.0 / visits as f32 } else { 0.0 };
-            }
-        }
-        image.scale_pixels(|index| factors[index]);
-        Ok(image)
+        self.picture()
     }
 
     fn chain_statistics(&self) -> Option<ChainStatistics> {

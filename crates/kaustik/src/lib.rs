@@ -23,6 +23,7 @@
 //! ```
 
 mod control;
+mod direct;
 mod engine;
 mod erpt_pss;
 mod error;
@@ -43,11 +44,13 @@ mod stratified;
 pub use control::{Control, Progress};
 pub use error::RenderError;
 pub use method::{KEYS, Key, Method, UnknownMethod};
-pub use options::{Builder, Normaliser, OptionError, Options, SmallStep, Steps, Strategies};
+pub use options::{
+    Builder, Direct, Normaliser, OptionError, Options, SmallStep, Steps, Strategies,
+};
 pub use render::{Outcome, Rendered, render};
 pub use replica_statistics::{ReplicaLevel, ReplicaStatistics};
 pub use settings::{Budget, RenderSettings};
-pub use statistics::{ChainStatistics, Place, RenderStatistics};
+pub use statistics::{ChainStatistics, DirectStatistics, Place, RenderStatistics};
 
 pub use kaustik_estimate::Mis;
 

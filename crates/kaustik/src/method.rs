@@ -254,6 +254,14 @@ pub const KEYS: &[Key] = &[
         methods: CHAINS,
     },
     Key {
+        name: "direct",
+        default: "together",
+        range: "together|apart",
+        meaning: "paths of at most two edges (emitters seen directly, light scattered once): under the \
+                  chains like all others, or left out there and rendered as path does",
+        methods: METROPOLIS,
+    },
+    Key {
         name: "replicas",
         default: "standard",
         range: "standard|uniform;D0,D1,D2,D3,D4,D5;...",

@@ -34,7 +34,7 @@ pub(crate) fn builder(
         heuristic: settings.options.heuristic,
     };
     let lens = scene.camera().has_aperture();
-    let even = Techniques::even(1, settings.max_depth, lens);
+    let even = Techniques::even(paths.settings.min_edges, settings.max_depth, lens);
     let first = Multiplexed::new(paths, even);
     let shares = shares(scene, &first, settings);
     let strategies = settings.options.strategies == Strategies::Learned;

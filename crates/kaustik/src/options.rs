@@ -50,6 +50,17 @@ pub enum Strategies {
     Even,
 }
 
+/// Where paths of at most two edges are rendered: emitters seen directly, and light that was
+/// scattered once.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Direct {
+    /// By the chains, like all others.
+    #[default]
+    Together,
+    /// By independent samples beside the chains, which leave them out.
+    Apart,
+}
+
 /// Sizes of small steps of `relt`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Steps {
@@ -78,6 +89,7 @@ pub struct Options {
     pub small_step: SmallStep,
     pub mis: Mis,
     pub normaliser: Normaliser,
+    pub direct: Direct,
     /// `None`: the standard set with `delta`.
     pub replicas: Option<ReplicaSet>,
     pub delta: f64,
@@ -108,6 +120,7 @@ impl Default for Options {
             small_step: SmallStep::Kelemen(1.0 / 1024.0, 1.0 / 64.0),
             mis: Mis::default(),
             normaliser: Normaliser::default(),
+            direct: Direct::default(),
             replicas: None,
             delta: ReplicaSet::DELTA,
             beta: 2.0,
@@ -244,6 +257,11 @@ impl Options {
                 Normaliser::Initial => "initial",
             }
             .to_owned(),
+            "direct" => match self.direct {
+                Direct::Together => "together",
+                Direct::Apart => "apart",
+            }
+            .to_owned(),
             "replicas" => (self.replicas).map_or("standard".to_owned(), |set| set.to_string()),
             "delta" => self.delta.to_string(),
             "beta" => self.beta.to_string(),
@@ -317,6 +335,10 @@ impl Options {
             "normaliser" => {
                 let (running, initial) = (Normaliser::Running, Normaliser::Initial);
                 self.normaliser = word(value, &[("running", running), ("initial", initial)])?;
+            }
+            "direct" => {
+                let (together, apart) = (Direct::Together, Direct::Apart);
+                self.direct = word(value, &[("together", together), ("apart", apart)])?;
             }
             "replicas" if value == "standard" => self.replicas = None,
             "replicas" => self.replicas = Some(value.parse().ok()?),

@@ -8,6 +8,7 @@ use kaustik_film::Image;
 use kaustik_path::BuilderSettings;
 use kaustik_scene::Scene;
 
+use crate::direct::{self, DirectApart};
 use crate::engine::Engine;
 use crate::independent::IndependentEngine;
 use crate::pssmlt::PssmltEngine;
@@ -85,6 +86,7 @@ pub fn render(
         first_nonfinite,
         film: engine.film_counters(),
         chain: engine.chain_statistics(),
+        direct: engine.direct_statistics(),
         replicas: engine.replica_statistics(),
     };
     if settings.features {
@@ -143,14 +145,18 @@ fn engine<'a>(
     scene: &'a Scene,
     settings: &'a RenderSettings,
 ) -> Result<Box<dyn Engine + 'a>, RenderError> {
-    Ok(match settings.method {
+    let engine: Box<dyn Engine> = match settings.method {
         Method::Path => Box::new(IndependentEngine::path(scene, settings)?),
         Method::Light => Box::new(IndependentEngine::light(scene, settings)?),
         Method::Bdpt => Box::new(IndependentEngine::bdpt(scene, settings)?),
         Method::Pssmlt | Method::Mmlt => Box::new(PssmltEngine::new(scene, settings)?),
         Method::Relt => relt::engine(scene, settings)?,
         Method::ErptPss => Box::new(IndependentEngine::erpt_pss(scene, settings)?),
-    })
+    };
+    if !direct::is_apart(settings) {
+        return Ok(engine);
+    }
+    Ok(Box::new(DirectApart::new(scene, settings, engine)?))
 }
 
 /// What path builders are told by these settings.
@@ -158,6 +164,11 @@ pub(crate) fn builder_settings(settings: &RenderSettings) -> BuilderSettings {
     let bounds = settings.layout().extended_bounds();
     let size = DVec2::new(f64::from(settings.width), f64::from(settings.height));
     BuilderSettings {
+        min_edges: if direct::is_apart(settings) {
+            direct::MOST_EDGES + 1
+        } else {
+            1
+        },
         max_edges: settings.max_depth,
         largest: settings.options.contribution == Contribution::Maximum,
         wavelengths: settings.options.wavelengths,

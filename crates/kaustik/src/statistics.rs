@@ -29,6 +29,8 @@ pub struct RenderStatistics {
     pub film: Counters,
     /// Of a chain method.
     pub chain: Option<ChainStatistics>,
+    /// Of direct light rendered apart; its samples are among the steps.
+    pub direct: Option<DirectStatistics>,
     /// Of replica exchange.
     pub replicas: Option<ReplicaStatistics>,
 }
@@ -40,6 +42,15 @@ pub struct Place {
     pub ladder: u32,
     /// Its step, counted from 0.
     pub step: u64,
+}
+
+/// What became of direct light that was rendered apart from the chains.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct DirectStatistics {
+    /// Independent samples of paths of at most so many edges.
+    pub max_edges: u32,
+    /// Their number.
+    pub samples: u64,
 }
 
 /// What chains tell about themselves.

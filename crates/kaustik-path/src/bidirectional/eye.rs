@@ -146,6 +146,9 @@ pub(super) fn emission(
     witness: &mut impl Witness,
 ) {
     let z = &eye[eye.len() - 1];
+    if z.edges < job.builder.settings.min_edges {
+        return;
+    }
     let radiance = job.scene.emitted(&z.vertex, z.back, job.wavelengths);
     if radiance.is_zero() {
         return;
@@ -166,6 +169,9 @@ pub(super) fn escape(
     gathered: &mut Gathered<'_>,
     witness: &mut impl Witness,
 ) {
+    if walk.edges < job.builder.settings.min_edges {
+        return;
+    }
     let radiance = job.scene.environment(walk.direction, job.wavelengths);
     if radiance.is_zero() {
         return;

@@ -22,6 +22,9 @@ pub(super) fn next_event(
 ) {
     let scene = job.scene;
     let z = &eye[eye.len() - 1];
+    if z.edges + 1 < job.builder.settings.min_edges {
+        return;
+    }
     let first = layout::connection(z.edges);
     let sample = scene.sample_direct(z.vertex.position, job.wavelengths, |i| {
         u.get(Stream::Connection, first + i)
@@ -92,7 +95,9 @@ pub(super) fn join(
 ) {
     let scene = job.scene;
     let (y, z) = (&light[light.len() - 1], &eye[eye.len() - 1]);
-    if !y.connectable || y.edges + z.edges >= job.builder.settings.max_edges {
+    let settings = &job.builder.settings;
+    let edges = y.edges + z.edges + 1;
+    if !y.connectable || edges > settings.max_edges || edges < settings.min_edges {
         return;
     }
     let along = y.vertex.position - z.vertex.position;

@@ -152,6 +152,9 @@ pub(super) fn meet_lens(
     out: &mut Contributions,
     witness: &mut impl Witness,
 ) {
+    if sent.walk.edges < job.builder.settings.min_edges {
+        return;
+    }
     let camera = job.scene.camera();
     let squared = hit.distance * hit.distance;
     let running = sent
@@ -185,6 +188,9 @@ pub(super) fn join_lens(
     let Some(y) = path.vertices().last().filter(|y| y.connectable) else {
         return;
     };
+    if y.edges + 1 < job.builder.settings.min_edges {
+        return;
+    }
     let scene = job.scene;
     let camera = scene.camera();
     let lens = lens_coordinates(scene, y.edges, u);

@@ -1,5 +1,7 @@
 //! Weights against their definition, strategies against each other.
 
+/// What a joint through matter loses.
+mod absorption;
 /// Random paths over planes and spheres, in f64.
 mod analytic;
 /// Each strategy alone in a room whose light is known.

@@ -14,6 +14,7 @@ use crate::stage::{Stage, ceiling, compile, cuboid, lamp, solid};
 const PATH: Unidirectional = Unidirectional {
     settings: BuilderSettings {
         largest: false,
+        min_edges: 1,
         max_edges: 64,
         wavelengths: WavelengthSampling::Hero,
         window_min: glam::DVec2::ZERO,

@@ -12,6 +12,8 @@ mod dispersion;
 mod estimate;
 /// Edges are counted alike by all builders.
 mod lengths;
+/// Short and long paths apart.
+mod parts;
 /// The scenes on which builders are compared.
 mod scenes;
 /// Scenes in the making.

@@ -1,0 +1,125 @@
+use kaustik_mcmc::{Independent, generator};
+use kaustik_path::{
+    Bidirectional, BuilderSettings, Contributions, Endpoint, Form, Heuristic, LightTracing,
+    Multiplexed, PathBuilder, Techniques, Unidirectional,
+};
+use kaustik_pss::Recording;
+use kaustik_scene::Scene;
+
+use crate::scenes::SCENES;
+
+/// Paths up to so many edges are the short ones.
+const SHORT: u32 = 2;
+const EDGES: u32 = 7;
+const POINTS: u32 = 400;
+
+type Make = fn(BuilderSettings) -> Box<dyn PathBuilder>;
+
+fn joined(settings: BuilderSettings, form: Form) -> Bidirectional {
+    Bidirectional {
+        settings,
+        form,
+        heuristic: Heuristic::Power,
+    }
+}
+
+const BUILDERS: [(&str, Make); 7] = [
+    ("next event", |settings| {
+        Box::new(Unidirectional {
+            settings,
+            next_event: true,
+        })
+    }),
+    ("implicit hits", |settings| {
+        Box::new(Unidirectional {
+            settings,
+            next_event: false,
+        })
+    }),
+    ("endpoint", |settings| Box::new(Endpoint { settings })),
+    ("simple", |settings| {
+        Box::new(joined(settings, Form::Simple))
+    }),
+    ("full", |settings| Box::new(joined(settings, Form::Full))),
+    ("light", |settings| Box::new(LightTracing { settings })),
+    ("multiplexed", |settings| {
+        // The same choices whatever is left out.
+        let techniques = Techniques::even(1, EDGES, true);
+        Box::new(Multiplexed::new(joined(settings, Form::Full), techniques))
+    }),
+];
+
+/// Light of a point, and light times a function of the place that it falls on.
+fn light(out: &Contributions) -> [f64; 2] {
+    out.splats().iter().fold([0.0; 2], |[sum, placed], splat| {
+        let value = f64::from(splat.xyz.sum());
+        let place = 1.0 + splat.raster.x + 3.0 * splat.raster.y;
+        [sum + value, placed + value * place]
+    })
+}
+
+/// Of all points: the largest difference between all paths and the sum of both parts, as a share of all, and how
+/// many points have light in the short and in the long ones.
+fn worst(scene: &Scene, make: Make, first_long: u32) -> (f64, [u32; 2]) {
+    let of = |min_edges, max_edges| {
+        make(BuilderSettings {
+            min_edges,
+            max_edges,
+            ..BuilderSettings::default()
+        })
+    };
+    let (all, short, long) = (of(1, EDGES), of(1, SHORT), of(first_long, EDGES));
+    let mut source = Independent::new(generator(12, 0));
+    let mut out = Contributions::default();
+    let (mut worst, mut lit) = (0.0_f64, [0; 2]);
+    for _ in 0..POINTS {
+        let mut recording = Recording::new(&mut source);
+        all.build(scene, &mut recording, &mut out);
+        let mut point = recording.finish();
+        let whole = light(&out);
+        short.build(scene, &mut point, &mut out);
+        let of_short = light(&out);
+        long.build(scene, &mut point, &mut out);
+        let of_long = light(&out);
+        assert_eq!(point.missing(), None);
+        for (i, whole) in whole.into_iter().enumerate() {
+            let off: f64 = whole - of_short[i] - of_long[i];
+            worst = worst.max(off.abs() / whole.max(1e-30));
+        }
+        lit[0] += u32::from(of_short[0] > 0.0);
+        lit[1] += u32::from(of_long[0] > 0.0);
+    }
+    (worst, lit)
+}
+
+/// Point by point: what is left out is what the short paths bring, no more and no less.
+#[test]
+fn short_and_long_paths_are_together_all() {
+    let mut lit = [0; 2];
+    for (name, stage) in SCENES {
+        let scene = stage().build();
+        for (builder, make) in BUILDERS {
+            let (worst, found) = worst(&scene, make, SHORT + 1);
+            assert!(worst < 1e-4, "{name}, {builder}: {worst}");
+            lit = [lit[0] + found[0], lit[1] + found[1]];
+        }
+    }
+    assert!(lit[0] > 3_000 && lit[1] > 3_000, "{lit:?}");
+}
+
+/// The test of the test: a length in both parts, or in neither.
+#[test]
+fn a_length_too_many_or_too_few_is_noticed() {
+    let (_, stage) = SCENES[0];
+    let scene = stage().build();
+    let (_, other) = SCENES[1];
+    let room = other().build();
+    for (builder, make) in BUILDERS {
+        for first_long in [SHORT, SHORT + 2] {
+            let off = worst(&scene, make, first_long)
+                .0
+                .max(worst(&room, make, first_long).0);
+            assert!(off > 1e-2, "{builder}, {first_long}: {off}");
+        }
+    }
+}

@@ -1,0 +1,157 @@
+//! Direct light beside chains that leave it out (spec: pss-and-pssmlt.md 9).
+
+use std::ops::Range;
+use std::sync::atomic::AtomicBool;
+
+use kaustik_film::{Counters, Image, Layer};
+use kaustik_scene::Scene;
+
+use crate::engine::{Engine, add_counters};
+use crate::independent::IndependentEngine;
+use crate::{
+    Budget, ChainStatistics, Direct, DirectStatistics, Method, Place, RenderError, RenderSettings,
+    ReplicaStatistics,
+};
+
+/// The longest paths that are rendered apart, in edges: emitters seen directly, and light that was scattered
+/// once, at whatever surface.
+pub(crate) const MOST_EDGES: u32 = 2;
+/// Of so many passes' worth of steps, direct light takes the first.
+const CYCLE: u64 = 8;
+/// So many passes' worth of steps leave both parts with something.
+const LEAST: u64 = 2;
+/// Turns the seed of the chains into another one.
+const SEED: u64 = 0xD1EC_7A9A_2750_CE11;
+
+/// Is direct light rendered apart?
+pub(crate) fn is_apart(settings: &RenderSettings) -> bool {
+    let chains = matches!(
+        settings.method,
+        Method::Pssmlt | Method::Mmlt | Method::Relt | Method::ErptPss
+    );
+    chains && settings.options.direct == Direct::Apart
+}
+
+/// A method whose paths have more edges than [`MOST_EDGES`], and stratified independent samples of the others on a
+/// film of their own. The picture is the sum: both parts are right by themselves, whatever share
+/// of the steps each takes.
+pub(crate) struct DirectApart<'a> {
+    chains: Box<dyn Engine + 'a>,
+    direct: IndependentEngine<'a>,
+    /// The ladders of this process.
+    ladders: Range<u32>,
+    /// Steps that each of them was given so far, for both parts.
+    given: Vec<u64>,
+    /// Steps of one pass over the image, of all ladders.
+    pass: u64,
+}
+
+impl<'a> DirectApart<'a> {
+    /// Beside an engine that was made for the same settings.
+    pub(crate) fn new(
+        scene: &'a Scene,
+        settings: &RenderSettings,
+        chains: Box<dyn Engine + 'a>,
+    ) -> Result<Self, RenderError> {
+        let mut of_direct = RenderSettings {
+            method: Method::Path,
+            max_depth: settings.max_depth.min(MOST_EDGES),
+            seed: settings.seed ^ SEED,
+            ..settings.clone()
+        };
+        of_direct.options.next_event = true;
+        let direct = IndependentEngine::path(scene, &of_direct)?;
+        let ladders = settings.ladder_range();
+        Ok(Self {
+            pass: (0..settings.options.ladders).map(|l| direct.grain(l)).sum(),
+            given: vec![0; ladders.len()],
+            chains,
+            direct,
+            ladders,
+        })
+    }
+
+    /// Of so many steps of a ladder those for direct light, whole passes, and those for the chains, as many
+    /// as they can take. Neither ever shrinks when the steps grow by a pass.
+    fn split(&self, ladder: u32, steps: u64) -> [u64; 2] {
+        let pass = self.direct.grain(ladder).max(1);
+        let direct = (steps / pass).div_ceil(CYCLE) * pass;
+        let grain = self.chains.grain(ladder);
+        [direct, (steps - direct) / grain * grain]
+    }
+}
+
+impl Engine for DirectApart<'_> {
+    fn advance(&mut self, plan: &[u64], stop: Option<&AtomicBool>) -> u64 {
+        let mut plans = [Vec::new(), Vec::new()];
+        for (index, (ladder, steps)) in self.ladders.clone().zip(plan).enumerate() {
+            let before = self.split(ladder, self.given[index]);
+            self.given[index] += steps;
+            let after = self.split(ladder, self.given[index]);
+            for (plan, (after, before)) in plans.iter_mut().zip(after.into_iter().zip(before)) {
+                plan.push(after - before);
+            }
+        }
+        let direct = self.direct.advance(&plans[0], stop);
+        direct + self.chains.advance(&plans[1], stop)
+    }
+
+    /// Whole passes.
+    fn planned(&self, ladder: u32, settings: &RenderSettings) -> u64 {
+        let passes = match settings.budget {
+            Budget::PerPixel(n) => n,
+            Budget::Total(n) => n / self.pass,
+            Budget::Time(_) => return u64::MAX,
+        };
+        passes.max(LEAST).saturating_mul(self.direct.grain(ladder))
+    }
+
+    /// A first round has something of both.
+    fn grain(&self, ladder: u32) -> u64 {
+        LEAST * self.direct.grain(ladder)
+    }
+
+    fn develop(&mut self) -> Result<Image, RenderError> {
+        let mut image = self.chains.develop()?;
+        image.add(&self.direct.picture()?)?;
+        Ok(image)
+    }
+
+    fn chain_statistics(&self) -> Option<ChainStatistics> {
+        self.chains.chain_statistics()
+    }
+
+    fn replica_statistics(&self) -> Option<ReplicaStatistics> {
+        self.chains.replica_statistics()
+    }
+
+    fn direct_statistics(&self) -> Option<DirectStatistics> {
+        Some(DirectStatistics {
+            max_edges: MOST_EDGES,
+            samples: self.direct.steps(),
+        })
+    }
+
+    fn layers(&self) -> Result<Vec<Layer>, RenderError> {
+        let mut layers = self.chains.layers()?;
+        let image = self.direct.picture()?;
+        let channels = ["R", "G", "B"].into_iter().zip(image.rgb());
+        let channels = channels.map(|(name, plane)| (name, plane.to_vec()));
+        layers.push(Layer::new("direct", channels.collect()));
+        Ok(layers)
+    }
+
+    fn nonfinite(&self) -> (u64, Option<Place>) {
+        let (of_chains, first) = self.chains.nonfinite();
+        let (of_direct, other) = self.direct.nonfinite();
+        (of_chains + of_direct, first.or(other))
+    }
+
+    fn film_counters(&self) -> Counters {
+        add_counters(self.chains.film_counters(), self.direct.film_counters())
+    }
+
+    fn is_lit(&self) -> bool {
+        self.chains.is_lit() || self.direct.is_lit()
+    }
+}

@@ -1,0 +1,122 @@
+//! Direct light rendered apart: the sum is the whole, and each part is what it is said to be.
+
+use kaustik::film::Image;
+use kaustik::scene::Scene;
+use kaustik::{
+    Budget, Builder, Control, Direct, Method, RenderSettings, Rendered, Strategies, render,
+};
+
+use crate::support::{Tile, Verdict, agree, scene, settings, tiles_of, tiles_of_seeds};
+
+const SIDE: u32 = 16;
+const SEEDS: std::ops::Range<u64> = 0..8;
+
+fn apart(method: Method, spp: u64) -> RenderSettings {
+    let mut settings = settings(method, SIDE, spp);
+    settings.options.direct = Direct::Apart;
+    settings
+}
+
+fn rendered(scene: &Scene, settings: &RenderSettings, seed: u64) -> Rendered {
+    let settings = RenderSettings {
+        seed,
+        features: true,
+        ..settings.clone()
+    };
+    render(scene, &settings, &mut Control::default()).expect("a render")
+}
+
+/// The part of a picture that direct light is.
+fn direct_layer(image: &Image) -> Image {
+    let layer = image.layer("direct").expect("the part");
+    let plane = |name| layer.channel(name).expect("a colour").to_vec();
+    let planes = ["R", "G", "B"].map(plane);
+    Image::from_rgb(image.width(), image.height(), planes).expect("an image")
+}
+
+fn assert_agree(name: &str, a: &[Tile], b: &[Tile], share: f64) {
+    let Verdict {
+        rejected,
+        uncertain,
+        worst_error,
+    } = agree(a, b, |_| true, share);
+    assert!(rejected.is_empty(), "{name}: {rejected:?}");
+    assert!(uncertain.is_empty(), "{name}: {uncertain:?}, {worst_error}");
+}
+
+#[test]
+fn the_sum_of_the_parts_is_the_whole() {
+    let scene = scene("cornell", SIDE);
+    let path = tiles_of_seeds(&scene, &settings(Method::Path, SIDE, 256), SEEDS);
+    type Change = fn(&mut kaustik::Options);
+    let variants: [(Method, &str, Change); 8] = [
+        (Method::Pssmlt, "unidirectional", |_| {}),
+        (Method::Pssmlt, "endpoint", |o| {
+            o.builder = Builder::Endpoint
+        }),
+        (Method::Pssmlt, "simple", |o| o.builder = Builder::Simple),
+        (Method::Pssmlt, "full", |o| {
+            o.builder = Builder::Bidirectional
+        }),
+        (Method::Mmlt, "learned", |_| {}),
+        (Method::Mmlt, "even", |o| o.strategies = Strategies::Even),
+        (Method::Relt, "standard", |_| {}),
+        (Method::ErptPss, "unidirectional", |_| {}),
+    ];
+    for (method, name, change) in variants {
+        let mut settings = apart(method, 256);
+        change(&mut settings.options);
+        let sum = tiles_of_seeds(&scene, &settings, SEEDS);
+        assert_agree(&format!("{method}, {name}"), &path, &sum, 0.1);
+    }
+}
+
+/// The direct part is what `path` renders up to two edges, and chains have none of it: up to two edges they are
+/// black.
+#[test]
+fn the_direct_part_is_path_up_to_two_edges() {
+    let scene = scene("cornell", SIDE);
+    let short = RenderSettings {
+        max_depth: 2,
+        ..settings(Method::Path, SIDE, 256)
+    };
+    let path = tiles_of_seeds(&scene, &short, SEEDS);
+    for method in [Method::Pssmlt, Method::Mmlt, Method::Relt, Method::ErptPss] {
+        let settings = apart(method, 512);
+        let layers = SEEDS.map(|seed| direct_layer(&rendered(&scene, &settings, seed).image));
+        assert_agree(method.name(), &path, &tiles_of(layers), 0.05);
+        let settings = RenderSettings {
+            max_depth: 2,
+            ..settings
+        };
+        let image = rendered(&scene, &settings, 0).image;
+        assert!(image.rgb() == direct_layer(&image).rgb(), "{method}");
+        assert!(image.rgb()[0].iter().any(|&v| v > 0.0), "{method}");
+    }
+}
+
+/// An eighth of the steps, in whole passes, and all steps are counted.
+#[test]
+fn its_share_of_the_steps_is_told() {
+    let scene = scene("cornell", SIDE);
+    let pixels = u64::from(SIDE * SIDE);
+    for method in [Method::Pssmlt, Method::Mmlt, Method::Relt] {
+        for (budget, passes, steps) in [
+            (Budget::PerPixel(1), 1, 2 * pixels),
+            (Budget::PerPixel(32), 4, 32 * pixels),
+            (Budget::Total(41 * pixels + 7), 6, 41 * pixels),
+        ] {
+            let settings = RenderSettings {
+                budget,
+                ..apart(method, 1)
+            };
+            let statistics = rendered(&scene, &settings, 0).statistics;
+            let direct = statistics.direct.expect("direct light apart");
+            assert_eq!(direct.max_edges, 2);
+            assert_eq!(direct.samples, passes * pixels, "{method}, {budget:?}");
+            assert_eq!(statistics.steps, steps, "{method}, {budget:?}");
+        }
+        let together = settings(method, SIDE, 2);
+        assert!(rendered(&scene, &together, 0).statistics.direct.is_none());
+    }
+}
