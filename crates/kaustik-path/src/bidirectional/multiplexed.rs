@@ -170,13 +170,13 @@ impl Job<'_> {
         let of_light = (s.saturating_sub(1)) - u32::from(t == 0);
         if s >= 2 {
             let scale = if t <= 1 { share } else { 1.0 };
-            if !self.from_light(of_light, t, scale, u, &mut workspace.light, out, witness) {
+            if !self.walk_from_light(of_light, t, scale, u, &mut workspace.light, out, witness) {
                 return;
             }
         }
         if t >= 2 {
             let mut gathered = Gathered::new(self.wavelengths, false);
-            let raster = self.from_eye(technique, share, u, workspace, &mut gathered, witness);
+            let raster = self.walk_from_eye(technique, share, u, workspace, &mut gathered, witness);
             out.merge(raster, &gathered);
         }
     }
@@ -187,7 +187,7 @@ impl Job<'_> {
         clippy::too_many_arguments,
         reason = "all that a walk reads and writes"
     )]
-    fn from_light(
+    fn walk_from_light(
         &self,
         vertices: u32,
         t: u32,
@@ -262,7 +262,7 @@ impl Job<'_> {
     }
 
     /// Walks from the lens as far as `t` says and finishes the path; returns the raster point.
-    fn from_eye(
+    fn walk_from_eye(
         &self,
         technique: &Technique,
         scale: f64,
