@@ -52,11 +52,11 @@ fn the_sum_of_the_parts_is_the_whole() {
     let variants: [(Method, &str, Change); 8] = [
         (Method::Pssmlt, "unidirectional", |_| {}),
         (Method::Pssmlt, "endpoint", |o| {
-            o.builder = Builder::Endpoint
+            o.builder = Builder::Endpoint;
         }),
         (Method::Pssmlt, "simple", |o| o.builder = Builder::Simple),
         (Method::Pssmlt, "full", |o| {
-            o.builder = Builder::Bidirectional
+            o.builder = Builder::Bidirectional;
         }),
         (Method::Mmlt, "learned", |_| {}),
         (Method::Mmlt, "even", |o| o.strategies = Strategies::Even),
