@@ -42,7 +42,7 @@ pub use control::{Control, Progress};
 pub use error::RenderError;
 pub use method::{KEYS, Key, Method, UnknownMethod};
 pub use options::{Builder, Normaliser, OptionError, Options, SmallStep, Steps};
-pub use render::{Outcome, Rendered, render};
+pub use render::{Outcome, Rendered, Watch, render, render_watched};
 pub use replica_statistics::{ReplicaLevel, ReplicaStatistics};
 pub use settings::{Budget, RenderSettings};
 pub use statistics::{ChainStatistics, Place, RenderStatistics};
