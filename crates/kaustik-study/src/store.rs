@@ -1,8 +1,9 @@
 //! Finished renders on disk: one picture and one small file each.
 //!
 //! The picture is written first, the small file second and each under its final name only when it is
-//! whole; so a small file that can be read stands for a finished render. It carries the full key and the
-//! picture's fingerprint: what was cut, changed or belongs to other settings is rendered again.
+//! whole; so a small file that can be read stands for a finished render. It holds two lines of JSON: what the
+//! render said, and the full key with the fingerprints of picture and first line. What was cut, changed or
+//! belongs to other settings is rendered again.
 
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
@@ -53,13 +54,14 @@ impl Store {
         exr::write(&path, image)?;
         let bytes = read_file(&path, Limits::default().max_file_bytes)
             .map_err(|source| StudyError::io(&path, source))?;
+        let record = serde_json::to_string(record).map_err(|e| StudyError::page("record", e))?;
         let words = json!({
             "key": key.value().to_string(),
             "picture": fingerprint(bytes),
-            "record": record,
+            "record": fingerprint(record.bytes()),
         });
-        let text = format!("{words:#}\n");
-        write_file(&self.path(key, "json"), |file| {
+        let text = format!("{record}\n{words}\n");
+        write_file(&self.path(key, "jsonl"), |file| {
             file.write_all(text.as_bytes())
         })?;
         Ok(())
@@ -84,15 +86,17 @@ impl Store {
     }
 
     fn words(&self, key: &Key) -> Option<(Record, u64)> {
-        let bytes = read_file(&self.path(key, "json"), LARGEST).ok()?;
-        let words: Value = serde_json::from_slice(&bytes).ok()?;
+        let bytes = read_file(&self.path(key, "jsonl"), LARGEST).ok()?;
+        let text = std::str::from_utf8(&bytes).ok()?;
+        let (record, words) = text.split_once('\n')?;
+        let words: Value = serde_json::from_str(words).ok()?;
         // as text: reading a number and writing it again may change its last digit
-        if words.get("key")?.as_str() != Some(&key.value().to_string()) {
+        let same = words.get("key")?.as_str() == Some(&key.value().to_string());
+        if !same || words.get("record")?.as_u64() != Some(fingerprint(record.bytes())) {
             return None;
         }
         let print = words.get("picture")?.as_u64()?;
-        let record = serde_json::from_value(words.get("record")?.clone()).ok()?;
-        Some((record, print))
+        Some((serde_json::from_str(record).ok()?, print))
     }
 }
 

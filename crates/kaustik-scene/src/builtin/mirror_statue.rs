@@ -27,7 +27,7 @@ const FOOT: Vec3 = Vec3::new(2.1, 0.06, 1.9);
 const PANES: u32 = 14;
 const HALF: f32 = 2.45;
 const TOP: f32 = 4.3;
-const DEPTH: f32 = 1.0;
+const DEPTH: f32 = 0.5;
 
 fn build(_: &Query<'_>) -> Result<Description, BuiltinError> {
     let mut stage = Stage::new();
