@@ -41,6 +41,7 @@ mod figure;
 mod file;
 mod key;
 mod look;
+pub mod named;
 mod page;
 mod picture;
 mod report;
