@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 
 use crate::{
     Budgets, Claim, CpuClock, Judged, Listener, ReferenceEntry, Results, Runner, Section, Study,
-    StudyError, StudyProgress, Unit, judge, write,
+    StudyError, StudyProgress, Unit, Verdict, judge, write,
 };
 
 /// How large a study is.
@@ -118,7 +118,13 @@ impl Named {
                 })
             };
             let results = Runner::new(&figure.study, folder).run(&mut inner)?;
-            let judged = judge(figure.claims, &results);
+            let mut judged = judge(figure.claims, &results);
+            if scale == Scale::Quick {
+                // a few samples on a few pixels decide nothing
+                for judged in &mut judged {
+                    judged.finding.verdict = Verdict::Open;
+                }
+            }
             done.push((figure.number, results, judged));
         }
         let words: Vec<String> = done.iter().map(|d| format!("figure-{}", d.0)).collect();

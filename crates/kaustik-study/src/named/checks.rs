@@ -42,15 +42,22 @@ pub(super) fn lower(
         return Finding::open("not rendered");
     };
     let mut holds = true;
+    // With halves small errors may come out at or below zero: too small for this reference to tell.
+    let mut told = ours > 0.0;
     let mut measured = format!("{place}, {}: {better} {}", figure.name(), number(ours));
     for &(name, factor) in worse {
         let Some(theirs) = median(name) else {
             return Finding::open("not rendered");
         };
         holds &= ours <= factor * theirs;
+        told &= theirs > 0.0;
         measured += &format!(", {name} {} (ratio {:.2})", number(theirs), ours / theirs);
     }
-    Finding::new(measured, holds)
+    if told {
+        Finding::new(measured, holds)
+    } else {
+        Finding::new(measured + "; too small for this reference", Verdict::Open)
+    }
 }
 
 /// The same at every budget, as a share of the budgets.

@@ -94,7 +94,7 @@ fn five(scale: Scale) -> PaperFigure {
         ),
     ];
     study.budgets = match scale {
-        Scale::Quick => seconds(&[0.2, 0.4]),
+        Scale::Quick => seconds(&[0.1, 0.25]),
         Scale::Usual => seconds(&[1.0, 2.0, 4.0, 8.0, 16.0]),
         Scale::AsPublished => super::minutes(5.0),
     };
@@ -250,7 +250,7 @@ fn nine(scale: Scale) -> PaperFigure {
         ),
     ];
     study.budgets = match scale {
-        Scale::Quick => seconds(&[0.2, 0.4]),
+        Scale::Quick => seconds(&[0.1, 0.25]),
         Scale::Usual => seconds(&[2.0, 4.0, 8.0, 16.0]),
         Scale::AsPublished => per_pixel(&[100.0]),
     };

@@ -55,7 +55,7 @@ fn relt(scale: Scale, name: &str, more: &[&str]) -> MethodEntry {
 
 fn budgets(scale: Scale, published: f64) -> Budgets {
     match scale {
-        Scale::Quick => seconds(&[0.2, 0.4]),
+        Scale::Quick => seconds(&[0.1, 0.25]),
         Scale::Usual => seconds(&[1.0, 2.0, 4.0, 8.0, 16.0]),
         Scale::AsPublished => minutes(published),
     }
