@@ -108,7 +108,10 @@ fn draw(
         .margin(12)
         .x_label_area_size(42)
         .y_label_area_size(68)
-        .build_cartesian_2d(x.log_scale(), y.log_scale())
+        .build_cartesian_2d(
+            x.clone().log_scale().with_key_points(ticks(&x)),
+            y.clone().log_scale().with_key_points(ticks(&y)),
+        )
         .map_err(|e| failed(&e))?;
     chart
         .configure_mesh()
@@ -143,12 +146,38 @@ fn draw(
     }
     chart
         .configure_series_labels()
+        .position(SeriesLabelPosition::UpperRight)
         .background_style(WHITE.mix(0.8))
         .border_style(RGBAColor(0, 0, 0, 0.2))
         .label_font(font)
         .draw()
         .map_err(|e| failed(&e))?;
     root.present().map_err(|e| failed(&e))
+}
+
+/// Where a logarithmic axis has labels: at powers of ten, or more often if that gives fewer than three.
+fn ticks(range: &std::ops::Range<f64>) -> Vec<f64> {
+    const STEPS: [&[f64]; 3] = [
+        &[1.0],
+        &[1.0, 2.0, 5.0],
+        &[1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 7.0],
+    ];
+    let (low, high) = (
+        range.start.log10().floor() as i32,
+        range.end.log10().ceil() as i32,
+    );
+    let mut ticks = Vec::new();
+    for steps in STEPS {
+        let decade = |power: i32| steps.iter().map(move |step| step * 10f64.powi(power));
+        ticks = (low..=high)
+            .flat_map(decade)
+            .filter(|v| range.contains(v))
+            .collect();
+        if ticks.len() >= 3 {
+            break;
+        }
+    }
+    ticks
 }
 
 /// Short: `0.01`, `25`, `1e-5`.
@@ -186,6 +215,16 @@ mod tests {
     }
 
     #[test]
+    fn axes_have_labels() {
+        assert_eq!(ticks(&(0.5..2000.0)), [1.0, 10.0, 100.0, 1000.0]);
+        assert_eq!(ticks(&(0.9..11.0)), [1.0, 2.0, 5.0, 10.0]);
+        assert_eq!(ticks(&(1.2..3.5)), [1.5, 2.0, 3.0]);
+        for low in [1.3e-7, 0.11, 8.0, 4.2e6] {
+            assert!(ticks(&(low..2.6 * low)).len() >= 2, "{low}");
+        }
+    }
+
+    #[test]
     fn names_of_strangers_are_escaped() {
         let mut svg = String::new();
         let curves = [vec![(1.0, [1.0, 2.0, 3.0]), (2.0, [0.5, 1.0, 1.5])]];
@@ -196,5 +235,9 @@ mod tests {
             "{svg}"
         );
         assert!(svg.contains("<polygon") && svg.contains("<circle"));
+        assert!(
+            svg.contains("\n1\n") && svg.contains("\n0.2\n"),
+            "labels of both axes: {svg}"
+        );
     }
 }

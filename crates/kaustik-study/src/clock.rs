@@ -16,18 +16,12 @@ pub struct WallClock(Instant);
 
 /// Processor time of this process, all threads together, as Linux tells it in steps of 10 ms; time on the
 /// wall where it does not.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct CpuClock(WallClock);
 
 impl Default for WallClock {
     fn default() -> Self {
         Self(Instant::now())
-    }
-}
-
-impl Default for CpuClock {
-    fn default() -> Self {
-        Self(WallClock::default())
     }
 }
 

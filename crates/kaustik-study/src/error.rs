@@ -56,7 +56,7 @@ pub enum StudyError {
 }
 
 impl StudyError {
-    pub(crate) fn words(place: impl Into<String>, message: impl ToString) -> Self {
+    pub(crate) fn words(place: impl Into<String>, message: impl std::fmt::Display) -> Self {
         Self::Words {
             place: place.into(),
             message: message.to_string(),
@@ -70,7 +70,7 @@ impl StudyError {
         }
     }
 
-    pub(crate) fn page(what: &str, message: impl ToString) -> Self {
+    pub(crate) fn page(what: &str, message: impl std::fmt::Display) -> Self {
         Self::Page {
             what: what.to_owned(),
             message: message.to_string(),

@@ -94,7 +94,7 @@ struct Source<'a> {
 }
 
 impl Source<'_> {
-    fn wrong<T>(&self, at: &Spanned<T>, message: impl ToString) -> StudyError {
+    fn wrong<T>(&self, at: &Spanned<T>, message: impl std::fmt::Display) -> StudyError {
         let before = &self.text[..at.span().start.min(self.text.len())];
         let line = before.matches('\n').count() + 1;
         let column = before.rsplit('\n').next().map_or(0, |l| l.chars().count()) + 1;

@@ -61,7 +61,7 @@ impl<'a> Stage<'a> {
         Ok(self.description.get_or_init(|| description))
     }
 
-    fn wrong(&self, error: impl ToString) -> StudyError {
+    fn wrong(&self, error: impl std::fmt::Display) -> StudyError {
         StudyError::Scene {
             name: self.entry.name.clone(),
             message: error.to_string(),

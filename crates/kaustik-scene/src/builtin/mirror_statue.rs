@@ -24,7 +24,7 @@ const SLOPE: f32 = 0.05;
 const FOOT: Vec3 = Vec3::new(2.1, 0.06, 1.9);
 
 /// Panes of the mirror, and its half width, height and sagitta.
-const PANES: u32 = 14;
+const PANES: u32 = 8;
 const HALF: f32 = 2.45;
 const TOP: f32 = 4.3;
 const DEPTH: f32 = 0.5;
