@@ -128,9 +128,10 @@ mod tests {
     fn scales() {
         assert_eq!(level(0.005).to_bits(), 0.0f32.to_bits());
         assert!((level(0.1) - 0.5).abs() < 1e-6 && (level(1.0) - 1.0).abs() < 1e-6);
-        assert_eq!(heat(0.0), HEAT[0]);
-        assert_eq!(heat(1.0), HEAT[5]);
-        assert_eq!(signed(0.0), [255.0; 3]);
+        let bits = |colour: [f32; 3]| colour.map(f32::to_bits);
+        assert_eq!(bits(heat(0.0)), bits(HEAT[0]));
+        assert_eq!(bits(heat(1.0)), bits(HEAT[5]));
+        assert_eq!(bits(signed(0.0)), bits([255.0; 3]));
         let ([r, _, b], [r2, _, b2]) = (signed(1.0), signed(-1.0));
         assert!(r > b && b2 > r2);
     }
