@@ -70,9 +70,16 @@ const TABLE: &[(u8, &str, &str, &str, &str)] = &[
         "",
     ),
     (
+        6,
+        "kaustik-study",
+        "kaustik",
+        "base64 minijinja plotters serde serde_json thiserror toml",
+        "",
+    ),
+    (
         7,
         "kaustik-cli",
-        "kaustik",
+        "kaustik study",
         "clap glam indicatif serde_json signal-hook",
         "",
     ),
@@ -128,7 +135,13 @@ const RESERVED: &[(&[&str], &[&str], &str)] = &[
     ),
     (
         &["std::fs", "fs::", "File::", "OpenOptions", "tempfile"],
-        &["kaustik-scene", "kaustik-film", "kaustik", "kaustik-cli"],
+        &[
+            "kaustik-scene",
+            "kaustik-film",
+            "kaustik",
+            "kaustik-study",
+            "kaustik-cli",
+        ],
         "files are read and written at the rim alone",
     ),
     (

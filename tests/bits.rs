@@ -2,7 +2,9 @@
 
 use kaustik::film::Filter;
 use kaustik::scene::{builtin, gltf};
-use kaustik::{Budget, Direct, Method, RenderSettings};
+use kaustik::{
+    Budget, Control, Direct, Method, Progress, RenderSettings, Rendered, Watch, render_watched,
+};
 
 use crate::support::{compile, picture, scene, settings};
 
@@ -48,6 +50,55 @@ fn threads_do_not_show() {
                 ));
                 assert!(one == more, "{method} with {threads} threads, {budget:?}");
             }
+        }
+    }
+}
+
+/// Looks at a render after every round.
+#[derive(Default)]
+struct Onlooker {
+    per_pixel: Vec<f64>,
+    last: Option<kaustik::film::Image>,
+}
+
+impl Watch for Onlooker {
+    fn wants(&mut self, _: &Progress) -> bool {
+        true
+    }
+
+    fn see(&mut self, rendered: Rendered) {
+        self.per_pixel.push(rendered.statistics.per_pixel);
+        self.last = Some(rendered.image);
+    }
+}
+
+/// Whoever looks at a render on its way changes nothing but rounding, and sees in the end what is kept.
+#[test]
+fn looks_change_nothing_but_rounding() {
+    let scene = scene("glass-cube?light=0.8", 24);
+    for method in Method::ALL {
+        let settings = settings(method, 24, 32);
+        let alone = picture(&scene, &settings);
+        let mut onlooker = Onlooker::default();
+        let watched = render_watched(&scene, &settings, &mut Control::default(), &mut onlooker);
+        let watched = watched.expect("a render").image;
+        let looks = &onlooker.per_pixel;
+        assert!(looks.len() > 2, "{method}: {looks:?}");
+        assert!(
+            looks.windows(2).all(|pair| pair[0] <= pair[1]),
+            "{method}: {looks:?}"
+        );
+        let last = onlooker.last.expect("a look");
+        for ((a, b), c) in bits(&alone).iter().zip(bits(&watched)).zip(bits(&last)) {
+            let [a, b, c] = [*a, b, c].map(f32::from_bits);
+            assert!(
+                (a - b).abs() <= 1e-5 * a.abs().max(0.1),
+                "{method}: {a} and {b}"
+            );
+            assert!(
+                (b - c).abs() <= 1e-5 * b.abs().max(0.1),
+                "{method}: {b} and {c}"
+            );
         }
     }
 }

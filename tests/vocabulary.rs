@@ -81,16 +81,62 @@ fn long_options(text: &str) -> BTreeSet<String> {
 
 #[test]
 fn the_command_page_lists_every_option() {
-    let help = Command::new(env!("CARGO_BIN_EXE_kaustik"))
-        .args(["render", "--help"])
-        .output()
-        .expect("the command runs");
-    let mut known = long_options(&String::from_utf8_lossy(&help.stdout));
-    known.remove("--help");
-    let page = read("docs/command-line.md");
-    let cells = first_column(&page, "## `kaustik render`");
-    let listed = long_options(&cells.into_iter().collect::<Vec<_>>().join(" "));
-    assert_eq!(listed, known);
+    for command in ["render", "study"] {
+        let help = Command::new(env!("CARGO_BIN_EXE_kaustik"))
+            .args([command, "--help"])
+            .output()
+            .expect("the command runs");
+        let mut known = long_options(&String::from_utf8_lossy(&help.stdout));
+        known.remove("--help");
+        let page = read("docs/command-line.md");
+        let cells = first_column(&page, &format!("## `kaustik {command}`"));
+        let listed = long_options(&cells.into_iter().collect::<Vec<_>>().join(" "));
+        assert_eq!(listed, known, "{command}");
+    }
+}
+
+#[test]
+fn the_page_of_studies_lists_every_key() {
+    let example = read("docs/studies.md");
+    let toml = example
+        .split("```toml")
+        .nth(1)
+        .and_then(|text| text.split("```").next());
+    let toml = toml.expect("an example in TOML");
+    let folder = std::path::Path::new("");
+    let study = kaustik_study::Study::parse(toml, "example.toml", folder).expect("a sound example");
+    assert!(study.scenes.len() * study.methods.len() > 1);
+    // The reader refuses keys that it does not know and names those that it does.
+    let listed = first_column(&example, "## Keys");
+    for (place, at) in [
+        ("", ""),
+        ("reference.", "[reference]"),
+        ("budget.", "[budget]"),
+        ("scene.", "[[scene]]"),
+        ("method.", "[[method]]"),
+    ] {
+        let wrong = if at.is_empty() {
+            format!("zzz = 1\n{toml}")
+        } else {
+            toml.replacen(at, &format!("{at}\nzzz = 1"), 1)
+        };
+        let message = kaustik_study::Study::parse(&wrong, "x", folder)
+            .expect_err("a key too many")
+            .to_string();
+        let (_, known) = message
+            .split_once("expected")
+            .expect("the keys that there are");
+        let known: BTreeSet<String> = known
+            .split('`')
+            .skip(1)
+            .step_by(2)
+            .map(|key| format!("{place}{key}"))
+            .collect();
+        assert!(!known.is_empty(), "{message}");
+        for key in known {
+            assert!(listed.contains(&key), "docs/studies.md lacks {key}");
+        }
+    }
 }
 
 #[test]

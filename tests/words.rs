@@ -262,3 +262,44 @@ fn lists_are_printed() {
         );
     }
 }
+
+#[test]
+fn studies_are_rendered_and_resumed() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = path(folder.path(), "small.toml");
+    let out = path(folder.path(), "out");
+    let words = r#"
+        title = "small"
+        width = 8
+        height = 8
+        seeds = [1]
+        budget = { per_pixel = [2] }
+        reference = { method = "path", per_pixel = 8, error = 0.9, most = 2 }
+        scene = [{ scene = "builtin:cornell" }]
+        method = [{ method = "path" }, { method = "light" }]
+    "#;
+    std::fs::write(&file, words).expect("a file");
+    for _ in 0..2 {
+        let output = kaustik(&["study", &file, "-o", &out, "-q"]);
+        let message = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(0), "{message}");
+        assert!(message.contains("index.html"), "{message}");
+    }
+    let page = std::fs::read_to_string(path(folder.path(), "out/index.html")).expect("a page");
+    assert!(page.contains("builtin:cornell") && page.contains("<svg"));
+    let rows = std::fs::read_to_string(path(folder.path(), "out/study-cells.csv")).expect("rows");
+    assert_eq!(rows.lines().count(), 3);
+
+    std::fs::write(&file, words.replace("seeds", "sedes")).expect("a file");
+    refused(&["study", &file, "-o", &out], &["small.toml:5:9", "sedes"]);
+    refused(&["study", "mlt"], &["pssmlt, relt", ".toml"]);
+    refused(&["study", &file, "--quick"], &["not for files"]);
+    refused(
+        &["study", "relt", "--figure", "3", "-o", &out],
+        &["4, 5, 6, 7, 8"],
+    );
+    refused(
+        &["study", "relt", "--quick", "--as-published"],
+        &["cannot be used with"],
+    );
+}

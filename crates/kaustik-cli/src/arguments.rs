@@ -29,6 +29,8 @@ pub(crate) enum Command {
     Info(InfoWords),
     /// Compare pictures with a reference
     Compare(CompareWords),
+    /// Render methods x scenes x seeds against a reference, to tables, curves and a page
+    Study(StudyWords),
 }
 
 /// Words of `render`.
@@ -157,6 +159,30 @@ pub(crate) struct CompareWords {
     /// Print JSON
     #[arg(long)]
     pub(crate) json: bool,
+}
+
+/// Words of `study`.
+#[derive(Args, Debug)]
+pub(crate) struct StudyWords {
+    /// A paper's study (pssmlt, relt), or a .toml file
+    #[arg(value_name = "NAME|FILE.toml")]
+    pub(crate) study: String,
+    /// A small version: shows that everything works
+    #[arg(long, conflicts_with = "as_published")]
+    pub(crate) quick: bool,
+    /// One figure of the paper, by its number
+    #[arg(long, value_name = "N")]
+    pub(crate) figure: Option<u32>,
+    /// The paper's own sizes and times: hours
+    #[arg(long)]
+    pub(crate) as_published: bool,
+    /// Folder for renders, tables, curves and page; a study that was cut goes on in it
+    /// [default: study-NAME]
+    #[arg(short, long, value_name = "FOLDER")]
+    pub(crate) output: Option<PathBuf>,
+    /// No progress
+    #[arg(short, long)]
+    pub(crate) quiet: bool,
 }
 
 /// `500ms`, `30s`, `5m`, `1h`.

@@ -10,6 +10,7 @@ mod output;
 mod progress;
 mod render;
 mod signals;
+mod study;
 
 use std::process::ExitCode;
 
@@ -26,6 +27,7 @@ fn main() -> ExitCode {
         Command::Methods(words) => lists::methods(words),
         Command::Info(words) => info::run(words),
         Command::Compare(words) => compare::run(words),
+        Command::Study(words) => study::run(words),
     };
     match done {
         Ok(code) => code,

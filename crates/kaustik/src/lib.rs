@@ -47,7 +47,7 @@ pub use method::{KEYS, Key, Method, UnknownMethod};
 pub use options::{
     Builder, Direct, Normaliser, OptionError, Options, SmallStep, Steps, Strategies,
 };
-pub use render::{Outcome, Rendered, render};
+pub use render::{Outcome, Rendered, Watch, render, render_watched};
 pub use replica_statistics::{ReplicaLevel, ReplicaStatistics};
 pub use settings::{Budget, RenderSettings};
 pub use statistics::{ChainStatistics, DirectStatistics, Place, RenderStatistics};

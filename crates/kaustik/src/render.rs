@@ -56,6 +56,42 @@ pub fn render(
     settings: &RenderSettings,
     control: &mut Control<'_>,
 ) -> Result<Rendered, RenderError> {
+    render_watched(scene, settings, control, &mut Unwatched)
+}
+
+/// Whoever wants the picture before it is done.
+pub trait Watch {
+    /// Asked after every round: is the picture wanted as it is now?
+    fn wants(&mut self, progress: &Progress) -> bool;
+
+    /// Gets it: without albedo, normal and depth, with a method's parts if the settings ask for features.
+    fn see(&mut self, rendered: Rendered);
+}
+
+/// Nobody.
+struct Unwatched;
+
+impl Watch for Unwatched {
+    fn wants(&mut self, _: &Progress) -> bool {
+        false
+    }
+
+    fn see(&mut self, _: Rendered) {}
+}
+
+/// As [`render`], showing pictures on the way: an error curve takes one render, not one a point.
+///
+/// A look makes the chains deposit what they hold back, in two parts where it would have been one: the
+/// pictures after it may differ in rounding from those of a render that nobody watched.
+///
+/// # Errors
+/// As [`render`].
+pub fn render_watched(
+    scene: &Scene,
+    settings: &RenderSettings,
+    control: &mut Control<'_>,
+    watch: &mut dyn Watch,
+) -> Result<Rendered, RenderError> {
     check(scene, settings)?;
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(settings.threads)
@@ -70,42 +106,16 @@ pub fn render(
         pilot,
         steps: 0,
     };
-    let outcome = work.run(engine.as_mut(), &pool, control);
-    let seconds = (start.elapsed() - pilot).as_secs_f64();
-    let mut image = engine.develop()?;
-    let (nonfinite, first_nonfinite) = engine.nonfinite();
-    let statistics = RenderStatistics {
-        method: settings.method.to_string(),
-        seed: settings.seed,
-        ladders: settings.options.ladders,
-        steps: work.steps,
-        per_pixel: work.steps as f64 / settings.pixels() as f64,
-        seconds,
-        pilot_seconds: pilot.as_secs_f64(),
-        nonfinite,
-        first_nonfinite,
-        film: engine.film_counters(),
-        chain: engine.chain_statistics(),
-        direct: engine.direct_statistics(),
-        replicas: engine.replica_statistics(),
-    };
-    if settings.features {
-        for layer in engine.layers()? {
-            image.push_layer(layer)?;
-        }
-    }
+    let outcome = work.run(engine.as_mut(), &pool, control, watch)?;
+    let mut rendered = work.rendered(engine.as_mut(), outcome)?;
     // The films are not needed any more, the feature planes are.
     drop(engine);
     if settings.features {
         for layer in pool.install(|| features::layers(scene, settings)) {
-            image.push_layer(layer)?;
+            rendered.image.push_layer(layer)?;
         }
     }
-    Ok(Rendered {
-        image,
-        statistics,
-        outcome,
-    })
+    Ok(rendered)
 }
 
 fn check(scene: &Scene, settings: &RenderSettings) -> Result<(), RenderError> {
@@ -187,12 +197,13 @@ struct Work<'a> {
 impl Work<'_> {
     fn run(
         &mut self,
-        engine: &mut dyn Engine,
+        engine: &mut (dyn Engine + '_),
         pool: &rayon::ThreadPool,
         control: &mut Control<'_>,
-    ) -> Outcome {
+        watch: &mut dyn Watch,
+    ) -> Result<Outcome, RenderError> {
         if !engine.is_lit() {
-            return Outcome::Black;
+            return Ok(Outcome::Black);
         }
         // Every ladder may have taken `allowed` grains, but no more than planned.
         let mut allowed = 0;
@@ -213,17 +224,58 @@ impl Work<'_> {
                 .collect();
             let taken = pool.install(|| engine.advance(&plan, control.stop));
             self.steps += taken;
-            control.tell(&self.progress(engine));
+            let progress = self.progress(engine);
+            control.tell(&progress);
+            if watch.wants(&progress) {
+                watch.see(pool.install(|| self.rendered(engine, Outcome::Stopped))?);
+            }
             if control.stopped() {
-                return Outcome::Stopped;
+                return Ok(Outcome::Stopped);
             }
             if plan.iter().all(|&steps| steps == 0) || self.out_of_time() {
-                return Outcome::Complete;
+                return Ok(Outcome::Complete);
             }
             // Grow gently toward rounds of the wanted length, never past twice the last.
             let ratio = ROUND.as_secs_f64() / round_start.elapsed().as_secs_f64().max(1e-6);
             chunk = ((chunk as f64 * ratio.clamp(0.5, 2.0)) as u64).max(1);
         }
+    }
+
+    /// The picture so far and what is to be said about it.
+    fn rendered(
+        &self,
+        engine: &mut (dyn Engine + '_),
+        outcome: Outcome,
+    ) -> Result<Rendered, RenderError> {
+        let seconds = (self.start.elapsed() - self.pilot).as_secs_f64();
+        let mut image = engine.develop()?;
+        let (nonfinite, first_nonfinite) = engine.nonfinite();
+        let settings = self.settings;
+        let statistics = RenderStatistics {
+            method: settings.method.to_string(),
+            seed: settings.seed,
+            ladders: settings.options.ladders,
+            steps: self.steps,
+            per_pixel: self.steps as f64 / settings.pixels() as f64,
+            seconds,
+            pilot_seconds: self.pilot.as_secs_f64(),
+            nonfinite,
+            first_nonfinite,
+            film: engine.film_counters(),
+            chain: engine.chain_statistics(),
+            direct: engine.direct_statistics(),
+            replicas: engine.replica_statistics(),
+        };
+        if settings.features {
+            for layer in engine.layers()? {
+                image.push_layer(layer)?;
+            }
+        }
+        Ok(Rendered {
+            image,
+            statistics,
+            outcome,
+        })
     }
 
     fn out_of_time(&self) -> bool {

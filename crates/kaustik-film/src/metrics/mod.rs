@@ -12,13 +12,19 @@
 
 mod colour;
 mod compare;
+mod difference;
 mod errors;
+mod matched;
 mod nsd;
 mod reference;
+mod spread;
 mod tiles;
 
 pub use compare::{CompareError, ImageReport, Report, compare};
+pub use difference::difference;
 pub use errors::{Errors, Measured, Shares, measure};
+pub use matched::matched;
 pub use nsd::{Nsd, nsd};
 pub use reference::Reference;
+pub use spread::Spread;
 pub use tiles::{Tile, tiles};

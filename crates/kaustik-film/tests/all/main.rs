@@ -12,3 +12,4 @@ mod filter;
 mod hostile;
 mod metrics;
 mod random;
+mod study;

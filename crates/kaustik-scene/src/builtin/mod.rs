@@ -12,15 +12,19 @@
 mod cornell;
 mod cornell_direct;
 mod cornell_indirect;
+mod disco;
 mod furnace;
 mod glass_cube;
+mod glossy_cornell;
 mod materials;
+mod mirror_statue;
 mod query;
 mod ring_and_sphere;
 mod room;
 mod shapes;
 mod spheres;
 mod stage;
+mod statue;
 mod water_cornell;
 
 use crate::Description;
@@ -110,6 +114,9 @@ const SCENES: &[BuiltinScene] = &[
     glass_cube::SCENE,
     water_cornell::SCENE,
     ring_and_sphere::SCENE,
+    glossy_cornell::SCENE,
+    disco::SCENE,
+    mirror_statue::SCENE,
     furnace::SCENE,
 ];
 

@@ -18,6 +18,9 @@ const ALL: &[&str] = &[
     "water-cornell?light=0.8",
     "ring-and-sphere",
     "ring-and-sphere?light=0.8",
+    "glossy-cornell",
+    "disco",
+    "mirror-statue",
     "furnace",
     "furnace?kind=diffuse",
     "furnace?kind=glass",
@@ -77,7 +80,12 @@ fn scenes_are_well_formed() {
             assert!(used, "{words}: material {material} is not used");
         }
         let count: usize = scene.meshes.iter().map(|mesh| mesh.indices.len()).sum();
-        assert!((1..25_000).contains(&count), "{words}: {count} triangles");
+        let most = if words == &"mirror-statue" {
+            320_000
+        } else {
+            25_000
+        };
+        assert!((1..most).contains(&count), "{words}: {count} triangles");
         assert_eq!(scene.cameras.len(), 1);
         assert!(Camera::new(&scene.cameras[0], 64, 64).is_ok());
         let lit = scene.materials.iter().any(|m| m.emissive[0] > 0.0);
@@ -130,6 +138,7 @@ fn solids_are_closed_and_face_outward() {
             let mesh = &scene.meshes[instance.mesh];
             if material.volume.is_some()
                 || instance.name == "ring"
+                || instance.name == "statue"
                 || instance.name.contains("block")
             {
                 solids += 1;
@@ -175,6 +184,69 @@ fn lamps_face_the_room_and_keep_their_flux() {
     for name in ["cornell", "cornell-direct", "cornell-indirect"] {
         assert!(strength(name) > 10.0);
     }
+}
+
+#[test]
+fn the_figures_of_kelemens_scenes() {
+    let disco = load("disco").unwrap();
+    let lamps = disco
+        .instances
+        .iter()
+        .filter(|i| i.name.starts_with("lamp"));
+    assert_eq!(lamps.count(), 8);
+    let ball = disco.instances.iter().find(|i| i.name == "ball").unwrap();
+    assert_eq!(disco.meshes[ball.mesh].indices.len(), 80);
+    assert!(
+        disco.meshes[ball.mesh].normals.is_empty(),
+        "facets are flat"
+    );
+    for lamp in disco
+        .instances
+        .iter()
+        .filter(|i| i.name.starts_with("lamp"))
+    {
+        let [a, b, c] = corners(&disco.meshes[lamp.mesh]).next().unwrap();
+        let towards = Vec3::new(2.764, 2.5, 2.8) - a;
+        let cosine = (b - a).cross(c - a).normalize().dot(towards.normalize());
+        assert!(cosine > 0.99, "{} looks elsewhere: {cosine}", lamp.name);
+    }
+    let statue = load("mirror-statue").unwrap();
+    let mesh = |name: &str| {
+        let instance = statue.instances.iter().find(|i| i.name == name).unwrap();
+        &statue.meshes[instance.mesh]
+    };
+    assert!((290_000..310_000).contains(&mesh("statue").indices.len()));
+    assert!(mesh("mirror").normals.is_empty(), "panes are flat");
+    let gold = statue.materials.iter().find(|m| m.name == "gold").unwrap();
+    assert!((gold.roughness * gold.roughness - 0.05).abs() < 1e-6);
+    // it stands on the floor, within the room and before the mirror
+    let low = mesh("statue")
+        .positions
+        .iter()
+        .copied()
+        .reduce(Vec3::min)
+        .unwrap();
+    let high = mesh("statue")
+        .positions
+        .iter()
+        .copied()
+        .reduce(Vec3::max)
+        .unwrap();
+    let nearest = mesh("mirror")
+        .positions
+        .iter()
+        .map(|p| p.z)
+        .fold(f32::MAX, f32::min);
+    assert!(low.y > 0.0 && low.y < 0.05 && low.x > 0.0 && low.z > 0.0);
+    assert!(high.y < room::SIZE.y && high.x < room::SIZE.x && high.z < nearest);
+    let glossy = load("glossy-cornell").unwrap();
+    let wall = glossy.instances.iter().find(|i| i.name == "back").unwrap();
+    let wall = &glossy.materials[wall.material.unwrap()];
+    assert_eq!(
+        wall.model,
+        Some(crate::description::Model::Phong { exponent: 50.0 })
+    );
+    assert_eq!(wall.metallic.to_bits(), 1.0_f32.to_bits());
 }
 
 #[test]

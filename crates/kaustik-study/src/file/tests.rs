@@ -1,0 +1,127 @@
+use std::path::Path;
+
+use super::*;
+
+const GOOD: &str = r#"
+title = "A <study>"
+width = 16
+height = 12
+seeds = [0, 1]
+
+[budget]
+per_pixel = [1, 2]
+
+[reference]
+method = "path"
+per_pixel = 4
+error = 0.1
+
+[[scene]]
+scene = "builtin:cornell"
+close_ups = [[0, 0, 4, 4]]
+
+[[method]]
+method = "pssmlt"
+name = "5 %"
+set = ["mutation=uniform:0.05"]
+"#;
+
+fn parse(text: &str) -> Result<Study, String> {
+    Study::parse(text, "s.toml", Path::new("")).map_err(|e| e.to_string())
+}
+
+#[test]
+fn a_good_file_is_read() {
+    let study = parse(GOOD).unwrap();
+    assert_eq!((study.width, study.height, study.max_depth), (16, 12, 64));
+    assert_eq!(study.budgets.unit, Unit::PerPixel);
+    assert_eq!(study.methods[0].name, "5 %");
+    assert_eq!(study.scenes[0].name, "builtin:cornell");
+    assert_eq!(study.scenes[0].close_ups[0].area(), 16);
+}
+
+#[test]
+fn wrong_words_are_refused_with_their_place() {
+    let cases = [
+        ("width = 16", "wdith = 16", "s.toml:3:1", "wdith"),
+        ("width = 16", "width = \"wide\"", "s.toml:3:9", "u32"),
+        (
+            "\"pssmlt\"",
+            "\"pssmtl\"",
+            "s.toml:20:10",
+            "known are: path",
+        ),
+        (
+            "mutation=uniform:0.05",
+            "mutation=wide",
+            "s.toml:22:8",
+            "kelemen",
+        ),
+        ("mutation=", "colour=", "s.toml:22:8", "plarge"),
+        (
+            "builtin:cornell",
+            "builtin:cornel",
+            "s.toml:16:9",
+            "glass-cube",
+        ),
+        ("builtin:cornell", "no/such.glb", "s.toml:16:9", "no file"),
+        ("per_pixel = [1, 2]", "", "s.toml:7:1", "expected one of"),
+        (
+            "per_pixel = [1, 2]",
+            "per_pixel = [2, 1]",
+            "s.toml: budget",
+            "rising",
+        ),
+        (
+            "per_pixel = [1, 2]",
+            "per_pixel = [1.5]",
+            "s.toml: budget",
+            "whole",
+        ),
+        (
+            "per_pixel = [1, 2]",
+            "wall = [nan]",
+            "s.toml: budget",
+            "above 0",
+        ),
+        (
+            "seeds = [0, 1]",
+            "seeds = [1, 1]",
+            "s.toml: seeds",
+            "different",
+        ),
+        ("[0, 0, 4, 4]", "[0, 0, 4, 40]", "close-ups", "within"),
+        (
+            "error = 0.1",
+            "error = nan",
+            "s.toml: reference",
+            "error > 0",
+        ),
+        ("height = 12", "height = 0", "s.toml: width", "1 to 4096"),
+        ("\"5 %\"", "\"5\\u0000\"", "s.toml: method", "control"),
+        ("[[scene]]", "[[scene", "s.toml:15", ""),
+    ];
+    for (from, to, place, expected) in cases {
+        let text = GOOD.replacen(from, to, 1);
+        assert_ne!(text, GOOD, "{from} is there");
+        let message = parse(&text).unwrap_err();
+        assert!(message.contains(place), "{to}: {message}");
+        assert!(message.contains(expected), "{to}: {message}");
+    }
+    let twice = GOOD.replace(
+        "[[method]]",
+        "[[method]]\nmethod=\"path\"\nname=\"5 %\"\n[[method]]",
+    );
+    assert!(parse(&twice).unwrap_err().contains("different names"));
+}
+
+#[test]
+fn every_beginning_of_a_file_is_survived() {
+    for end in 0..GOOD.len() {
+        if let Some(part) = GOOD.get(..end) {
+            let _ = parse(part);
+        }
+    }
+    let error = Study::load(Path::new("/")).unwrap_err().to_string();
+    assert!(error.contains("expected a file"), "{error}");
+}

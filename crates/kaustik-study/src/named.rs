@@ -1,0 +1,276 @@
+//! The papers' own studies: their figures on our scenes, and what they claim.
+//!
+//! Scenes of the papers are not to be had; ours have the same difficulty
+//! ([`builtin`](kaustik::scene::builtin)). Where a paper leaves a setting open, the figure's text says what
+//! stands in for it.
+
+mod checks;
+mod pssmlt;
+mod relt;
+
+use std::ops::ControlFlow;
+use std::path::{Path, PathBuf};
+
+use crate::{
+    Budgets, Claim, CpuClock, Judged, Listener, ReferenceEntry, Results, Runner, Section, Study,
+    StudyError, StudyProgress, Unit, Verdict, judge, write,
+};
+
+/// How large a study is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Scale {
+    /// Less than a minute in all: shows that everything works, and nothing else.
+    Quick,
+    /// Small pictures and a few CPU seconds a render: minutes to an hour in all.
+    #[default]
+    Usual,
+    /// The paper's own sizes and times: hours.
+    AsPublished,
+}
+
+/// A figure of a paper as a study.
+#[derive(Clone, Debug)]
+pub struct PaperFigure {
+    /// Its number in the paper.
+    pub number: u32,
+    /// What is rendered.
+    pub study: Study,
+    /// What the paper says of it, and what we want of it.
+    pub claims: &'static [Claim],
+}
+
+/// A paper's study.
+#[derive(Clone, Copy, Debug)]
+pub struct Named {
+    /// What the command calls it.
+    pub name: &'static str,
+    /// The page's title.
+    pub title: &'static str,
+    figures: fn(Scale) -> Vec<PaperFigure>,
+}
+
+/// All of them.
+pub const ALL: [Named; 2] = [
+    Named {
+        name: "pssmlt",
+        title: "Kelemen, Szirmay-Kalos 2002: a simple and robust mutation strategy for the Metropolis \
+                light transport algorithm",
+        figures: pssmlt::figures,
+    },
+    Named {
+        name: "relt",
+        title: "Kitaoka, Kitamura, Kishino 2009: replica exchange light transport",
+        figures: relt::figures,
+    },
+];
+
+/// What became of a paper's study.
+#[derive(Debug)]
+pub struct Done {
+    /// The page.
+    pub page: PathBuf,
+    /// Each figure's claims.
+    pub judged: Vec<(u32, Vec<Judged>)>,
+}
+
+/// The study of this name.
+#[must_use]
+pub fn find(name: &str) -> Option<&'static Named> {
+    ALL.iter().find(|named| named.name == name)
+}
+
+impl Named {
+    /// Its figures at a scale.
+    #[must_use]
+    pub fn figures(&self, scale: Scale) -> Vec<PaperFigure> {
+        (self.figures)(scale)
+    }
+
+    /// Renders all figures, or the one of this number, and writes tables, curves and page into a
+    /// folder, which is made if it is not there.
+    ///
+    /// # Errors
+    /// A number that no figure has, or what [`Runner::run`] and [`write`](crate::write()) say.
+    pub fn run(
+        &self,
+        scale: Scale,
+        number: Option<u32>,
+        folder: &Path,
+        listener: &mut Listener<'_>,
+    ) -> Result<Done, StudyError> {
+        let mut figures = self.figures(scale);
+        if let Some(number) = number {
+            let known: Vec<String> = figures.iter().map(|f| f.number.to_string()).collect();
+            figures.retain(|figure| figure.number == number);
+            if figures.is_empty() {
+                let message = format!("study {} has the figures {}", self.name, known.join(", "));
+                return Err(StudyError::words(format!("figure {number}"), message));
+            }
+        }
+        let mut done: Vec<(u32, Results, Vec<Judged>)> = Vec::new();
+        let count = figures.len() as f64;
+        for (index, figure) in figures.iter().enumerate() {
+            let mut inner = |progress: &StudyProgress<'_>| -> ControlFlow<()> {
+                listener(&StudyProgress {
+                    fraction: (index as f64 + progress.fraction) / count,
+                    what: &format!("figure {}, {}", figure.number, progress.what),
+                    ..*progress
+                })
+            };
+            let results = Runner::new(&figure.study, folder).run(&mut inner)?;
+            let mut judged = judge(figure.claims, &results);
+            if scale == Scale::Quick {
+                // a few samples on a few pixels decide nothing
+                for judged in &mut judged {
+                    judged.finding.verdict = Verdict::Open;
+                }
+            }
+            done.push((figure.number, results, judged));
+        }
+        let words: Vec<String> = done.iter().map(|d| format!("figure-{}", d.0)).collect();
+        let sections: Vec<(&str, Section<'_>)> = (done.iter().zip(&words))
+            .map(|((_, results, judged), word)| (word.as_str(), Section { results, judged }))
+            .collect();
+        let page = write(folder, self.title, &sections)?;
+        let judged = done.into_iter().map(|(number, _, judged)| (number, judged));
+        Ok(Done {
+            page,
+            judged: judged.collect(),
+        })
+    }
+}
+
+/// Seconds of processor time where the system tells it, of the wall elsewhere.
+fn seconds(amounts: &[f64]) -> Budgets {
+    let unit = if CpuClock::is_told() {
+        Unit::Cpu
+    } else {
+        Unit::Wall
+    };
+    Budgets {
+        unit,
+        amounts: amounts.to_vec(),
+    }
+}
+
+/// Minutes on the wall with all threads, and the halvings before them: the papers' own times.
+fn minutes(last: f64) -> Budgets {
+    Budgets {
+        unit: Unit::Wall,
+        amounts: [32.0, 16.0, 8.0, 4.0, 2.0, 1.0]
+            .map(|part| 60.0 * last / part)
+            .to_vec(),
+    }
+}
+
+fn per_pixel(amounts: &[f64]) -> Budgets {
+    Budgets {
+        unit: Unit::PerPixel,
+        amounts: amounts.to_vec(),
+    }
+}
+
+/// A study of this scale without scenes and methods.
+fn blank(title: &str, about: &str, scale: Scale) -> Study {
+    let (side, seeds, threads, error, most) = match scale {
+        Scale::Quick => (24, 2, 1, 0.5, 2),
+        Scale::Usual => (128, 5, 1, 0.03, 32),
+        Scale::AsPublished => (512, 3, 0, 0.02, 64),
+    };
+    Study {
+        title: title.to_owned(),
+        about: about.to_owned(),
+        width: side,
+        height: side,
+        max_depth: if scale == Scale::Quick { 8 } else { 64 },
+        threads,
+        layers: false,
+        budgets: per_pixel(&[1.0]),
+        seeds: (0..seeds).collect(),
+        scenes: Vec::new(),
+        methods: Vec::new(),
+        reference: ReferenceEntry {
+            method: kaustik::Method::Bdpt,
+            settings: Vec::new(),
+            per_pixel: if scale == Scale::Quick { 16 } else { 256 },
+            error,
+            most,
+        },
+    }
+}
+
+/// Settings, with a small start where the study is to be quick. `start` is the setting that makes it small.
+fn settings(scale: Scale, start: &str, more: &[&str]) -> Vec<String> {
+    let quick = [start, "ladders=8"];
+    let quick = if scale == Scale::Quick {
+        &quick[..]
+    } else {
+        &[]
+    };
+    quick.iter().chain(more).map(|&s| s.to_owned()).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_figure_is_sound_at_every_scale() {
+        for named in &ALL {
+            assert_eq!(find(named.name).map(|n| n.title), Some(named.title));
+            for scale in [Scale::Quick, Scale::Usual, Scale::AsPublished] {
+                let figures = named.figures(scale);
+                assert!(figures.len() >= 5);
+                for figure in &figures {
+                    let place = format!("{} {} {scale:?}", named.name, figure.number);
+                    figure
+                        .study
+                        .check()
+                        .unwrap_or_else(|e| panic!("{place}: {e}"));
+                    assert!(!figure.claims.is_empty(), "{place}");
+                    assert!(
+                        figure.study.title.contains(&figure.number.to_string()),
+                        "{place}"
+                    );
+                }
+            }
+        }
+        assert!(find("mlt").is_none());
+    }
+
+    #[test]
+    fn published_figures_have_the_published_cost() {
+        let of = |name: &str, number: u32| {
+            let figures = find(name).unwrap().figures(Scale::AsPublished);
+            figures
+                .into_iter()
+                .find(|f| f.number == number)
+                .unwrap()
+                .study
+        };
+        for (number, mutations) in [(6, 25.0), (7, 256.0), (8, 25.0), (9, 100.0)] {
+            assert_eq!(of("pssmlt", number).budgets, per_pixel(&[mutations]));
+        }
+        for (number, side, minutes) in [
+            (4, 400, 10.0),
+            (5, 400, 10.0),
+            (6, 800, 20.0),
+            (7, 800, 60.0),
+        ] {
+            let study = of("relt", number);
+            assert_eq!((study.width, study.height), (side, side));
+            assert_eq!(study.budgets.amounts.last(), Some(&(60.0 * minutes)));
+            assert_eq!(study.budgets.unit, Unit::Wall);
+        }
+    }
+
+    #[test]
+    fn a_figure_that_is_not_there_is_refused() {
+        let folder = std::env::temp_dir();
+        let go = |_: &StudyProgress<'_>| ControlFlow::Break(());
+        let error = ALL[1]
+            .run(Scale::Quick, Some(99), &folder, &mut { go })
+            .unwrap_err();
+        assert!(error.to_string().contains("4, 5, 6, 7, 8"), "{error}");
+    }
+}

@@ -1,0 +1,269 @@
+//! How claims are measured.
+
+use kaustik::film::Image;
+
+use crate::chart::number;
+use crate::{Figure, Finding, Group, Results, SceneResults, Verdict};
+
+/// A scene by name with its place in the study.
+fn scene<'a>(results: &'a Results, name: &str) -> Option<&'a SceneResults> {
+    let place = results
+        .study
+        .scenes
+        .iter()
+        .position(|scene| scene.name == name)?;
+    results.scenes.get(place)
+}
+
+fn method(results: &Results, name: &str) -> Option<usize> {
+    results
+        .study
+        .methods
+        .iter()
+        .position(|method| method.name == name)
+}
+
+/// A method in a scene at the last budget.
+pub(super) fn last<'a>(results: &'a Results, place: &str, name: &str) -> Option<&'a Group> {
+    let budget = results.study.budgets.amounts.len() - 1;
+    scene(results, place)?.group(method(results, name)?, budget)
+}
+
+/// At the last budget the median of `better` is at most `factor` times that of each of `worse`.
+pub(super) fn lower(
+    results: &Results,
+    place: &str,
+    figure: Figure,
+    better: &str,
+    worse: &[(&str, f64)],
+) -> Finding {
+    let median = |name: &str| Some(last(results, place, name)?.quartiles(figure).median);
+    let Some(ours) = median(better) else {
+        return Finding::open("not rendered");
+    };
+    let mut holds = true;
+    // With halves small errors may come out at or below zero: too small for this reference to tell.
+    let mut told = ours > 0.0;
+    let mut measured = format!("{place}, {}: {better} {}", figure.name(), number(ours));
+    for &(name, factor) in worse {
+        let Some(theirs) = median(name) else {
+            return Finding::open("not rendered");
+        };
+        holds &= ours <= factor * theirs;
+        told &= theirs > 0.0;
+        measured += &format!(", {name} {} (ratio {:.2})", number(theirs), ours / theirs);
+    }
+    if told {
+        Finding::new(measured, holds)
+    } else {
+        Finding::new(measured + "; too small for this reference", Verdict::Open)
+    }
+}
+
+/// The same at every budget, as a share of the budgets.
+pub(super) fn lower_always(
+    results: &Results,
+    place: &str,
+    figure: Figure,
+    better: &str,
+    worse: &[&str],
+) -> Finding {
+    let Some((scene, ours)) = scene(results, place).zip(method(results, better)) else {
+        return Finding::open("not rendered");
+    };
+    let budgets = results.study.budgets.amounts.len();
+    let mut measured = format!("{place}, {}: {better} is below", figure.name());
+    let mut holds = true;
+    for name in worse {
+        let Some(theirs) = method(results, name) else {
+            return Finding::open("not rendered");
+        };
+        let median = |m, budget| Some(scene.group(m, budget)?.quartiles(figure).median);
+        let won = (0..budgets)
+            .filter(|&b| median(ours, b) < median(theirs, b))
+            .count();
+        holds &= won == budgets;
+        measured += &format!(" {name} at {won} of {budgets} times;");
+    }
+    Finding::new(measured.trim_end_matches(';').to_owned(), holds)
+}
+
+/// Small steps are accepted about as often as the paper says: within ten points.
+pub(super) fn acceptance(results: &Results, place: &str, rates: &[(&str, f64)]) -> Finding {
+    let mut parts = Vec::new();
+    let mut holds = true;
+    for &(name, published) in rates {
+        let rate = last(results, place, name).and_then(|g| g.statistic("/chain/small_acceptance"));
+        let Some(rate) = rate else {
+            return Finding::open("not rendered");
+        };
+        holds &= (rate - published).abs() <= 0.1;
+        parts.push(format!("{name}: {:.1} % of small steps", 100.0 * rate));
+    }
+    Finding::new(parts.join("; "), holds)
+}
+
+/// Which of several methods has the lowest median.
+pub(super) fn best(
+    results: &Results,
+    place: &str,
+    figure: Figure,
+    among: &[&str],
+    wanted: &[&str],
+) -> Finding {
+    let median = |name: &&str| Some(last(results, place, name)?.quartiles(figure).median);
+    let found: Option<Vec<f64>> = among.iter().map(median).collect();
+    let Some(found) = found else {
+        return Finding::open("not rendered");
+    };
+    let parts: Vec<String> = (among.iter().zip(&found))
+        .map(|(name, value)| format!("{name} {}", number(*value)))
+        .collect();
+    let least = found.iter().copied().fold(f64::INFINITY, f64::min);
+    let winner = found
+        .iter()
+        .position(|v| v.to_bits() == least.to_bits())
+        .map(|i| among[i]);
+    let holds = winner.is_some_and(|winner| wanted.contains(&winner));
+    Finding::new(
+        format!("{place}, {}: {}", figure.name(), parts.join(", ")),
+        holds,
+    )
+}
+
+/// Luminance of a pixel, linear Rec.709.
+fn luminance([r, g, b]: [f32; 3]) -> f64 {
+    0.2126 * f64::from(r) + 0.7152 * f64::from(g) + 0.0722 * f64::from(b)
+}
+
+fn luminances(planes: [&[f32]; 3]) -> Vec<f64> {
+    let pixels = planes[0].iter().zip(planes[1]).zip(planes[2]);
+    pixels.map(|((r, g), b)| luminance([*r, *g, *b])).collect()
+}
+
+/// Pixels of the reference in the darkest and in the brightest quarter, black ones left out.
+fn quarters(reference: &Image) -> [Vec<usize>; 2] {
+    let y = luminances(reference.rgb());
+    let mut lit: Vec<usize> = (0..y.len()).filter(|&i| y[i] > 0.0).collect();
+    lit.sort_by(|&a, &b| y[a].total_cmp(&y[b]));
+    let quarter = lit.len().div_ceil(4);
+    [lit[..quarter].to_vec(), lit[lit.len() - quarter..].to_vec()]
+}
+
+/// In the darkest quarter of the picture the error of `better` is below that of `worse`.
+pub(super) fn lower_in_the_dark(
+    results: &Results,
+    place: &str,
+    better: &str,
+    worse: &str,
+) -> Finding {
+    let Some(scene) = scene(results, place) else {
+        return Finding::open("not rendered");
+    };
+    let [dark, bright] = quarters(&scene.reference.image);
+    let error = |name: &str, pixels: &[usize]| {
+        let shown = scene
+            .shown
+            .iter()
+            .find(|s| Some(s.method) == method(results, name))?;
+        let squares = pixels
+            .iter()
+            .map(|&i| f64::from(shown.difference[i]).powi(2));
+        Some((squares.sum::<f64>() / pixels.len().max(1) as f64).sqrt())
+    };
+    let all = [
+        (better, &dark),
+        (worse, &dark),
+        (better, &bright),
+        (worse, &bright),
+    ];
+    let all: Option<Vec<f64>> = all
+        .iter()
+        .map(|(name, pixels)| error(name, pixels))
+        .collect();
+    match all.as_deref() {
+        Some(&[a, b, c, d]) => Finding::new(
+            format!(
+                "{place}, root mean square relative difference: darkest quarter {better} {}, {worse} {}; brightest \
+                 quarter {}, {}",
+                number(a),
+                number(b),
+                number(c),
+                number(d)
+            ),
+            a < b,
+        ),
+        _ => Finding::open("not rendered"),
+    }
+}
+
+/// A replica's share of the light is larger in the darkest quarter of the picture than in the brightest.
+pub(super) fn carries_the_dark(results: &Results, place: &str, name: &str, layer: &str) -> Finding {
+    let found = scene(results, place).and_then(|scene| {
+        let shown = scene
+            .shown
+            .iter()
+            .find(|s| Some(s.method) == method(results, name))?;
+        let part = shown.image.layer(layer)?;
+        let part = luminances([part.channel("R")?, part.channel("G")?, part.channel("B")?]);
+        let whole = luminances(shown.image.rgb());
+        let share = |pixels: &[usize]| {
+            let sum = |of: &[f64]| pixels.iter().map(|&i| of[i]).sum::<f64>();
+            sum(&part) / sum(&whole)
+        };
+        let [dark, bright] = quarters(&scene.reference.image);
+        Some([share(&dark), share(&bright)])
+    });
+    match found {
+        Some([dark, bright]) if dark.is_finite() && bright.is_finite() => Finding::new(
+            format!(
+                "{place}: {layer} holds {:.1} % of the light in the darkest quarter of the picture, {:.1} % in \
+                 the brightest",
+                100.0 * dark,
+                100.0 * bright
+            ),
+            dark > bright,
+        ),
+        _ => Finding::open("no such layer in the picture"),
+    }
+}
+
+/// The start takes less than so many seconds on every scene.
+pub(super) fn starts_within(results: &Results, name: &str, limit: f64) -> Finding {
+    let mut parts = Vec::new();
+    let mut holds = true;
+    let mut particles = None;
+    for scene in &results.study.scenes {
+        let group = last(results, &scene.name, name);
+        let Some(seconds) = group.and_then(|g| g.statistic("/pilot_seconds")) else {
+            return Finding::open("not rendered");
+        };
+        particles = particles.or_else(|| group?.statistic("/replicas/particles"));
+        holds &= seconds < limit;
+        parts.push(format!("{} {seconds:.2} s", scene.name));
+    }
+    let particles = particles.unwrap_or(0.0);
+    let measured = format!("{particles} particles on the wall: {}", parts.join(", "));
+    if particles < 10_000.0 {
+        return Finding::new(measured, Verdict::Open);
+    }
+    Finding::new(measured, holds)
+}
+
+/// How many times as many samples one method takes in the same time as another.
+pub(super) fn more_samples(results: &Results, place: &str, more: &str, less: &str) -> Finding {
+    let rate = |name: &str| {
+        let group = last(results, place, name)?;
+        Some(group.per_pixel() / group.seconds())
+    };
+    match (rate(more), rate(less)) {
+        (Some(a), Some(b)) if b > 0.0 => Finding::new(
+            format!(
+                "{place}: {more} takes {:.2} times as many samples a second as {less}",
+                a / b
+            ),
+            a > b,
+        ),
+        _ => Finding::open("not rendered"),
+    }
+}

@@ -1,0 +1,291 @@
+//! Kitaoka, Kitamura and Kishino 2009.
+
+use kaustik::Method;
+use kaustik::film::Window;
+
+use super::checks::{carries_the_dark, lower, lower_always, starts_within};
+use super::{PaperFigure, Scale, blank, minutes, seconds, settings};
+use crate::{Budgets, Claim, Figure, MethodEntry, SceneEntry, Study};
+
+/// FMLT, the paper's third rival, joins with path-space mutations.
+pub(super) fn figures(scale: Scale) -> Vec<PaperFigure> {
+    vec![
+        four(scale),
+        five(scale),
+        six(scale),
+        seven(scale),
+        eight(scale),
+    ]
+}
+
+const GLASS: &str = "glass-cube";
+const WATER: &str = "water-cornell";
+
+/// The paper's spectra where its figures are made as it made them: one wavelength from 400 to 700 nm.
+fn spectra(scale: Scale) -> &'static [&'static str] {
+    match scale {
+        Scale::AsPublished => &["wavelengths=uniform"],
+        Scale::Quick | Scale::Usual => &[],
+    }
+}
+
+fn entry(scale: Scale, name: &str, method: Method, start: &str, more: &[&str]) -> MethodEntry {
+    let all: Vec<&str> = spectra(scale).iter().chain(more).copied().collect();
+    MethodEntry {
+        name: name.to_owned(),
+        method,
+        settings: settings(scale, start, &all),
+    }
+}
+
+/// The methods of every figure.
+fn rivals(scale: Scale) -> Vec<MethodEntry> {
+    let builder = ["builder=bidirectional"];
+    vec![
+        entry(scale, "bdpt", Method::Bdpt, "pilot=2000", &[]),
+        entry(scale, "pssmlt", Method::Pssmlt, "pilot=2000", &builder),
+        relt(scale, "relt", &[]),
+        relt(scale, "relt as printed", &["exchange=pair", "steps=paper"]),
+    ]
+}
+
+fn relt(scale: Scale, name: &str, more: &[&str]) -> MethodEntry {
+    entry(scale, name, Method::Relt, "particles=1000", more)
+}
+
+fn budgets(scale: Scale, published: f64) -> Budgets {
+    match scale {
+        Scale::Quick => seconds(&[0.1, 0.25]),
+        Scale::Usual => seconds(&[1.0, 2.0, 4.0, 8.0, 16.0]),
+        Scale::AsPublished => minutes(published),
+    }
+}
+
+/// A study of one figure, with the paper's size where it is wanted.
+fn study(scale: Scale, title: &str, about: &str, published: (u32, f64)) -> Study {
+    let mut study = blank(title, about, scale);
+    study.budgets = budgets(scale, published.1);
+    if scale == Scale::AsPublished {
+        (study.width, study.height) = (published.0, published.0);
+    }
+    study.reference.settings = spectra(scale).iter().map(|&s| s.to_owned()).collect();
+    study.methods = rivals(scale);
+    study
+}
+
+/// Light that is specular, diffuse, specular: what uniform samples find too seldom for a reference.
+fn caustics(study: &mut Study, scale: Scale) {
+    if scale != Scale::Quick {
+        study.reference.method = Method::Pssmlt;
+        study
+            .reference
+            .settings
+            .push("builder=bidirectional".to_owned());
+        study.reference.per_pixel = 4096;
+        study.reference.error = 0.05;
+        study.reference.most = 16;
+    }
+}
+
+/// A part of the picture by shares of its sides.
+fn part(study: &Study, [x0, y0, x1, y1]: [f64; 4]) -> Window {
+    let at = |share: f64, side: u32| (share * f64::from(side)).round() as u32;
+    Window {
+        x0: at(x0, study.width),
+        y0: at(y0, study.height),
+        x1: at(x1, study.width).max(at(x0, study.width) + 1),
+        y1: at(y1, study.height).max(at(y0, study.height) + 1),
+    }
+}
+
+fn four(scale: Scale) -> PaperFigure {
+    const SCENE: &str = "cornell-direct";
+    let mut study = study(
+        scale,
+        "Figure 4: direct light",
+        "A diffuse box under a large lamp. As published: 400 x 400 pixels, 10 minutes. SMLT is pssmlt over bidirectional \
+         paths; plain path tracing is added.",
+        (400, 10.0),
+    );
+    study.scenes = vec![SceneEntry::builtin(SCENE)];
+    study
+        .methods
+        .push(entry(scale, "path", Method::Path, "pilot=2000", &[]));
+    PaperFigure {
+        number: 4,
+        study,
+        claims: &[
+            Claim {
+                text: "5.2.1: at any time a lower error than BPT and SMLT",
+                check: |r| lower_always(r, SCENE, Figure::RmseXyz, "relt", &["bdpt", "pssmlt"]),
+            },
+            Claim {
+                text: "The same with the paper's own exchanges and steps",
+                check: |r| {
+                    let rivals = ["bdpt", "pssmlt"];
+                    lower_always(r, SCENE, Figure::RmseXyz, "relt as printed", &rivals)
+                },
+            },
+            Claim {
+                text: "Our expectation: plain path tracing wins where light is diffuse and mainly direct",
+                check: |r| {
+                    let rivals = [("bdpt", 1.0), ("pssmlt", 1.0), ("relt", 1.0)];
+                    lower(r, SCENE, Figure::RmseXyz, "path", &rivals)
+                },
+            },
+        ],
+    }
+}
+
+fn five(scale: Scale) -> PaperFigure {
+    const SCENE: &str = "cornell-indirect";
+    let mut study = study(
+        scale,
+        "Figure 5: indirect light",
+        "The same box lit by way of the ceiling. As published: 400 x 400 pixels, 10 minutes.",
+        (400, 10.0),
+    );
+    study.scenes = vec![SceneEntry::builtin(SCENE)];
+    PaperFigure {
+        number: 5,
+        study,
+        claims: &[
+            Claim {
+                text: "5.2.1: at any time a lower error than BPT and SMLT",
+                check: |r| lower_always(r, SCENE, Figure::RmseXyz, "relt", &["bdpt", "pssmlt"]),
+            },
+            Claim {
+                text: "The same with the paper's own exchanges and steps",
+                check: |r| {
+                    let rivals = ["bdpt", "pssmlt"];
+                    lower_always(r, SCENE, Figure::RmseXyz, "relt as printed", &rivals)
+                },
+            },
+        ],
+    }
+}
+
+/// What we want of `relt` on a scene of caustics, besides what the paper says.
+const GOAL: [(&str, f64); 2] = [("bdpt", 0.25), ("pssmlt", 2.0 / 3.0)];
+
+fn six(scale: Scale) -> PaperFigure {
+    let mut study = study(
+        scale,
+        "Figure 6: caustics seen through glass",
+        "A yellow cube cast in glass under a small lamp. As published: 800 x 800 pixels, 20 minutes. The parts of relt's \
+         picture are its replicas: uniform, full, indirect, specific.",
+        (800, 20.0),
+    );
+    caustics(&mut study, scale);
+    study.layers = true;
+    study.scenes = vec![SceneEntry::builtin(GLASS)];
+    study.scenes[0].close_ups = vec![part(&study, [0.55, 0.55, 0.85, 0.85])];
+    PaperFigure {
+        number: 6,
+        study,
+        claims: &[
+            Claim {
+                text: "5.2.2: in equal time better than BPT and SMLT",
+                check: |r| {
+                    let rivals = [("bdpt", 1.0), ("pssmlt", 1.0)];
+                    lower(r, GLASS, Figure::RelativeMse, "relt", &rivals)
+                },
+            },
+            Claim {
+                text: "Our goal: a quarter of bdpt's relative MSE, two thirds of pssmlt's",
+                check: |r| lower(r, GLASS, Figure::RelativeMse, "relt", &GOAL),
+            },
+            Claim {
+                text: "5.2.2: the uniform replica renders the darker areas",
+                check: |r| carries_the_dark(r, GLASS, "relt", "replica-1"),
+            },
+            Claim {
+                text: "5.1.2: a start of 10,000 samples takes less than a second",
+                check: |r| starts_within(r, "relt", 1.0),
+            },
+        ],
+    }
+}
+
+fn seven(scale: Scale) -> PaperFigure {
+    let mut study = study(
+        scale,
+        "Figure 7: a box filled with water",
+        "Caustics on the floor, seen through the surface. As published: 800 x 800 pixels, 60 minutes, with close-ups.",
+        (800, 60.0),
+    );
+    caustics(&mut study, scale);
+    study.scenes = vec![SceneEntry::builtin(WATER)];
+    study.scenes[0].close_ups = vec![
+        part(&study, [0.1, 0.6, 0.45, 0.95]),
+        part(&study, [0.55, 0.6, 0.9, 0.95]),
+    ];
+    PaperFigure {
+        number: 7,
+        study,
+        claims: &[
+            Claim {
+                text: "5.2.2: smoother than BPT and SMLT in equal time",
+                check: |r| {
+                    let rivals = [("bdpt", 1.0), ("pssmlt", 1.0)];
+                    lower(r, WATER, Figure::RelativeMse, "relt", &rivals)
+                },
+            },
+            Claim {
+                text: "Our goal: a quarter of bdpt's relative MSE, two thirds of pssmlt's",
+                check: |r| lower(r, WATER, Figure::RelativeMse, "relt", &GOAL),
+            },
+            Claim {
+                text: "5.1.2: a start of 10,000 samples takes less than a second",
+                check: |r| starts_within(r, "relt", 1.0),
+            },
+        ],
+    }
+}
+
+fn eight(scale: Scale) -> PaperFigure {
+    let mut study = study(
+        scale,
+        "Figure 8: without exchange",
+        "The scenes of Figures 6 and 7 without exchanges between replicas (as published in the same times; here \
+         both in 20 minutes).",
+        (800, 20.0),
+    );
+    caustics(&mut study, scale);
+    study.scenes = vec![SceneEntry::builtin(GLASS), SceneEntry::builtin(WATER)];
+    study.methods = vec![
+        relt(scale, "relt", &[]),
+        relt(scale, "no exchange", &["exchange=none"]),
+    ];
+    PaperFigure {
+        number: 8,
+        study,
+        claims: &[
+            Claim {
+                text: "5.2.2: without exchange the pictures are obviously imperfect; our goal: at least twice the error \
+                       (glass)",
+                check: |r| {
+                    lower(
+                        r,
+                        GLASS,
+                        Figure::RelativeMse,
+                        "relt",
+                        &[("no exchange", 0.5)],
+                    )
+                },
+            },
+            Claim {
+                text: "The same (water)",
+                check: |r| {
+                    lower(
+                        r,
+                        WATER,
+                        Figure::RelativeMse,
+                        "relt",
+                        &[("no exchange", 0.5)],
+                    )
+                },
+            },
+        ],
+    }
+}

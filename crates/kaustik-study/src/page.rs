@@ -1,0 +1,286 @@
+//! One page that opens from disk: pictures, maps, curves and tables are inside it; it loads nothing and
+//! runs nothing.
+
+use kaustik::film::Tone;
+use minijinja::{Environment, context};
+use serde::Serialize;
+
+use crate::chart::number;
+use crate::figure::Figure;
+use crate::picture::{
+    address, close_up, error_map, heat_gradient, layer, signed_gradient, signed_map,
+};
+use crate::{Axis, Judged, Results, SceneResults, Shown, Study, StudyError, chart};
+
+/// One part of a page: a study and what is to be said about it.
+#[derive(Debug)]
+pub struct Section<'a> {
+    /// What it measured.
+    pub results: &'a Results,
+    /// Claims held against it; may be empty.
+    pub judged: &'a [Judged],
+}
+
+#[derive(Serialize)]
+struct SectionView {
+    title: String,
+    about: String,
+    facts: String,
+    claims: Vec<ClaimView>,
+    scenes: Vec<SceneView>,
+}
+
+#[derive(Serialize)]
+struct ClaimView {
+    claim: &'static str,
+    measured: String,
+    verdict: &'static str,
+}
+
+#[derive(Serialize)]
+struct SceneView {
+    name: String,
+    reference: String,
+    settings: String,
+    budget: String,
+    columns: Vec<ColumnView>,
+    charts: Vec<String>,
+    header: Vec<&'static str>,
+    rows: Vec<Vec<String>>,
+}
+
+/// Pictures under each other: a method's, or the reference's.
+#[derive(Serialize)]
+struct ColumnView {
+    name: String,
+    note: String,
+    picture: String,
+    close_ups: Vec<String>,
+    error: String,
+    signed: String,
+    layers: Vec<(String, String)>,
+}
+
+/// The page.
+///
+/// # Errors
+/// If a picture or the template fails.
+pub fn page(title: &str, sections: &[Section<'_>]) -> Result<String, StudyError> {
+    let failed = |error: minijinja::Error| StudyError::page("page", error);
+    let mut environment = Environment::new();
+    // a name in .html: what is put in is escaped
+    environment
+        .add_template("page.html", include_str!("page.html"))
+        .map_err(failed)?;
+    let sections: Vec<SectionView> = sections.iter().map(section).collect::<Result<_, _>>()?;
+    let template = environment.get_template("page.html").map_err(failed)?;
+    template
+        .render(context! {
+            title,
+            sections,
+            version => env!("CARGO_PKG_VERSION"),
+            heat => heat_gradient(),
+            signed => signed_gradient(),
+        })
+        .map_err(failed)
+}
+
+fn section(section: &Section<'_>) -> Result<SectionView, StudyError> {
+    let results = section.results;
+    let study = &results.study;
+    let scenes = (0..results.scenes.len()).map(|index| scene(results, index));
+    let claims = section.judged.iter().map(|judged| ClaimView {
+        claim: judged.claim,
+        measured: judged.finding.measured.clone(),
+        verdict: judged.finding.verdict.word(),
+    });
+    let threads = match study.threads {
+        0 => "all threads".to_owned(),
+        1 => "one thread".to_owned(),
+        n => format!("{n} threads"),
+    };
+    Ok(SectionView {
+        title: study.title.clone(),
+        about: study.about.clone(),
+        facts: format!(
+            "{} x {} pixels, {} seeds, {}, paths of at most {} edges.",
+            study.width,
+            study.height,
+            study.seeds.len(),
+            threads,
+            study.max_depth
+        ),
+        claims: claims.collect(),
+        scenes: scenes.collect::<Result<_, _>>()?,
+    })
+}
+
+fn scene(results: &Results, index: usize) -> Result<SceneView, StudyError> {
+    let study = &results.study;
+    let (entry, of) = (&study.scenes[index], &results.scenes[index]);
+    let reference = study.reference_of(entry);
+    let mut columns = vec![reference_column(study, index, of)?];
+    for shown in &of.shown {
+        columns.push(column(study, index, of, shown)?);
+    }
+    let mut charts = Vec::new();
+    let drawn = [
+        (Figure::RmseXyz, Axis::Seconds),
+        (Figure::RelativeMse, Axis::Seconds),
+        (Figure::Over10, Axis::Seconds),
+        (Figure::RmseXyz, Axis::Samples),
+    ];
+    for (figure, axis) in drawn {
+        charts.extend(chart(results, index, figure, axis)?);
+    }
+    let r = &of.reference;
+    let reached = if r.error <= r.wanted {
+        String::new()
+    } else {
+        format!(
+            ", above the {} % that were wanted",
+            number(100.0 * r.wanted)
+        )
+    };
+    Ok(SceneView {
+        name: entry.name.clone(),
+        reference: format!(
+            "{} renders of {} samples a pixel by {} in {} s; standard error of their mean {} %{reached}",
+            r.renders,
+            reference.per_pixel,
+            reference.method,
+            number(r.seconds),
+            number(100.0 * r.error),
+        ),
+        settings: reference.settings.join(" "),
+        budget: format!(
+            "{} {}",
+            number(study.budgets.amounts.last().copied().unwrap_or(0.0)),
+            study.budgets.unit.name()
+        ),
+        columns,
+        charts,
+        header: HEADER.to_vec(),
+        rows: rows(study, of),
+    })
+}
+
+const TONE: Tone = Tone {
+    exposure: 0.0,
+    curve: kaustik::film::ToneCurve::Srgb,
+};
+
+fn reference_column(
+    study: &Study,
+    index: usize,
+    of: &SceneResults,
+) -> Result<ColumnView, StudyError> {
+    let image = &of.reference.image;
+    let crops = &study.scenes[index].close_ups;
+    let crops = crops.iter().map(|&window| close_up(image, window, &TONE));
+    Ok(ColumnView {
+        name: "reference".to_owned(),
+        note: format!("standard error {} %", number(100.0 * of.reference.error)),
+        picture: address(image, &TONE)?,
+        close_ups: crops.collect::<Result<_, _>>()?,
+        error: String::new(),
+        signed: String::new(),
+        layers: Vec::new(),
+    })
+}
+
+fn column(
+    study: &Study,
+    index: usize,
+    of: &SceneResults,
+    shown: &Shown,
+) -> Result<ColumnView, StudyError> {
+    let method = &study.methods[shown.method];
+    let image = &shown.image;
+    let (width, height) = (image.width(), image.height());
+    let crops = &study.scenes[index].close_ups;
+    let crops = crops.iter().map(|&window| close_up(image, window, &TONE));
+    let mut layers = Vec::new();
+    for part in image.layers().iter().skip(1) {
+        if !["albedo", "normal", "depth"].contains(&part.name.as_str())
+            && let Some(picture) = layer(image, part)
+        {
+            layers.push((part.name.clone(), address(&picture, &TONE)?));
+        }
+    }
+    let cell = of
+        .group(shown.method, study.budgets.amounts.len() - 1)
+        .and_then(|group| group.cells.first());
+    let note = cell.map_or(String::new(), |cell| {
+        format!(
+            "{} samples a pixel, relative MSE {}",
+            number(cell.per_pixel),
+            number(Figure::RelativeMse.of(cell))
+        )
+    });
+    Ok(ColumnView {
+        name: method.name.clone(),
+        note,
+        picture: address(image, &TONE)?,
+        close_ups: crops.collect::<Result<_, _>>()?,
+        error: error_map(width, height, &shown.difference)?,
+        signed: signed_map(width, height, &shown.difference)?,
+        layers,
+    })
+}
+
+const HEADER: [&str; 12] = [
+    "method",
+    "budget",
+    "seconds",
+    "samples a pixel",
+    "RMSE in XYZ",
+    "relative MSE",
+    "relative MSE, worst 0.1 % dropped",
+    "relative MSE at equal brightness",
+    "off by more than 5, 10, 20 %",
+    "NSD",
+    "bias in brightness",
+    "accepted, small and large",
+];
+
+fn rows(study: &Study, of: &SceneResults) -> Vec<Vec<String>> {
+    let row = |group: &crate::Group| {
+        let spread = |figure| {
+            let q = group.quartiles(figure);
+            let [lower, median, upper] = [q.lower, q.median, q.upper].map(number);
+            format!("{median} ({lower} to {upper})")
+        };
+        let percent = |figure| number(100.0 * group.quartiles(figure).median);
+        let [bias, error] = group.bias().map(|b| 100.0 * b);
+        let error = if error.is_nan() {
+            String::new()
+        } else {
+            format!(" ± {error:.2}")
+        };
+        let rate = |kind: &str| {
+            let rate = group.statistic(&format!("/chain/{kind}_acceptance"));
+            rate.map_or("–".to_owned(), |rate| format!("{:.1} %", 100.0 * rate))
+        };
+        vec![
+            study.methods[group.method].name.clone(),
+            number(study.budgets.amounts[group.budget]),
+            number(group.seconds()),
+            number(group.per_pixel()),
+            spread(Figure::RmseXyz),
+            spread(Figure::RelativeMse),
+            spread(Figure::RelativeMseTrimmed),
+            spread(Figure::Matched),
+            format!(
+                "{}, {}, {} %",
+                percent(Figure::Over5),
+                percent(Figure::Over10),
+                percent(Figure::Over20)
+            ),
+            group.nsd.map_or("–".to_owned(), |nsd| number(nsd.mean)),
+            format!("{bias:+.2}{error} %"),
+            format!("{}, {}", rate("small"), rate("large")),
+        ]
+    };
+    of.groups.iter().map(row).collect()
+}

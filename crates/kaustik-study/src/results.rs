@@ -1,0 +1,171 @@
+//! What a study measured.
+
+use kaustik::film::metrics::{Measured, Nsd, Reference, difference, matched, measure, nsd};
+use kaustik::film::{Image, Keep};
+use serde_json::Value;
+
+use crate::store::Record;
+use crate::{Study, StudyError};
+
+/// A study with all that came of it.
+#[derive(Clone, Debug)]
+pub struct Results {
+    /// What was asked.
+    pub study: Study,
+    /// One a scene, in the study's order.
+    pub scenes: Vec<SceneResults>,
+}
+
+/// One scene's.
+#[derive(Clone, Debug)]
+pub struct SceneResults {
+    /// What pictures were measured against.
+    pub reference: ReferenceResult,
+    /// Every method at every budget: by method, then by budget.
+    pub groups: Vec<Group>,
+    /// One picture a method: the first seed's at the last budget.
+    pub shown: Vec<Shown>,
+}
+
+/// A reference and how well it is known.
+#[derive(Clone, Debug)]
+pub struct ReferenceResult {
+    /// The mean of all renders.
+    pub image: Image,
+    /// The means of every other one: two independent halves, whose noise cancels in squared errors.
+    pub halves: [Image; 2],
+    /// Standard error of the mean as a share (`film::metrics::Spread::relative_error`).
+    pub error: f64,
+    /// The error that was wanted.
+    pub wanted: f64,
+    /// Renders.
+    pub renders: u32,
+    /// What they cost by the study's clock.
+    pub seconds: f64,
+}
+
+/// The seeds of one method at one budget.
+#[derive(Clone, Debug)]
+pub struct Group {
+    /// Index of the method in the study.
+    pub method: usize,
+    /// Index of the budget.
+    pub budget: usize,
+    /// One a seed.
+    pub cells: Vec<Cell>,
+    /// Spread over the seeds; `None` for one seed or black pictures.
+    pub nsd: Option<Nsd>,
+}
+
+/// One finished render.
+#[derive(Clone, Debug)]
+pub struct Cell {
+    /// Its seed.
+    pub seed: u64,
+    /// What it cost by the study's clock, the pilot included.
+    pub seconds: f64,
+    /// Samples or mutations a pixel.
+    pub per_pixel: f64,
+    /// Against the halves of the reference.
+    pub measured: Measured,
+    /// The same with the brightness set right.
+    pub matched: Measured,
+    /// What the render said of itself (`kaustik::RenderStatistics`).
+    pub statistics: Value,
+}
+
+/// A picture for the page.
+#[derive(Clone, Debug)]
+pub struct Shown {
+    /// Index of the method.
+    pub method: usize,
+    /// Its seed.
+    pub seed: u64,
+    /// The picture, with a method's parts as layers if the study keeps them.
+    pub image: Image,
+    /// Signed relative difference a pixel (`film::metrics::difference`).
+    pub difference: Vec<f32>,
+}
+
+impl ReferenceResult {
+    /// For metrics. Halves always fit each other.
+    #[must_use]
+    pub fn reference(&self) -> Reference<'_> {
+        let [a, b] = &self.halves;
+        Reference::halves(a, b).unwrap_or_else(|| Reference::exact(&self.image))
+    }
+}
+
+impl SceneResults {
+    /// A method at a budget.
+    #[must_use]
+    pub fn group(&self, method: usize, budget: usize) -> Option<&Group> {
+        self.groups
+            .iter()
+            .find(|g| g.method == method && g.budget == budget)
+    }
+}
+
+type Read<'a> = dyn Fn(usize, u64, usize, Keep) -> Result<(Record, Image), StudyError> + 'a;
+
+/// Measures all pictures of a scene; no more than one group of them is in memory at a time.
+pub(crate) fn evaluate(
+    study: &Study,
+    reference: ReferenceResult,
+    read: &Read<'_>,
+) -> Result<SceneResults, StudyError> {
+    let (mut groups, mut shown) = (Vec::new(), Vec::new());
+    for method in 0..study.methods.len() {
+        for budget in 0..study.budgets.amounts.len() {
+            let mut images = Vec::new();
+            let mut cells = Vec::new();
+            for &seed in &study.seeds {
+                let (record, image) = read(method, seed, budget, Keep::Main)?;
+                cells.push(cell(seed, record, &image, &reference)?);
+                images.push(image);
+            }
+            let all: Vec<&Image> = images.iter().collect();
+            groups.push(Group {
+                method,
+                budget,
+                cells,
+                nsd: nsd(&all),
+            });
+        }
+        let seed = study.seeds[0];
+        let (_, image) = read(method, seed, study.budgets.amounts.len() - 1, Keep::All)?;
+        let difference = difference(&image, &reference.reference()).ok_or_else(size)?;
+        shown.push(Shown {
+            method,
+            seed,
+            image,
+            difference,
+        });
+    }
+    Ok(SceneResults {
+        reference,
+        groups,
+        shown,
+    })
+}
+
+fn size() -> StudyError {
+    StudyError::page("picture", "its size is not the reference's")
+}
+
+fn cell(
+    seed: u64,
+    record: Record,
+    image: &Image,
+    reference: &ReferenceResult,
+) -> Result<Cell, StudyError> {
+    let reference = reference.reference();
+    Ok(Cell {
+        seed,
+        seconds: record.seconds,
+        per_pixel: record.per_pixel,
+        measured: measure(image, &reference).ok_or_else(size)?,
+        matched: matched(image, &reference).ok_or_else(size)?,
+        statistics: record.statistics,
+    })
+}

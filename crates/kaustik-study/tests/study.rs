@@ -1,0 +1,230 @@
+//! Whole studies: cut and resumed, spoilt and mended, by samples and by time.
+
+#![allow(
+    clippy::unwrap_used,
+    reason = "a test's helper may do what the test may"
+)]
+
+use std::collections::BTreeMap;
+use std::ops::ControlFlow;
+use std::path::Path;
+
+use kaustik_study::{
+    Clock, Figure, Results, Runner, Section, Study, StudyError, StudyProgress, WallClock, write,
+};
+
+/// Time that stands still, so that files do not tell one run from another.
+struct Frozen;
+
+impl Clock for Frozen {
+    fn seconds(&self) -> f64 {
+        0.0
+    }
+}
+
+fn study(budget: &str) -> Study {
+    let text = format!(
+        r#"
+        title = "small <b>&\"'"
+        width = 16
+        height = 16
+        threads = 1
+        max_depth = 6
+        seeds = [0, 1]
+        budget = {{ {budget} }}
+        reference = {{ method = "path", per_pixel = 32, error = 0.3, most = 4 }}
+        [[scene]]
+        name = "box <script>alert(1)</script>"
+        scene = "builtin:cornell"
+        close_ups = [[2, 2, 8, 8]]
+        [[method]]
+        name = "</td><script>"
+        method = "pssmlt"
+        set = ["pilot=2000", "ladders=4"]
+        [[method]]
+        method = "path"
+        "#
+    );
+    Study::parse(&text, "small.toml", Path::new("")).unwrap()
+}
+
+fn run(
+    study: &Study,
+    folder: &Path,
+    listener: &mut dyn FnMut(&StudyProgress<'_>) -> ControlFlow<()>,
+) -> Result<Results, StudyError> {
+    Runner::new(study, folder).with_clock(&Frozen).run(listener)
+}
+
+/// All files of a report by name.
+fn report(results: &Results, folder: &Path) -> BTreeMap<String, Vec<u8>> {
+    let section = Section {
+        results,
+        judged: &[],
+    };
+    write(folder, &results.study.title, &[("study", section)]).unwrap();
+    let files = std::fs::read_dir(folder).unwrap().map(Result::unwrap);
+    files
+        .filter(|file| file.path().is_file())
+        .map(|file| {
+            let name = file.file_name().into_string().unwrap();
+            (name, std::fs::read(file.path()).unwrap())
+        })
+        .collect()
+}
+
+fn cells(folder: &Path) -> Vec<std::path::PathBuf> {
+    let files = std::fs::read_dir(folder.join("cells")).unwrap();
+    let mut files: Vec<_> = files.map(|file| file.unwrap().path()).collect();
+    files.sort();
+    files
+}
+
+#[test]
+fn a_study_that_was_cut_goes_on_to_the_same_bytes() {
+    let study = study("per_pixel = [1, 2]");
+    let whole = tempfile::tempdir().unwrap();
+    let mut most = 0.0f64;
+    let results = run(&study, whole.path(), &mut |progress| {
+        assert!(progress.fraction >= most, "the bar never goes back");
+        most = progress.fraction;
+        ControlFlow::Continue(())
+    });
+    let expected = report(&results.unwrap(), whole.path());
+    assert!((most - 1.0).abs() < 1e-12);
+    assert!(expected.contains_key("index.html") && expected.contains_key("study-cells.csv"));
+    assert!(expected.contains_key("study-summary.csv"));
+    let html = String::from_utf8(expected["index.html"].clone()).unwrap();
+    assert!(
+        !html.contains("<script") && html.contains("&lt;script&gt;"),
+        "names are escaped"
+    );
+    assert!(!html.contains("http://") || html.contains("http://www.w3.org/2000/svg"));
+    assert!(!html.contains("https://") && html.contains("data:image/png;base64,"));
+    let rows = String::from_utf8(expected["study-cells.csv"].clone()).unwrap();
+    assert_eq!(rows.lines().count(), 1 + 2 * 2 * 2);
+
+    let cut = tempfile::tempdir().unwrap();
+    for stop in [0, 1, 3, 6] {
+        let stopped = run(&study, cut.path(), &mut |progress| {
+            if progress.finished >= stop {
+                ControlFlow::Break(())
+            } else {
+                ControlFlow::Continue(())
+            }
+        });
+        assert!(matches!(stopped, Err(StudyError::Stopped)));
+    }
+    let mut found = 0;
+    let resumed = run(&study, cut.path(), &mut |progress| {
+        found = progress.found;
+        ControlFlow::Continue(())
+    });
+    assert_eq!(found, 6, "six renders were finished before");
+    let resumed = report(&resumed.unwrap(), cut.path());
+    for (name, bytes) in &expected {
+        assert!(resumed[name] == *bytes, "{name}");
+    }
+    assert_eq!(resumed.len(), expected.len());
+}
+
+#[test]
+fn what_is_spoilt_is_rendered_again() {
+    let study = study("total = [300]");
+    let folder = tempfile::tempdir().unwrap();
+    let go = |found: &mut usize| {
+        run(&study, folder.path(), &mut |progress| {
+            *found = progress.found;
+            ControlFlow::Continue(())
+        })
+        .unwrap()
+    };
+    let mut found = 0;
+    let before = report(&go(&mut found), folder.path());
+    assert_eq!(found, 0);
+    go(&mut found);
+    assert_eq!(found, 4);
+    // each file of each render in turn: cut, changed in a byte, taken away
+    for path in cells(folder.path()) {
+        let bytes = std::fs::read(&path).unwrap();
+        let mut changed = bytes.clone();
+        changed[bytes.len() / 2] ^= 1;
+        for spoilt in [&bytes[..bytes.len() / 2], &changed, &[]] {
+            std::fs::write(&path, spoilt).unwrap();
+            let after = report(&go(&mut found), folder.path());
+            assert!(after == before, "{}", path.display());
+            // the small file tells how long it took, which is never the same
+            let picture = path.extension().is_some_and(|kind| kind == "exr");
+            assert!(!picture || std::fs::read(&path).unwrap() == bytes);
+        }
+    }
+}
+
+#[test]
+fn other_settings_are_other_renders() {
+    let first = study("total = [300]");
+    let folder = tempfile::tempdir().unwrap();
+    let mut found = 0;
+    let mut go = |study: &Study| {
+        run(study, folder.path(), &mut |progress| {
+            found = progress.found;
+            ControlFlow::Continue(())
+        })
+        .unwrap();
+        found
+    };
+    assert_eq!(go(&first), 0);
+    let mut other = first.clone();
+    other.methods[0].settings.push("plarge=0.5".to_owned());
+    assert_eq!(go(&other), 2, "path stays");
+    // the name alone changes no picture
+    other.methods[0].name = "another".to_owned();
+    assert_eq!(go(&other), 4);
+    other.max_depth = 5;
+    assert_eq!(go(&other), 0);
+}
+
+#[test]
+fn a_study_by_time_looks_at_one_render() {
+    let study = study("wall = [0.2, 0.6]");
+    let folder = tempfile::tempdir().unwrap();
+    let clock = WallClock::default();
+    let runner = Runner::new(&study, folder.path()).with_clock(&clock);
+    let results = runner.run(&mut |_| ControlFlow::Continue(())).unwrap();
+    for group in &results.scenes[0].groups {
+        for cell in &group.cells {
+            let wanted = study.budgets.amounts[group.budget];
+            assert!(
+                cell.seconds >= wanted && cell.seconds < wanted + 2.0,
+                "{}",
+                cell.seconds
+            );
+            assert!(cell.per_pixel > 0.0);
+        }
+    }
+    for method in 0..2 {
+        let at = |budget| results.scenes[0].group(method, budget).unwrap();
+        assert!(at(1).per_pixel() > at(0).per_pixel());
+        assert!(at(0).quartiles(Figure::RelativeMse).median > 0.0);
+    }
+}
+
+/// Renders are added until their mean is known as well as was asked, or there are as many as may be.
+#[test]
+fn the_reference_is_rendered_to_its_error() {
+    let mut study = study("per_pixel = [4]");
+    let folder = tempfile::tempdir().unwrap();
+    let mut go = |error: f64, most: u32| {
+        study.reference.error = error;
+        study.reference.most = most;
+        let results = run(&study, folder.path(), &mut |_| ControlFlow::Continue(())).unwrap();
+        results.scenes[0].reference.clone()
+    };
+    let rough = go(10.0, 16);
+    assert_eq!(rough.renders, 2);
+    let most = go(1e-6, 12);
+    assert_eq!(most.renders, 12);
+    assert!(most.error > most.wanted && most.error < rough.error);
+    let asked = go(1.1 * most.error, 64);
+    assert!(asked.error <= asked.wanted && asked.renders <= 12 && asked.renders > 2);
+}
