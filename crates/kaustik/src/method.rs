@@ -214,6 +214,15 @@ pub const KEYS: &[Key] = &[
         methods: CHAINS,
     },
     Key {
+        name: "normaliser",
+        default: "running",
+        range: "running|exchange|initial",
+        meaning: "what scales the replicas' films: all independent samples so far; what each replica tells \
+                  about the next (RELT eq. 10, which is blind to what no chain has found); the annealing's \
+                  own constants",
+        methods: REPLICAS,
+    },
+    Key {
         name: "replicas",
         default: "standard",
         range: "standard|uniform;D0,D1,D2,D3,D4,D5;...",

@@ -30,14 +30,28 @@ pub enum Builder {
     Bidirectional,
 }
 
-/// Which estimate of `b` scales the image.
+/// Which estimate of `b` scales the image, or of its parts the replicas' films.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Normaliser {
-    /// The pilot and all large steps: consistent, and better all the time.
+    /// All independent samples, those before the chains and among their steps: consistent, and better all
+    /// the time.
     #[default]
     Running,
-    /// The pilot alone: exactly unbiased.
+    /// Those before the chains alone: exactly unbiased (`relt`: but for exchanges).
     Initial,
+    /// What chains tell about the next: RELT eq. 10, `relt` alone.
+    Exchange,
+}
+
+impl Normaliser {
+    /// The word for it.
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::Running => "running",
+            Self::Initial => "initial",
+            Self::Exchange => "exchange",
+        }
+    }
 }
 
 /// Sizes of small steps of `relt`.
@@ -152,7 +166,10 @@ impl Options {
                     .collect::<Vec<_>>()
                     .join(", "),
             })?;
-        self.assign(key.name, value)
+        let known = key.name != "normaliser" || key.range.split('|').any(|word| word == value);
+        known
+            .then(|| self.assign(key.name, value))
+            .flatten()
             .ok_or_else(|| OptionError::Value {
                 key: key.name,
                 value: value.to_owned(),
@@ -215,11 +232,7 @@ impl Options {
                 Mis::Off => "off",
             }
             .to_owned(),
-            "normaliser" => match self.normaliser {
-                Normaliser::Running => "running",
-                Normaliser::Initial => "initial",
-            }
-            .to_owned(),
+            "normaliser" => self.normaliser.name().to_owned(),
             "replicas" => (self.replicas).map_or("standard".to_owned(), |set| set.to_string()),
             "delta" => self.delta.to_string(),
             "beta" => self.beta.to_string(),
@@ -284,8 +297,12 @@ impl Options {
                 self.mis = word(value, &words)?;
             }
             "normaliser" => {
-                let (running, initial) = (Normaliser::Running, Normaliser::Initial);
-                self.normaliser = word(value, &[("running", running), ("initial", initial)])?;
+                let words = [
+                    Normaliser::Running,
+                    Normaliser::Initial,
+                    Normaliser::Exchange,
+                ];
+                self.normaliser = word(value, &words.map(|n| (n.name(), n)))?;
             }
             "replicas" if value == "standard" => self.replicas = None,
             "replicas" => self.replicas = Some(value.parse().ok()?),
@@ -401,6 +418,7 @@ mod tests {
             "steps=adapted",
             "particles=2000",
             "delta=0.1",
+            "normaliser=exchange",
         ] {
             options.set(Method::Relt, text).unwrap();
         }

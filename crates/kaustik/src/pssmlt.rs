@@ -200,7 +200,7 @@ impl<'a> PssmltEngine<'a> {
     /// The estimate of `b` that scales the image.
     fn normaliser(&self, statistics: &Statistics<1>) -> Mean {
         let mut mean = self.pool;
-        if self.options.normaliser == Normaliser::Running {
+        if self.options.normaliser != Normaliser::Initial {
             mean.merge(&statistics.independent[0]);
         }
         mean

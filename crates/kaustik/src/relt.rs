@@ -5,7 +5,7 @@ mod start;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use kaustik_estimate::{
-    PathTarget, ReplicaDeposit, ReplicaFamily, ReplicaSet, ReplicaWeights, Scale,
+    PathTarget, ReplicaDeposit, ReplicaFamily, ReplicaSet, ReplicaWeights, Scale, Shares,
 };
 use kaustik_film::{Counters, Film, Image, Layer, Quantum, develop};
 use kaustik_mcmc::{
@@ -20,7 +20,7 @@ use crate::control::is_stopped;
 use crate::engine::{Engine, Nonfinite, STRIDE, add_counters};
 use crate::render::builder_settings;
 use crate::{
-    ChainStatistics, Options, Place, RenderError, RenderSettings, ReplicaLevel, ReplicaStatistics,
+    ChainStatistics, Normaliser, Options, Place, RenderError, RenderSettings, ReplicaLevel, ReplicaStatistics,
     Steps,
 };
 use start::{Started, anneal};
@@ -31,6 +31,9 @@ type State = (Point<Exponential>, Contributions);
 /// Sweeps of a ladder between two changes of its step sizes. Rounds of 16 were seen to bias a chain by
 /// 20 %, rounds of 1,000 within its error (spec relt.md 4).
 const ADAPTATION_ROUND: u64 = 1_000;
+
+/// So many ladders make their spread a better measure of errors than the spread of batches within each.
+const LADDERS_FOR_ERRORS: usize = 16;
 
 /// Anneals, decides which replicas run, and starts the ladders.
 pub(crate) fn engine<'a>(
@@ -110,6 +113,8 @@ struct ReltEngine<'a, const K: usize> {
     scale: Scale,
     /// Raster area of the window in pixels.
     area: f64,
+    /// What the first population says of the light of each replica.
+    pool: Shares<K>,
     particles: u64,
     dropped: Option<String>,
     lit: bool,
@@ -122,6 +127,7 @@ struct Run<const K: usize> {
     ladder: Ladder<Point<Exponential>, Contributions, K>,
     adaptations: [AcceptanceAdaptation<Exponential>; K],
     sweeps: u64,
+    shares: Shares<K>,
     nonfinite: Nonfinite,
 }
 
@@ -147,13 +153,19 @@ impl<'a, const K: usize> ReltEngine<'a, K> {
         let Ok(films) = <[Film; K]>::try_from(films) else {
             unreachable!("K films were made");
         };
+        let weights = ReplicaWeights::new(rough.map(|b| b.value), options.beta, specific);
+        let mut pool = Shares::default();
+        for (densities, light) in &started.pool {
+            pool.sample(weights.share(&std::array::from_fn(|k| densities[k]), *light));
+        }
         Ok(Self {
             scene,
             builder,
             options,
             set,
             family,
-            weights: ReplicaWeights::new(rough.map(|b| b.value), options.beta, specific),
+            weights,
+            pool,
             rough,
             lit: started.mean > 0.0,
             particles: started.particles,
@@ -168,11 +180,12 @@ impl<'a, const K: usize> ReltEngine<'a, K> {
         })
     }
 
-    fn deposit(&self) -> ReplicaDeposit<'_, K> {
+    fn deposit(&self, shares: Shares<K>) -> ReplicaDeposit<'_, K> {
         ReplicaDeposit {
             films: &self.films,
             scale: self.scale,
             weights: self.weights,
+            shares,
         }
     }
 
@@ -185,10 +198,10 @@ impl<'a, const K: usize> ReltEngine<'a, K> {
             nonfinite: &nonfinite,
         };
         let kernels = kernels::<K>(target, &self.set);
-        let mut deposit = self.deposit();
+        let mut deposit = self.deposit(run.shares);
         for done in 0..sweeps {
             if done % STRIDE == 0 && is_stopped(stop) {
-                return;
+                break;
             }
             (run.ladder).sweep(&kernels, &self.family, &mut run.draws, &mut deposit);
             let found = nonfinite.load(Ordering::Relaxed);
@@ -201,6 +214,7 @@ impl<'a, const K: usize> ReltEngine<'a, K> {
                 run.adapt();
             }
         }
+        run.shares = deposit.shares;
     }
 
     fn sweeps(&self) -> u64 {
@@ -220,24 +234,67 @@ impl<'a, const K: usize> ReltEngine<'a, K> {
     fn running(&self) -> RunningNormalisers<K> {
         let mut all = SteppingStone::line();
         for run in &self.runs {
-            all.merge(run.ladder.stepping_stone());
+            let stone = run.ladder.stepping_stone();
+            if self.runs.len() < LADDERS_FOR_ERRORS {
+                all.merge(stone);
+            } else {
+                all.merge_as_one(stone);
+            }
         }
         all.normalisers(1.0)
     }
 
-    /// Do the running normalisers scale the films? In a render shorter than its annealing the rough ones
-    /// are better (spec 7.5).
-    fn is_running(&self) -> bool {
-        self.sweeps() >= self.particles
+    /// The light of each replica by independent samples, and what the films hold.
+    fn shares(&self) -> Shares<K> {
+        let mut all = self.pool;
+        for run in &self.runs {
+            all.merge(&run.shares);
+        }
+        all
     }
 
-    /// `b_k / b_hat_k` (spec (7)).
-    fn scales(&self) -> [f64; K] {
-        if !self.is_running() {
-            return [1.0; K];
+    /// Which estimate scales the films. In a render shorter than its annealing the rough constants are
+    /// better than those of eq. 10 (spec 7.5).
+    fn normaliser(&self) -> Normaliser {
+        match self.options.normaliser {
+            Normaliser::Exchange if self.sweeps() < self.particles => Normaliser::Initial,
+            other => other,
         }
-        let rough = RoughNormalisers::guess(self.rough.map(|b| b.value));
-        self.running().over(&rough)
+    }
+
+    /// The picture's mean X + Y + Z. Scaled by anything but independent samples, it has the error of the
+    /// full replica's normaliser at least.
+    fn brightness(&self) -> Estimate {
+        let shares = self.shares();
+        let whole = shares.whole();
+        if self.normaliser() == Normaliser::Running {
+            return whole;
+        }
+        let scales = self.scales();
+        let held = shares.held();
+        let sweeps = self.sweeps().max(1) as f64;
+        let value = (0..K).map(|k| scales[k] * held[k] / sweeps).sum();
+        let first = 1.min(K - 1);
+        let error = match self.normaliser() {
+            Normaliser::Initial => self.rough[first].relative_error(),
+            _ => self.running().estimates()[first].relative_error(),
+        };
+        Estimate {
+            value,
+            standard_error: value * error,
+        }
+    }
+
+    /// What a film per sweep is multiplied by: to hold its share, or `b_k / b_hat_k` (spec (7)).
+    fn scales(&self) -> [f64; K] {
+        match self.normaliser() {
+            Normaliser::Running => self.shares().scales(self.sweeps()),
+            Normaliser::Initial => [1.0; K],
+            Normaliser::Exchange => {
+                let rough = RoughNormalisers::guess(self.rough.map(|b| b.value));
+                self.running().over(&rough)
+            }
+        }
     }
 
     /// Films with what turns them into parts of the picture.
@@ -277,6 +334,7 @@ fn runs<const K: usize>(
             ladder: Ladder::new(starts, family).with_schedule(settings.options.exchange),
             adaptations: std::array::from_fn(|k| AcceptanceAdaptation::new(mutation(set, k))),
             sweeps: 0,
+            shares: Shares::default(),
             nonfinite: Nonfinite::default(),
         })
     };
@@ -306,7 +364,9 @@ impl<const K: usize> Engine for ReltEngine<'_, K> {
     fn develop(&mut self) -> Result<Image, RenderError> {
         let mut runs = std::mem::take(&mut self.runs);
         for run in &mut runs {
-            run.ladder.flush(&mut self.deposit());
+            let mut deposit = self.deposit(run.shares);
+            run.ladder.flush(&mut deposit);
+            run.shares = deposit.shares;
         }
         self.runs = runs;
         Ok(develop(&self.parts())?)
@@ -331,18 +391,11 @@ impl<const K: usize> Engine for ReltEngine<'_, K> {
         for level in 0..K {
             all.merge(&self.level(level));
         }
-        let first = 1.min(K - 1);
-        let b = self.running().estimates()[first];
-        let b = if self.is_running() {
-            b
-        } else {
-            self.rough[first]
-        };
-        let normaliser = [b.value, b.standard_error];
+        let b = self.brightness();
         Some(ChainStatistics::new(
             &all,
-            normaliser,
-            self.rough[first].value,
+            [b.value, b.standard_error],
+            self.rough[1.min(K - 1)].value,
         ))
     }
 
@@ -352,6 +405,8 @@ impl<const K: usize> Engine for ReltEngine<'_, K> {
             exchanges.merge(run.ladder.statistics());
         }
         let running = self.running();
+        let shares = self.shares();
+        let scales = self.scales();
         let uniform = self.level(0);
         let apart = running.discrepancies(&uniform.independent);
         let level = |k: usize| {
@@ -374,6 +429,9 @@ impl<const K: usize> Engine for ReltEngine<'_, K> {
                 independent: uniform.independent[k].mean(),
                 independent_error: known(uniform.independent[k].standard_error()),
                 discrepancy: known(apart[k]),
+                share: shares.part(k).value,
+                share_error: known(shares.part(k).standard_error),
+                scale: scales[k],
                 acceptance: moves.rate(),
                 step: steps.sum::<f64>() / self.runs.len().max(1) as f64,
             }
@@ -385,7 +443,7 @@ impl<const K: usize> Engine for ReltEngine<'_, K> {
             round_trips: exchanges.round_trips,
             particles: self.particles,
             dropped: self.dropped.clone(),
-            running: self.is_running(),
+            normaliser: self.normaliser().name(),
         })
     }
 

@@ -1,10 +1,13 @@
 //! How replicas start: by population annealing (RELT 4.3, Algorithm 2; spec relt.md 7).
 
-use kaustik_estimate::{PathTarget, ReplicaFamily, ReplicaSet, ScalarTarget};
+use std::array::from_fn;
+
+use kaustik_estimate::{PathTarget, ReplicaFamily, ReplicaSet, light};
 use kaustik_mcmc::{
     Estimate, Extinct, Ignore, Metropolis, Pcg64Dxsm, Population, Resampling, SampleGenerators,
-    generator,
+    checked_densities, generator,
 };
+use kaustik_path::Contributions;
 use rayon::prelude::*;
 
 use super::{State, kernels, mutation};
@@ -27,7 +30,9 @@ pub(super) struct Started {
     pub(super) starts: Vec<Vec<State>>,
     /// Integrals of the replicas' densities: constants of the weights.
     pub(super) rough: Vec<Estimate>,
-    /// Mean of X + Y + Z over the independent samples.
+    /// Densities and [`light`] of the independent samples.
+    pub(super) pool: Vec<([f64; ReplicaSet::MOST], [f64; 2])>,
+    /// Mean of X + Y + Z over them.
     pub(super) mean: f64,
     /// Particles of the last attempt.
     pub(super) particles: u64,
@@ -81,16 +86,16 @@ fn climb<const K: usize>(
     let particles = settings.options.particles << attempt;
     let ladder = |level: usize| u64::MAX - u64::from(attempt) * LADDERS - level as u64;
     let samples = samples(target, &family, set, settings.seed, ladder(0), particles);
-    let light = samples.iter().map(|(_, value)| {
-        let classes = value.by_class(ScalarTarget::Xyz);
-        classes.iter().sum::<f64>()
-    });
-    let mean = light.sum::<f64>() / particles as f64;
+    let pool: Vec<_> = (samples.iter())
+        .map(|(_, value)| (all_densities(&family, value), light(value)))
+        .collect();
+    let mean = pool.iter().flat_map(|(_, light)| light).sum::<f64>() / particles as f64;
     let mut population = Population::from_samples(samples, &family, Resampling::Systematic);
     let mut central = generator(settings.seed, ladder(K));
     let mut started = Started {
         starts: Vec::new(),
         rough: Vec::new(),
+        pool,
         mean,
         particles,
         dropped: None,
@@ -115,6 +120,15 @@ fn climb<const K: usize>(
         (started.starts).push(choose(&population, settings, &mut central));
     }
     (started, None)
+}
+
+/// The densities of a value, with zeros for replicas that there are not; NaN and the like are zeros.
+fn all_densities<const K: usize>(
+    family: &ReplicaFamily<K>,
+    value: &Contributions,
+) -> [f64; ReplicaSet::MOST] {
+    let known = checked_densities(family, value).unwrap_or_else(|| from_fn(|k| f64::from(u8::from(k == 0))));
+    from_fn(|k| known.get(k).copied().unwrap_or_default())
 }
 
 /// Independent samples, each from a generator of its own, in the order of their indices.
@@ -158,4 +172,4 @@ fn choose<const K: usize>(
 
 /// A population of paths.
 type Climbing<const K: usize> =
-    Population<kaustik_mcmc::Point<kaustik_mcmc::Exponential>, kaustik_path::Contributions, K>;
+    Population<kaustik_mcmc::Point<kaustik_mcmc::Exponential>, Contributions, K>;
