@@ -19,6 +19,9 @@ pub trait PathBuilder: Send + Sync {
 pub struct BuilderSettings {
     /// Longest path in edges, at least 1 (1: emitters seen directly).
     pub max_edges: u32,
+    /// Shortest path in edges, 1 or 2: with 2 emitters and surroundings seen directly are left out, for who
+    /// has them by other means.
+    pub min_edges: u32,
     /// Keep the largest single `C_{s,t}` ([`Contributions::largest`]), for Kelemen's maximum: it costs
     /// a colour for each.
     pub largest: bool,
@@ -35,6 +38,7 @@ impl Default for BuilderSettings {
     fn default() -> Self {
         Self {
             max_edges: 64,
+            min_edges: 1,
             largest: false,
             wavelengths: WavelengthSampling::Hero,
             window_min: DVec2::ZERO,

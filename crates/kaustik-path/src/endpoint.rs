@@ -44,7 +44,9 @@ impl Endpoint {
         let mut share = 0.0;
         let mut vertex = Vertex::default();
         while walk.advance(scene, u, &mut vertex).is_some() {
-            emission(scene, walk, &vertex, origin, share, gathered);
+            if walk.edges >= self.settings.min_edges {
+                emission(scene, walk, &vertex, origin, share, gathered);
+            }
             if walk.edges == self.settings.max_edges {
                 return;
             }
@@ -72,7 +74,9 @@ impl Endpoint {
                 return;
             }
         }
-        escape(scene, walk, origin, share, gathered);
+        if walk.edges >= self.settings.min_edges {
+            escape(scene, walk, origin, share, gathered);
+        }
     }
 }
 

@@ -56,7 +56,9 @@ impl Unidirectional {
         let mut origin = None;
         let mut vertex = Vertex::default();
         while walk.advance(scene, u, &mut vertex).is_some() {
-            emission(scene, walk, &vertex, origin, 1.0, gathered);
+            if walk.edges >= self.settings.min_edges {
+                emission(scene, walk, &vertex, origin, 1.0, gathered);
+            }
             if walk.edges == self.settings.max_edges {
                 return;
             }
@@ -73,7 +75,9 @@ impl Unidirectional {
                 return;
             }
         }
-        escape(scene, walk, origin, 1.0, gathered);
+        if walk.edges >= self.settings.min_edges {
+            escape(scene, walk, origin, 1.0, gathered);
+        }
     }
 }
 

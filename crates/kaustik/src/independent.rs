@@ -88,6 +88,24 @@ impl<'a> IndependentEngine<'a> {
         Self::new(scene, settings, Box::new(builder), None)
     }
 
+    /// Drives all streams over their cells so many times more.
+    pub(crate) fn pass(&mut self, passes: u64) {
+        let ladders = self.streams.iter().map(|stream| stream.ladder);
+        let plan: Vec<u64> = ladders.map(|ladder| passes * self.grain(ladder)).collect();
+        self.advance(&plan, None);
+    }
+
+    /// The film after whole passes, with what turns it into a picture.
+    pub(crate) fn part(&self, passes: u64) -> (&Film, f64) {
+        let cells = self.cells.map_or(1, |cells| cells.count());
+        (&self.film, self.area / (cells * passes.max(1)) as f64)
+    }
+
+    /// Has any sample brought light?
+    pub(crate) fn has_seen_light(&self) -> bool {
+        self.film.sums().any(|sum| sum != 0)
+    }
+
     fn new(
         scene: &'a Scene,
         settings: &RenderSettings,

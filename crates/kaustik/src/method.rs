@@ -183,6 +183,14 @@ pub const KEYS: &[Key] = &[
         methods: CHAINS,
     },
     Key {
+        name: "lamps",
+        default: "apart",
+        range: "apart|chain",
+        meaning: "emitters and surroundings seen directly: by stratified samples of their own, or by the \
+                  chains as any other path (the papers)",
+        methods: &[Method::Pssmlt, Method::Relt],
+    },
+    Key {
         name: "plarge",
         default: "0.3",
         range: "0 < p <= 1",

@@ -54,6 +54,16 @@ impl Normaliser {
     }
 }
 
+/// How chains come by emitters and surroundings that are seen directly.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Lamps {
+    /// By stratified samples of their own.
+    #[default]
+    Apart,
+    /// As by any other path.
+    Chain,
+}
+
 /// Sizes of small steps of `relt`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Steps {
@@ -81,6 +91,7 @@ pub struct Options {
     pub small_step: SmallStep,
     pub mis: Mis,
     pub normaliser: Normaliser,
+    pub lamps: Lamps,
     /// `None`: the standard set with `delta`.
     pub replicas: Option<ReplicaSet>,
     pub delta: f64,
@@ -106,6 +117,7 @@ impl Default for Options {
             small_step: SmallStep::Kelemen(1.0 / 1024.0, 1.0 / 64.0),
             mis: Mis::default(),
             normaliser: Normaliser::default(),
+            lamps: Lamps::default(),
             replicas: None,
             delta: ReplicaSet::DELTA,
             beta: 2.0,
@@ -233,6 +245,11 @@ impl Options {
             }
             .to_owned(),
             "normaliser" => self.normaliser.name().to_owned(),
+            "lamps" => match self.lamps {
+                Lamps::Apart => "apart",
+                Lamps::Chain => "chain",
+            }
+            .to_owned(),
             "replicas" => (self.replicas).map_or("standard".to_owned(), |set| set.to_string()),
             "delta" => self.delta.to_string(),
             "beta" => self.beta.to_string(),
@@ -303,6 +320,10 @@ impl Options {
                     Normaliser::Exchange,
                 ];
                 self.normaliser = word(value, &words.map(|n| (n.name(), n)))?;
+            }
+            "lamps" => {
+                let words = [("apart", Lamps::Apart), ("chain", Lamps::Chain)];
+                self.lamps = word(value, &words)?;
             }
             "replicas" if value == "standard" => self.replicas = None,
             "replicas" => self.replicas = Some(value.parse().ok()?),

@@ -14,8 +14,9 @@ use kaustik_scene::Scene;
 use rayon::prelude::*;
 
 use crate::control::is_stopped;
-use crate::engine::{Engine, Nonfinite, STRIDE, add_counters};
-use crate::render::builder_settings;
+use crate::engine::{Engine, Nonfinite, STRIDE, add_counters, add_nonfinite};
+use crate::lamps::DirectLight;
+use crate::render::chain_builder_settings;
 use crate::{
     Builder, ChainStatistics, Normaliser, Options, Place, RenderError, RenderSettings, SmallStep,
 };
@@ -72,6 +73,7 @@ pub(crate) struct PssmltEngine<'a> {
     chains: Vec<Chain>,
     chain_film: Film,
     large_film: Option<Film>,
+    direct: Option<DirectLight<'a>>,
     pool: Mean,
     /// The constant in the weights; 0 if the pilot saw nothing.
     b0: f64,
@@ -94,11 +96,11 @@ impl<'a> PssmltEngine<'a> {
         let options = settings.options;
         let builder: Box<dyn PathBuilder> = match options.builder {
             Builder::Unidirectional => Box::new(Unidirectional {
-                settings: builder_settings(settings),
+                settings: chain_builder_settings(settings),
                 next_event: options.next_event,
             }),
             Builder::Endpoint => Box::new(Endpoint {
-                settings: builder_settings(settings),
+                settings: chain_builder_settings(settings),
             }),
             Builder::Simple => Box::new(bidirectional(settings, Form::Simple)),
             Builder::Bidirectional => Box::new(bidirectional(settings, Form::Full)),
@@ -140,6 +142,7 @@ impl<'a> PssmltEngine<'a> {
             chains,
             chain_film: Film::with_layout(&layout, quantum)?,
             large_film,
+            direct: DirectLight::new(scene, settings)?,
             pool: *pool.normaliser(),
             b0,
             scale: Scale {
@@ -209,7 +212,7 @@ impl<'a> PssmltEngine<'a> {
 
 fn bidirectional(settings: &RenderSettings, form: Form) -> Bidirectional {
     Bidirectional {
-        settings: builder_settings(settings),
+        settings: chain_builder_settings(settings),
         form,
         heuristic: settings.options.heuristic,
     }
@@ -297,7 +300,11 @@ impl Engine for PssmltEngine<'_> {
             .with_max_len(1)
             .for_each(|(chain, &steps)| self.drive(chain, steps, stop));
         self.chains = chains;
-        self.statistics().steps - before
+        let steps = self.statistics().steps;
+        if let Some(direct) = &mut self.direct {
+            direct.keep_up(steps);
+        }
+        steps - before
     }
 
     fn develop(&mut self) -> Result<Image, RenderError> {
@@ -316,6 +323,7 @@ impl Engine for PssmltEngine<'_> {
         };
         let mut films = vec![(&self.chain_film, scale * per_step)];
         films.extend(self.large_film.iter().map(|film| (film, per_step)));
+        films.extend(self.direct.iter().map(DirectLight::part));
         Ok(develop(&films)?)
     }
 
@@ -330,11 +338,9 @@ impl Engine for PssmltEngine<'_> {
     }
 
     fn nonfinite(&self) -> (u64, Option<Place>) {
-        Nonfinite::all(
-            self.chains
-                .iter()
-                .map(|chain| (chain.ladder, chain.nonfinite)),
-        )
+        let chains = self.chains.iter();
+        let own = Nonfinite::all(chains.map(|chain| (chain.ladder, chain.nonfinite)));
+        add_nonfinite(own, self.direct.as_ref().map(DirectLight::nonfinite))
     }
 
     fn film_counters(&self) -> Counters {
@@ -343,10 +349,14 @@ impl Engine for PssmltEngine<'_> {
             .as_ref()
             .map(Film::counters)
             .unwrap_or_default();
-        add_counters(self.chain_film.counters(), large)
+        let direct = self.direct.as_ref().map(DirectLight::film_counters);
+        add_counters(
+            add_counters(self.chain_film.counters(), large),
+            direct.unwrap_or_default(),
+        )
     }
 
     fn is_lit(&self) -> bool {
-        self.pool.mean() > 0.0
+        self.pool.mean() > 0.0 || self.direct.as_ref().is_some_and(DirectLight::is_lit)
     }
 }

@@ -17,8 +17,9 @@ use kaustik_scene::Scene;
 use rayon::prelude::*;
 
 use crate::control::is_stopped;
-use crate::engine::{Engine, Nonfinite, STRIDE, add_counters};
-use crate::render::builder_settings;
+use crate::engine::{Engine, Nonfinite, STRIDE, add_counters, add_nonfinite};
+use crate::lamps::DirectLight;
+use crate::render::chain_builder_settings;
 use crate::{
     ChainStatistics, Normaliser, Options, Place, RenderError, RenderSettings, ReplicaLevel, ReplicaStatistics,
     Steps,
@@ -49,7 +50,7 @@ pub(crate) fn engine<'a>(
         });
     }
     let builder = Bidirectional {
-        settings: builder_settings(settings),
+        settings: chain_builder_settings(settings),
         form: Form::Full,
         heuristic: settings.options.heuristic,
     };
@@ -110,6 +111,7 @@ struct ReltEngine<'a, const K: usize> {
     rough: [Estimate; K],
     runs: Vec<Run<K>>,
     films: [Film; K],
+    direct: Option<DirectLight<'a>>,
     scale: Scale,
     /// Raster area of the window in pixels.
     area: f64,
@@ -172,6 +174,7 @@ impl<'a, const K: usize> ReltEngine<'a, K> {
             dropped: started.dropped.clone(),
             runs: runs(&family, &set, settings, started),
             films,
+            direct: DirectLight::new(scene, settings)?,
             scale: Scale {
                 width: f64::from(settings.width),
                 height: f64::from(settings.height),
@@ -253,47 +256,42 @@ impl<'a, const K: usize> ReltEngine<'a, K> {
         all
     }
 
-    /// Which estimate scales the films. In a render shorter than its annealing the rough constants are
-    /// better than those of eq. 10 (spec 7.5).
-    fn normaliser(&self) -> Normaliser {
+    /// What the replicas tell about each other: `b_k / b_hat_k` (spec (7)). The rough constants stand in a
+    /// render shorter than its annealing, where they are better (spec 7.5).
+    fn exchanged(&self) -> [f64; K] {
+        if self.options.normaliser == Normaliser::Initial || self.sweeps() < self.particles {
+            return [1.0; K];
+        }
+        let rough = RoughNormalisers::guess(self.rough.map(|b| b.value));
+        self.running().over(&rough)
+    }
+
+    /// What a film per sweep is multiplied by.
+    fn scales(&self) -> [f64; K] {
         match self.options.normaliser {
-            Normaliser::Exchange if self.sweeps() < self.particles => Normaliser::Initial,
-            other => other,
+            Normaliser::Running => self.shares().scales(self.sweeps(), &self.exchanged()),
+            Normaliser::Initial | Normaliser::Exchange => self.exchanged(),
         }
     }
 
-    /// The picture's mean X + Y + Z. Scaled by anything but independent samples, it has the error of the
-    /// full replica's normaliser at least.
+    /// The picture's mean X + Y + Z. Where exchanges scale it, it has the error of the full replica's
+    /// normaliser at least.
     fn brightness(&self) -> Estimate {
         let shares = self.shares();
-        let whole = shares.whole();
-        if self.normaliser() == Normaliser::Running {
-            return whole;
+        if self.options.normaliser == Normaliser::Running {
+            return shares.brightness(self.sweeps(), &self.exchanged());
         }
-        let scales = self.scales();
-        let held = shares.held();
-        let sweeps = self.sweeps().max(1) as f64;
-        let value = (0..K).map(|k| scales[k] * held[k] / sweeps).sum();
-        let first = 1.min(K - 1);
-        let error = match self.normaliser() {
-            Normaliser::Initial => self.rough[first].relative_error(),
-            _ => self.running().estimates()[first].relative_error(),
+        let per_sweep = 1.0 / self.sweeps().max(1) as f64;
+        let light = self.scales().into_iter().zip(shares.held());
+        let value = light.map(|(scale, held)| scale * held * per_sweep).sum();
+        let full = 1.min(K - 1);
+        let error = match self.options.normaliser {
+            Normaliser::Initial => self.rough[full].relative_error(),
+            _ => self.running().estimates()[full].relative_error(),
         };
         Estimate {
             value,
             standard_error: value * error,
-        }
-    }
-
-    /// What a film per sweep is multiplied by: to hold its share, or `b_k / b_hat_k` (spec (7)).
-    fn scales(&self) -> [f64; K] {
-        match self.normaliser() {
-            Normaliser::Running => self.shares().scales(self.sweeps()),
-            Normaliser::Initial => [1.0; K],
-            Normaliser::Exchange => {
-                let rough = RoughNormalisers::guess(self.rough.map(|b| b.value));
-                self.running().over(&rough)
-            }
         }
     }
 
@@ -350,7 +348,11 @@ impl<const K: usize> Engine for ReltEngine<'_, K> {
             .with_max_len(1)
             .for_each(|(run, &steps)| self.drive(run, steps / K as u64, stop));
         self.runs = runs;
-        (self.sweeps() - before) * K as u64
+        let sweeps = self.sweeps();
+        if let Some(direct) = &mut self.direct {
+            direct.keep_up(sweeps * K as u64);
+        }
+        (sweeps - before) * K as u64
     }
 
     fn planned(&self, ladder: u32, settings: &RenderSettings) -> u64 {
@@ -369,19 +371,18 @@ impl<const K: usize> Engine for ReltEngine<'_, K> {
             run.shares = deposit.shares;
         }
         self.runs = runs;
-        Ok(develop(&self.parts())?)
+        let mut parts = self.parts();
+        parts.extend(self.direct.iter().map(DirectLight::part));
+        Ok(develop(&parts)?)
     }
 
     fn layers(&self) -> Result<Vec<Layer>, RenderError> {
         let mut layers = Vec::with_capacity(K);
         for (index, part) in self.parts().into_iter().enumerate() {
-            let image = develop(&[part])?;
-            let channels = ["R", "G", "B"].into_iter().zip(image.rgb());
-            let channels = channels.map(|(name, plane)| (name, plane.to_vec()));
-            layers.push(Layer::new(
-                &format!("replica-{}", index + 1),
-                channels.collect(),
-            ));
+            layers.push(layer(&format!("replica-{}", index + 1), part)?);
+        }
+        if let Some(direct) = &self.direct {
+            layers.push(layer("direct", direct.part())?);
         }
         Ok(layers)
     }
@@ -443,21 +444,33 @@ impl<const K: usize> Engine for ReltEngine<'_, K> {
             round_trips: exchanges.round_trips,
             particles: self.particles,
             dropped: self.dropped.clone(),
-            normaliser: self.normaliser().name(),
+            normaliser: self.options.normaliser.name(),
         })
     }
 
     fn nonfinite(&self) -> (u64, Option<Place>) {
-        Nonfinite::all(self.runs.iter().map(|run| (run.index, run.nonfinite)))
+        let own = Nonfinite::all(self.runs.iter().map(|run| (run.index, run.nonfinite)));
+        add_nonfinite(own, self.direct.as_ref().map(DirectLight::nonfinite))
     }
 
     fn film_counters(&self) -> Counters {
-        (self.films.iter().map(Film::counters)).fold(Counters::default(), add_counters)
+        let direct = self.direct.iter().map(DirectLight::film_counters);
+        (self.films.iter().map(Film::counters))
+            .chain(direct)
+            .fold(Counters::default(), add_counters)
     }
 
     fn is_lit(&self) -> bool {
-        self.lit
+        self.lit || self.direct.as_ref().is_some_and(DirectLight::is_lit)
     }
+}
+
+/// A film as a layer.
+fn layer(name: &str, part: (&Film, f64)) -> Result<Layer, RenderError> {
+    let image = develop(&[part])?;
+    let channels = ["R", "G", "B"].into_iter().zip(image.rgb());
+    let channels = channels.map(|(channel, plane)| (channel, plane.to_vec()));
+    Ok(Layer::new(name, channels.collect()))
 }
 
 /// JSON knows neither infinity nor NaN.

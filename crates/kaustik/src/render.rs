@@ -13,7 +13,7 @@ use crate::independent::IndependentEngine;
 use crate::pssmlt::PssmltEngine;
 use crate::relt;
 use crate::{
-    Budget, Control, Method, Progress, RenderError, RenderSettings, RenderStatistics, features,
+    Budget, Control, Lamps, Method, Progress, RenderError, RenderSettings, RenderStatistics, features,
 };
 
 /// What became of a render.
@@ -152,12 +152,24 @@ fn engine<'a>(
     })
 }
 
+/// What the builders under chains are told: what is seen directly may have samples of its own.
+pub(crate) fn chain_builder_settings(settings: &RenderSettings) -> BuilderSettings {
+    BuilderSettings {
+        min_edges: match settings.options.lamps {
+            Lamps::Apart => 2,
+            Lamps::Chain => 1,
+        },
+        ..builder_settings(settings)
+    }
+}
+
 /// What path builders are told by these settings.
 pub(crate) fn builder_settings(settings: &RenderSettings) -> BuilderSettings {
     let bounds = settings.layout().extended_bounds();
     let size = DVec2::new(f64::from(settings.width), f64::from(settings.height));
     BuilderSettings {
         max_edges: settings.max_depth,
+        min_edges: 1,
         largest: settings.options.contribution == Contribution::Maximum,
         wavelengths: settings.options.wavelengths,
         window_min: DVec2::from(bounds.min) / size,

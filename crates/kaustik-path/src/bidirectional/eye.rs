@@ -51,8 +51,10 @@ pub(super) fn trace(
     loop {
         let slot = eye.next();
         if walk.advance(scene, u, &mut slot.vertex).is_none() {
-            let running = departure.escape(heuristic);
-            escape(job, &walk, &running, eye.vertices(), gathered, witness);
+            if walk.edges >= settings.min_edges {
+                let running = departure.escape(heuristic);
+                escape(job, &walk, &running, eye.vertices(), gathered, witness);
+            }
             return raster;
         }
         slot.reach(&walk);
@@ -60,7 +62,9 @@ pub(super) fn trace(
         slot.running = departure.arrive(heuristic, squared, slot.cos_back());
         from = slot.vertex.position;
         eye.keep();
-        emission(job, walk.specular, eye.vertices(), gathered, witness);
+        if walk.edges >= settings.min_edges {
+            emission(job, walk.specular, eye.vertices(), gathered, witness);
+        }
         if walk.edges == most {
             return raster;
         }
