@@ -41,7 +41,7 @@ pub(crate) struct IndependentEngine<'a> {
 
 /// A grid over the window, one cell a pixel (nearly so where a filter reaches over the edge).
 #[derive(Clone, Copy, Debug)]
-struct Cells {
+pub(crate) struct Cells {
     columns: u64,
     rows: u64,
     ladders: u64,
@@ -86,24 +86,6 @@ impl<'a> IndependentEngine<'a> {
             settings: builder_settings(settings),
         };
         Self::new(scene, settings, Box::new(builder), None)
-    }
-
-    /// Drives all streams over their cells so many times more.
-    pub(crate) fn pass(&mut self, passes: u64) {
-        let ladders = self.streams.iter().map(|stream| stream.ladder);
-        let plan: Vec<u64> = ladders.map(|ladder| passes * self.grain(ladder)).collect();
-        self.advance(&plan, None);
-    }
-
-    /// The film after whole passes, with what turns it into a picture.
-    pub(crate) fn part(&self, passes: u64) -> (&Film, f64) {
-        let cells = self.cells.map_or(1, |cells| cells.count());
-        (&self.film, self.area / (cells * passes.max(1)) as f64)
-    }
-
-    /// Has any sample brought light?
-    pub(crate) fn has_seen_light(&self) -> bool {
-        self.film.sums().any(|sum| sum != 0)
     }
 
     fn new(
@@ -336,7 +318,7 @@ fn all_equal(passes: &[Option<u64>]) -> Option<u64> {
 }
 
 impl Cells {
-    fn new(settings: &RenderSettings) -> Self {
+    pub(crate) fn new(settings: &RenderSettings) -> Self {
         let bounds = settings.layout().extended_bounds();
         let side = |axis: usize| ((bounds.max[axis] - bounds.min[axis]).round() as u64).max(1);
         Self {
@@ -346,8 +328,16 @@ impl Cells {
         }
     }
 
-    fn count(&self) -> u64 {
+    pub(crate) fn count(&self) -> u64 {
         self.columns * self.rows
+    }
+
+    pub(crate) fn columns(&self) -> u64 {
+        self.columns
+    }
+
+    pub(crate) fn rows(&self) -> u64 {
+        self.rows
     }
 
     /// First cell of a ladder and the one after its last: ladders own bands of the image.

@@ -23,11 +23,11 @@
 //! ```
 
 mod control;
+mod direct_light;
 mod engine;
 mod error;
 mod features;
 mod independent;
-mod lamps;
 mod method;
 mod options;
 mod pssmlt;

@@ -14,8 +14,8 @@ use kaustik_scene::Scene;
 use rayon::prelude::*;
 
 use crate::control::is_stopped;
+use crate::direct_light::DirectLight;
 use crate::engine::{Engine, Nonfinite, STRIDE, add_counters, add_nonfinite};
-use crate::lamps::DirectLight;
 use crate::render::chain_builder_settings;
 use crate::{
     Builder, ChainStatistics, Normaliser, Options, Place, RenderError, RenderSettings, SmallStep,
