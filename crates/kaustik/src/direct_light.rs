@@ -23,7 +23,7 @@ use crate::{Lamps, Place, RenderError, RenderSettings};
 /// where one looks more closely does not depend on what is found there.
 const LOOK: u64 = 4;
 /// The most samples in a cell that is looked at more closely, for each in another.
-const CLOSELY: u64 = 64;
+const CLOSELY: u64 = 1024;
 /// Mutations a pixel for each pass but the first.
 const EACH: u64 = 16;
 /// A ladder that no render has, for the generators.

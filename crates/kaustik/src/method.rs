@@ -17,16 +17,19 @@ pub enum Method {
     Pssmlt,
     /// Replica exchange light transport (Kitaoka 2009).
     Relt,
+    /// Population annealing alone (Kitaoka 2009, section 6).
+    Annealing,
 }
 
 impl Method {
     /// All methods.
-    pub const ALL: [Self; 5] = [
+    pub const ALL: [Self; 6] = [
         Self::Path,
         Self::Light,
         Self::Bdpt,
         Self::Pssmlt,
         Self::Relt,
+        Self::Annealing,
     ];
 
     /// The name on the command line.
@@ -37,6 +40,7 @@ impl Method {
             Self::Bdpt => "bdpt",
             Self::Pssmlt => "pssmlt",
             Self::Relt => "relt",
+            Self::Annealing => "annealing",
         }
     }
 
@@ -57,6 +61,9 @@ impl Method {
             }
             Self::Relt => {
                 "replica exchange: chains of rising difficulty that swap states (Kitaoka et al. 2009)"
+            }
+            Self::Annealing => {
+                "population annealing: fresh populations climb from easy to hard paths (Kitaoka et al. 2009, 6)"
             }
         }
     }
@@ -111,7 +118,8 @@ pub struct Key {
 
 const EVERY: &[Method] = &Method::ALL;
 const CHAINS: &[Method] = &[Method::Pssmlt];
-const REPLICAS: &[Method] = &[Method::Relt];
+const EXCHANGE: &[Method] = &[Method::Relt];
+const REPLICAS: &[Method] = &[Method::Relt, Method::Annealing];
 
 /// All keys.
 pub const KEYS: &[Key] = &[
@@ -166,14 +174,19 @@ pub const KEYS: &[Key] = &[
         range: "power|balance|maximum",
         meaning: "how the strategies of bidirectional paths share one path (Veach 1997, 9.2); pssmlt: \
                   builders simple and bidirectional",
-        methods: &[Method::Bdpt, Method::Pssmlt, Method::Relt],
+        methods: &[
+            Method::Bdpt,
+            Method::Pssmlt,
+            Method::Relt,
+            Method::Annealing,
+        ],
     },
     Key {
         name: "target",
         default: "xyz",
         range: "xyz|luminance",
         meaning: "the scalar that the chain follows: X+Y+Z, or luminance (which starves dispersion)",
-        methods: &[Method::Pssmlt, Method::Relt],
+        methods: &[Method::Pssmlt, Method::Relt, Method::Annealing],
     },
     Key {
         name: "contribution",
@@ -188,7 +201,7 @@ pub const KEYS: &[Key] = &[
         range: "apart|chain",
         meaning: "emitters and surroundings seen directly: by stratified samples of their own, or by the \
                   chains as any other path (the papers)",
-        methods: &[Method::Pssmlt, Method::Relt],
+        methods: &[Method::Pssmlt, Method::Relt, Method::Annealing],
     },
     Key {
         name: "plarge",
@@ -228,7 +241,7 @@ pub const KEYS: &[Key] = &[
         meaning: "what scales the replicas' films: all independent samples so far; what each replica tells \
                   about the next (RELT eq. 10, which is blind to what no chain has found); the annealing's \
                   own constants",
-        methods: REPLICAS,
+        methods: EXCHANGE,
     },
     Key {
         name: "replicas",
@@ -258,7 +271,7 @@ pub const KEYS: &[Key] = &[
         range: "full|pair|alternating|gibbs|none",
         meaning: "exchanges after each sweep: even and odd pairs, one random pair (the paper), even and \
                   odd by turns, a permutation of all (at most 5 replicas), none",
-        methods: REPLICAS,
+        methods: EXCHANGE,
     },
     Key {
         name: "steps",
@@ -266,14 +279,14 @@ pub const KEYS: &[Key] = &[
         range: "paper|adapted",
         meaning: "small steps: 1/61, 1/61 and 1/96 up to 16 times as much, or these sizes times \
                   factors that every ladder adapts to an acceptance of 0.234",
-        methods: REPLICAS,
+        methods: EXCHANGE,
     },
     Key {
         name: "particles",
         default: "10000",
         range: "1000..=1000000",
-        meaning: "particles of the population annealing at the start: first states and constants of \
-                  the weights",
+        meaning: "particles of the population annealing at the start (first states and constants of \
+                  the weights), and of each round of annealing",
         methods: REPLICAS,
     },
 ];

@@ -1,6 +1,6 @@
 //! Replica exchange light transport (Kitaoka, Kitamura and Kishino 2009; spec: relt.md).
 
-mod start;
+pub(crate) mod start;
 
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
@@ -9,25 +9,22 @@ use kaustik_estimate::{
 };
 use kaustik_film::{Counters, Film, Image, Layer, Quantum, develop};
 use kaustik_mcmc::{
-    AcceptanceAdaptation, Estimate, Exponential, Ladder, LadderStatistics, LevelKernel, Pcg64Dxsm,
-    Point, RoughNormalisers, RunningNormalisers, Schedule, Statistics, SteppingStone, generator,
+    AcceptanceAdaptation, Estimate, Ladder, LadderStatistics, Pcg64Dxsm, Point, RoughNormalisers, RunningNormalisers, Schedule, Statistics, SteppingStone, generator,
 };
-use kaustik_path::{Bidirectional, Contributions, Form};
+use kaustik_path::{Bidirectional, Contributions};
 use kaustik_scene::Scene;
 use rayon::prelude::*;
 
 use crate::control::is_stopped;
 use crate::direct_light::DirectLight;
 use crate::engine::{Engine, Nonfinite, STRIDE, add_counters, add_nonfinite};
-use crate::render::chain_builder_settings;
 use crate::{
     ChainStatistics, Normaliser, Options, Place, RenderError, RenderSettings, ReplicaLevel, ReplicaStatistics,
     Steps,
 };
-use start::{Started, anneal};
-
-/// A replica's place and what it brings.
-type State = (Point<Exponential>, Contributions);
+use start::{
+    Mutation, Started, State, for_so_many_replicas, kernels, mutation, replica_builder, start,
+};
 
 /// Sweeps of a ladder between two changes of its step sizes. Rounds of 16 were seen to bias a chain by
 /// 20 %, rounds of 1,000 within its error (spec relt.md 4).
@@ -49,55 +46,11 @@ pub(crate) fn engine<'a>(
             expected: format!("at most {} replicas", Schedule::MOST_PERMUTED),
         });
     }
-    let builder = Bidirectional {
-        settings: chain_builder_settings(settings),
-        form: Form::Full,
-        heuristic: settings.options.heuristic,
-    };
-    let nonfinite = AtomicU64::new(0);
-    let target = PathTarget {
-        scene,
-        builder: &builder,
-        nonfinite: &nonfinite,
-    };
-    let started = match set.count() {
-        2 => anneal::<2>(target, &set, settings),
-        3 => anneal::<3>(target, &set, settings),
-        4 => anneal::<4>(target, &set, settings),
-        5 => anneal::<5>(target, &set, settings),
-        6 => anneal::<6>(target, &set, settings),
-        7 => anneal::<7>(target, &set, settings),
-        _ => anneal::<8>(target, &set, settings),
-    };
-    Ok(match started.starts.len() {
-        0 | 1 => Box::new(ReltEngine::<1>::new(scene, builder, settings, started)?),
-        2 => Box::new(ReltEngine::<2>::new(scene, builder, settings, started)?),
-        3 => Box::new(ReltEngine::<3>::new(scene, builder, settings, started)?),
-        4 => Box::new(ReltEngine::<4>::new(scene, builder, settings, started)?),
-        5 => Box::new(ReltEngine::<5>::new(scene, builder, settings, started)?),
-        6 => Box::new(ReltEngine::<6>::new(scene, builder, settings, started)?),
-        7 => Box::new(ReltEngine::<7>::new(scene, builder, settings, started)?),
-        _ => Box::new(ReltEngine::<8>::new(scene, builder, settings, started)?),
-    })
-}
-
-/// Small steps of a replica: RELT 5.1.3's sizes, s2 = 16 s1 (spec relt.md (10)). The specific replica's
-/// are smaller.
-fn mutation(set: &ReplicaSet, level: usize) -> Exponential {
-    let specific = set.is_specific() && level + 1 == set.count();
-    let s1 = if specific { 1.0 / 96.0 } else { 1.0 / 61.0 };
-    Exponential::new(s1, 16.0 * s1)
-}
-
-/// Kernels of all replicas: the uniform one draws anew, the others perturb.
-fn kernels<'a, const K: usize>(
-    target: PathTarget<'a>,
-    set: &ReplicaSet,
-) -> [LevelKernel<PathTarget<'a>, Exponential>; K] {
-    std::array::from_fn(|level| {
-        let large = if level == 0 { 1.0 } else { 0.0 };
-        LevelKernel::new(target, large, mutation(set, level))
-    })
+    let builder = replica_builder(settings);
+    let started = start(scene, &builder, settings);
+    Ok(for_so_many_replicas!(
+        ReltEngine, scene, builder, settings, started
+    ))
 }
 
 /// Ladders of K replicas on K films.
@@ -126,8 +79,8 @@ struct ReltEngine<'a, const K: usize> {
 struct Run<const K: usize> {
     index: u32,
     draws: Pcg64Dxsm,
-    ladder: Ladder<Point<Exponential>, Contributions, K>,
-    adaptations: [AcceptanceAdaptation<Exponential>; K],
+    ladder: Ladder<Point<Mutation>, Contributions, K>,
+    adaptations: [AcceptanceAdaptation<Mutation>; K],
     sweeps: u64,
     shares: Shares<K>,
     nonfinite: Nonfinite,
@@ -466,7 +419,7 @@ impl<const K: usize> Engine for ReltEngine<'_, K> {
 }
 
 /// A film as a layer.
-fn layer(name: &str, part: (&Film, f64)) -> Result<Layer, RenderError> {
+pub(crate) fn layer(name: &str, part: (&Film, f64)) -> Result<Layer, RenderError> {
     let image = develop(&[part])?;
     let channels = ["R", "G", "B"].into_iter().zip(image.rgb());
     let channels = channels.map(|(channel, plane)| (channel, plane.to_vec()));
@@ -474,6 +427,6 @@ fn layer(name: &str, part: (&Film, f64)) -> Result<Layer, RenderError> {
 }
 
 /// JSON knows neither infinity nor NaN.
-fn known(x: f64) -> Option<f64> {
+pub(crate) fn known(x: f64) -> Option<f64> {
     x.is_finite().then_some(x)
 }

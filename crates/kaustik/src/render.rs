@@ -13,7 +13,7 @@ use crate::independent::IndependentEngine;
 use crate::pssmlt::PssmltEngine;
 use crate::relt;
 use crate::{
-    Budget, Control, Lamps, Method, Progress, RenderError, RenderSettings, RenderStatistics, features,
+    Budget, Control, Lamps, Method, Progress, RenderError, RenderSettings, RenderStatistics, annealing, features,
 };
 
 /// What became of a render.
@@ -149,6 +149,7 @@ fn engine<'a>(
         Method::Bdpt => Box::new(IndependentEngine::bdpt(scene, settings)?),
         Method::Pssmlt => Box::new(PssmltEngine::new(scene, settings)?),
         Method::Relt => relt::engine(scene, settings)?,
+        Method::Annealing => annealing::engine(scene, settings)?,
     })
 }
 
