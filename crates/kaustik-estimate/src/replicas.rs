@@ -105,6 +105,12 @@ impl<const K: usize> ReplicaWeights<K> {
         Self::power(densities[level] * self.inverse[level], self.beta - 1.0) / sum
     }
 
+    /// Densities over the rough constants.
+    #[inline]
+    pub fn roughly(&self, densities: &[f64; K]) -> [f64; K] {
+        std::array::from_fn(|k| densities[k] * self.inverse[k])
+    }
+
     /// How the light of a point is shared: what falls to each replica, given the scalar of its implicit
     /// specular light and of all other. They add up to the whole, but for specular light where a specific
     /// replica's density is zero, which cannot be.
@@ -185,6 +191,8 @@ impl<const K: usize> Recorder<Contributions, K> for ReplicaDeposit<'_, K> {
         if visit.weight <= 0.0 || visit.density() <= 0.0 || specular + other <= 0.0 {
             return;
         }
+        let roughly = self.weights.roughly(visit.densities);
+        self.shares.visit(visit.level, visit.weight, &roughly);
         let film = &self.films[visit.level];
         let weights = &self.weights;
         if visit.level < weights.shared {

@@ -5,7 +5,7 @@ use std::array::from_fn;
 use kaustik_mcmc::{Estimate, Mean};
 
 /// So many effective samples are few.
-const FEW: f64 = 8.0;
+const FEW: f64 = 100.0;
 
 /// What the films of K replicas hold, and what they should hold.
 ///
@@ -26,6 +26,10 @@ pub struct Shares<const K: usize> {
     whole: Mean,
     /// What the films were given: sums of weight times light.
     held: [f64; K],
+    /// Visits of the replica below, by how much of a bridge is this replica's.
+    up: [f64; K],
+    /// Visits of this replica, by how much of the bridge is the one's below.
+    down: [f64; K],
 }
 
 impl<const K: usize> Default for Shares<K> {
@@ -34,6 +38,8 @@ impl<const K: usize> Default for Shares<K> {
             parts: [Mean::new(); K],
             whole: Mean::new(),
             held: [0.0; K],
+            up: [0.0; K],
+            down: [0.0; K],
         }
     }
 }
@@ -54,11 +60,42 @@ impl<const K: usize> Shares<K> {
         self.held[level] += light;
     }
 
+    /// A replica was somewhere, with this weight; `roughly` are the densities there over the rough constants.
+    #[inline]
+    pub fn visit(&mut self, level: usize, weight: f64, roughly: &[f64; K]) {
+        let share = |of: usize, other: usize| {
+            let both = roughly[of] + roughly[other];
+            if both > 0.0 { weight * roughly[of] / both } else { 0.0 }
+        };
+        if level > 0 {
+            self.down[level] += share(level - 1, level);
+        }
+        if level + 1 < K {
+            self.up[level + 1] += share(level + 1, level);
+        }
+    }
+
+    /// What the replicas tell about each other: `b_k / b_hat_k` (spec relt.md (7)) by Bennett's acceptance
+    /// ratio (J. Comput. Phys. 22, 1976) from each to the next. Visits count by at most their weight: RELT eq. 10
+    /// lets what the uniform replica met by chance count by its density, which may be ten thousand times the mean.
+    /// And supports need not be nested. 1 where two replicas have nothing in common yet.
+    pub fn bridged(&self) -> [f64; K] {
+        let mut product = 1.0;
+        from_fn(|k| {
+            if k > 0 && self.up[k] > 0.0 && self.down[k] > 0.0 {
+                product *= self.up[k] / self.down[k];
+            }
+            product
+        })
+    }
+
     /// Adds those of another ladder.
     pub fn merge(&mut self, other: &Self) {
         for k in 0..K {
             self.parts[k].merge(&other.parts[k]);
             self.held[k] += other.held[k];
+            self.up[k] += other.up[k];
+            self.down[k] += other.down[k];
         }
         self.whole.merge(&other.whole);
     }
@@ -81,12 +118,12 @@ impl<const K: usize> Shares<K> {
         self.held
     }
 
-    /// How far independent samples alone are to be trusted with a replica's light, in [0, 1]: n / (n + 8)
+    /// How far independent samples are to be trusted with a replica's light, in [0, 1]: n / (n + 100)
     /// for n effective samples, `(sum of light)^2 / sum of squares`.
     ///
     /// Light that one sample in 100,000 meets is nothing to the first 50,000, and far too much once the first has
-    /// met it, while chains may have come to it by small steps. Until a few dozen have met
-    /// it the exchange's word counts as well.
+    /// met it, while chains may have come to it by small steps, and know better how it
+    /// compares with other light once they have. Most light is met by every second sample.
     fn trust(&self, level: usize) -> f64 {
         let mean = &self.parts[level];
         let square = mean.mean() * mean.mean();
@@ -98,36 +135,26 @@ impl<const K: usize> Shares<K> {
         effective / (effective + FEW)
     }
 
-    /// What each film is to be multiplied by, on top of 1 over the number of sweeps that filled it; `exchange`
-    /// is what the replicas tell about each other, `b_k / b_hat_k` (spec relt.md (7)).
-    pub fn scales(&self, sweeps: u64, exchange: &[f64; K]) -> [f64; K] {
+    /// What each film is to be multiplied by, on top of 1 over the number of sweeps that filled it: to hold
+    /// what independent samples say, and as far as these are not to be trusted, what the [bridges](Self::bridged)
+    /// do.
+    pub fn scales(&self, sweeps: u64) -> [f64; K] {
+        let bridged = self.bridged();
         from_fn(|k| {
             let trust = self.trust(k);
             if self.held[k] > 0.0 {
                 let own = self.parts[k].mean() * sweeps as f64 / self.held[k];
-                trust * own + (1.0 - trust) * exchange[k]
+                trust * own + (1.0 - trust) * bridged[k]
             } else {
                 0.0
             }
         })
     }
 
-    /// The light of the films so scaled. Its error is that of the independent samples, and where these are
-    /// not trusted alone what the two ways differ by.
-    pub fn brightness(&self, sweeps: u64, exchange: &[f64; K]) -> Estimate {
-        let scales = self.scales(sweeps, exchange);
-        let mut value = 0.0;
-        let mut square = self.whole().standard_error * self.whole().standard_error;
-        for (k, scale) in scales.iter().enumerate() {
-            let light = scale * self.held[k] / sweeps.max(1) as f64;
-            value += light;
-            let apart = light - self.parts[k].mean();
-            square += apart * apart;
-        }
-        Estimate {
-            value,
-            standard_error: square.sqrt(),
-        }
+    /// The light of films with these scales.
+    pub fn light(&self, sweeps: u64, scales: &[f64; K]) -> f64 {
+        let light = scales.iter().zip(&self.held).map(|(scale, held)| scale * held);
+        light.sum::<f64>() / sweeps.max(1) as f64
     }
 }
 
@@ -140,6 +167,8 @@ fn estimate(mean: &Mean) -> Estimate {
 
 #[cfg(test)]
 mod tests {
+    use kaustik_mcmc::{Draws, generator};
+
     use super::*;
 
     fn close(a: f64, b: f64) -> bool {
@@ -156,32 +185,45 @@ mod tests {
         one.hold(0, 0.25);
         other.hold(0, 0.75);
         other.hold(1, 1.0);
+        // the second is twice as large as it was thought to be
+        one.visit(0, 3.0, &[1.0, 2.0, 0.0]);
+        other.visit(1, 3.0, &[1.0, 2.0, 0.0]);
         one.merge(&other);
-        let [first, second, third] = one.scales(4, &[9.0, 2.0, 5.0]);
+        assert_eq!(one.bridged(), [1.0, 2.0, 2.0]);
+        let scales = one.scales(4);
         // 4,000 and 1,000 effective samples; the third film is empty
-        assert!(close(first, (4_000.0 * 4.0 + 8.0 * 9.0) / 4_008.0));
-        assert!(close(second, (1_000.0 * 3.0 + 8.0 * 2.0) / 1_008.0));
-        assert!(close(third, 0.0));
+        assert!(close(scales[0], (4_000.0 * 4.0 + 100.0) / 4_100.0));
+        assert!(close(scales[1], (1_000.0 * 3.0 + 100.0 * 2.0) / 1_100.0));
+        assert!(close(scales[2], 0.0));
+        assert!(close(one.light(4, &scales), (scales[0] + scales[1]) / 4.0));
         let whole = one.whole();
         assert!(close(whole.value, 1.75) && close(one.part(1).value, 0.75));
         assert!((whole.standard_error / (1.6875_f64 / 4_000.0).sqrt() - 1.0).abs() < 1e-3);
-        let light = one.brightness(4, &[4.0, 3.0, 1.0]);
-        assert!(close(light.value, whole.value) && close(light.standard_error, whole.standard_error));
     }
 
     #[test]
-    fn what_samples_have_hardly_met_is_left_to_the_exchange() {
+    fn what_samples_have_hardly_met_is_left_to_the_bridges() {
         let mut shares = Shares::<1>::default();
         shares.sample([0.0]);
         shares.hold(0, 3.0);
-        assert!(close(shares.scales(6, &[0.5])[0], 0.5));
+        assert!(close(shares.scales(6)[0], 1.0));
         shares.sample([8.0]); // one effective sample, a mean of 4
-        let [scale] = shares.scales(6, &[0.5]);
-        assert!(close(scale, (8.0 + 8.0 * 0.5) / 9.0), "{scale}");
-        let light = shares.brightness(6, &[0.5]);
-        assert!(close(light.value, scale / 2.0));
-        // an error of sqrt(32 / 2), and what lies between the two
-        let apart = 4.0 - light.value;
-        assert!(close(light.standard_error, (16.0 + apart * apart).sqrt()));
+        assert!(close(shares.scales(6)[0], (8.0 + 100.0) / 101.0));
+    }
+
+    /// Densities 1, 2x and 3x^2 / 5 on [0, 1], thought to be of integral 1, 3 and 1.
+    #[test]
+    fn bridges_find_the_constants() {
+        let mut rng = generator(33, 0);
+        let mut shares = Shares::<3>::default();
+        for _ in 0..100_000 {
+            for level in 0..3 {
+                let x = libm::pow(rng.uniform(), 1.0 / (level as f64 + 1.0));
+                shares.visit(level, 1.0, &[1.0, 2.0 * x / 3.0, 0.6 * x * x]);
+            }
+        }
+        for (found, wanted) in shares.bridged().into_iter().zip([1.0, 1.0 / 3.0, 0.2]) {
+            assert!((found / wanted - 1.0).abs() < 0.02, "{found} {wanted}");
+        }
     }
 }

@@ -9,7 +9,7 @@ use kaustik_estimate::{
 };
 use kaustik_film::{Counters, Film, Image, Layer, Quantum, develop};
 use kaustik_mcmc::{
-    AcceptanceAdaptation, Estimate, Ladder, LadderStatistics, Pcg64Dxsm, Point, RoughNormalisers, RunningNormalisers, Schedule, Statistics, SteppingStone, generator,
+    AcceptanceAdaptation, Estimate, Ladder, LadderStatistics, Mean, Pcg64Dxsm, Point, RoughNormalisers, RunningNormalisers, Schedule, Statistics, SteppingStone, generator,
 };
 use kaustik_path::{Bidirectional, Contributions};
 use kaustik_scene::Scene;
@@ -209,43 +209,58 @@ impl<'a, const K: usize> ReltEngine<'a, K> {
         all
     }
 
-    /// What the replicas tell about each other: `b_k / b_hat_k` (spec (7)). The rough constants stand in a
-    /// render shorter than its annealing, where they are better (spec 7.5).
-    fn exchanged(&self) -> [f64; K] {
-        if self.options.normaliser == Normaliser::Initial || self.sweeps() < self.particles {
-            return [1.0; K];
-        }
-        let rough = RoughNormalisers::guess(self.rough.map(|b| b.value));
-        self.running().over(&rough)
-    }
-
-    /// What a film per sweep is multiplied by.
+    /// What a film per sweep is multiplied by. In a render shorter than its annealing the rough constants are
+    /// better than those of eq. 10 (spec 7.5).
     fn scales(&self) -> [f64; K] {
         match self.options.normaliser {
-            Normaliser::Running => self.shares().scales(self.sweeps(), &self.exchanged()),
-            Normaliser::Initial | Normaliser::Exchange => self.exchanged(),
+            Normaliser::Running => self.shares().scales(self.sweeps()),
+            Normaliser::Exchange if self.sweeps() >= self.particles => {
+                let rough = RoughNormalisers::guess(self.rough.map(|b| b.value));
+                self.running().over(&rough)
+            }
+            Normaliser::Exchange | Normaliser::Initial => [1.0; K],
         }
     }
 
-    /// The picture's mean X + Y + Z. Where exchanges scale it, it has the error of the full replica's
-    /// normaliser at least.
+    /// The light (X + Y + Z) of all films. Its error is the jackknife's: how much it changes without one of the
+    /// ladders, which are independent. Scaled by other than independent samples, it has the error of the full
+    /// replica's normaliser at least.
     fn brightness(&self) -> Estimate {
-        let shares = self.shares();
-        if self.options.normaliser == Normaliser::Running {
-            return shares.brightness(self.sweeps(), &self.exchanged());
-        }
-        let per_sweep = 1.0 / self.sweeps().max(1) as f64;
-        let light = self.scales().into_iter().zip(shares.held());
-        let value = light.map(|(scale, held)| scale * held * per_sweep).sum();
+        let (shares, sweeps) = (self.shares(), self.sweeps());
+        let value = shares.light(sweeps, &self.scales());
         let full = 1.min(K - 1);
-        let error = match self.options.normaliser {
+        let relative = match self.options.normaliser {
+            Normaliser::Running => {
+                return Estimate {
+                    value,
+                    standard_error: self.jackknife(),
+                };
+            }
             Normaliser::Initial => self.rough[full].relative_error(),
-            _ => self.running().estimates()[full].relative_error(),
+            Normaliser::Exchange => self.running().estimates()[full].relative_error(),
         };
         Estimate {
             value,
-            standard_error: value * error,
+            standard_error: value * relative,
         }
+    }
+
+    /// Standard error of the light: from leaving out one ladder after the other.
+    fn jackknife(&self) -> f64 {
+        let mut without = Mean::new();
+        for left_out in 0..self.runs.len() {
+            let (mut shares, mut sweeps) = (self.pool, 0);
+            for (index, run) in self.runs.iter().enumerate() {
+                if index != left_out {
+                    shares.merge(&run.shares);
+                    sweeps += run.sweeps;
+                }
+            }
+            without.push(shares.light(sweeps, &shares.scales(sweeps)));
+        }
+        // the values hardly differ: their variance over ladders - 1 is what one ladder changes
+        let ladders = self.runs.len() as f64;
+        (without.variance() / ladders).sqrt() * (ladders - 1.0)
     }
 
     /// Films with what turns them into parts of the picture.
