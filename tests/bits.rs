@@ -2,7 +2,7 @@
 
 use kaustik::film::Filter;
 use kaustik::scene::{builtin, gltf};
-use kaustik::{Budget, Method, RenderSettings};
+use kaustik::{Budget, Builder, Method, Normaliser, RenderSettings};
 
 use crate::support::{compile, picture, scene, settings};
 
@@ -41,6 +41,30 @@ fn threads_do_not_show() {
                 ));
                 assert!(one == more, "{method} with {threads} threads, {budget:?}");
             }
+        }
+    }
+}
+
+#[test]
+fn threads_do_not_show_with_any_builder() {
+    let scene = scene("glass-cube?light=0.8", 24);
+    for builder in [
+        Builder::Unidirectional,
+        Builder::Endpoint,
+        Builder::Simple,
+        Builder::Bidirectional,
+    ] {
+        let with = |threads| {
+            let mut settings = settings(Method::Pssmlt, 24, 3);
+            settings.options.builder = builder;
+            settings.options.normaliser = Normaliser::Bridge;
+            settings.threads = threads;
+            bits(&picture(&scene, &settings))
+        };
+        let one = with(1);
+        assert!(one.iter().any(|&v| v != 0));
+        for threads in [2, 5] {
+            assert!(one == with(threads), "{builder:?} with {threads} threads");
         }
     }
 }

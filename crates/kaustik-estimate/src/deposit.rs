@@ -4,6 +4,8 @@ use kaustik_film::Film;
 use kaustik_mcmc::{Recorder, Visit};
 use kaustik_path::{Class, Contributions};
 
+use crate::Bridge;
+
 /// How large steps, which are independent samples, are put to use a second time.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Mis {
@@ -75,6 +77,8 @@ pub struct KelemenDeposit<'a> {
     pub p_large: f64,
     /// Which weights.
     pub mis: Mis,
+    /// What the chain and its large steps tell about b.
+    pub bridge: Bridge,
 }
 
 impl Recorder<Contributions, 1> for KelemenDeposit<'_> {
@@ -84,6 +88,8 @@ impl Recorder<Contributions, 1> for KelemenDeposit<'_> {
         if density <= 0.0 {
             return;
         }
+        self.bridge.sample(visit.independent, density / self.b0);
+        self.bridge.visit(visit.weight, density / self.b0);
         // Spec (4.2): the sum of both techniques' densities, per mutation.
         let combined = density / self.b0 + self.p_large;
         match self.mis {

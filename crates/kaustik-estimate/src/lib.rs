@@ -5,6 +5,7 @@
 //! off them, [`KelemenDeposit`] weighs and splats every visit. [`ReplicaFamily`] and
 //! [`ReplicaDeposit`] do the same for replica exchange.
 
+mod bridge;
 mod deposit;
 mod replica_set;
 mod replicas;
@@ -12,6 +13,7 @@ mod scalar;
 mod shares;
 mod target;
 
+pub use bridge::Bridge;
 pub use deposit::{KelemenDeposit, Mis, Scale};
 pub use kaustik_path::ScalarTarget;
 pub use replica_set::{ClassWeights, ReplicaSet, ReplicaSetError};

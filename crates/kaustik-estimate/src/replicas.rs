@@ -201,8 +201,7 @@ impl<const K: usize> Recorder<Contributions, K> for ReplicaDeposit<'_, K> {
                 self.scale.splat(film, visit.value, weight);
                 self.shares.hold(visit.level, weight * (specular + other));
             } else if other > 0.0 {
-                (self.scale)
-                    .splat_classes(film, visit.value, weight, |class| class != Class::L0);
+                (self.scale).splat_classes(film, visit.value, weight, |class| class != Class::L0);
                 self.shares.hold(visit.level, weight * other);
             }
         } else if specular > 0.0 {

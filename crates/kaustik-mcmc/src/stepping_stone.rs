@@ -424,7 +424,10 @@ mod tests {
         // 400 uniform numbers, of variance 1/12
         let exact = (1.0_f64 / 12.0 / 400.0).sqrt();
         assert!((error(&as_one) / exact - 1.0).abs() < 0.1);
-        assert!(error(&in_time) < 0.3 * exact, "a hundredth of the batches would do");
+        assert!(
+            error(&in_time) < 0.3 * exact,
+            "a hundredth of the batches would do"
+        );
         let value = |stone: &SteppingStone<2>| stone.normalisers(1.0).values()[1];
         assert!((value(&in_time) - value(&as_one)).abs() < 1e-12);
     }

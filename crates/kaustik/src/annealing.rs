@@ -38,7 +38,11 @@ pub(crate) fn engine<'a>(
     let builder = replica_builder(settings);
     let started = start(scene, &builder, settings);
     Ok(for_so_many_replicas!(
-        AnnealingEngine, scene, builder, settings, started
+        AnnealingEngine,
+        scene,
+        builder,
+        settings,
+        started
     ))
 }
 
@@ -144,8 +148,16 @@ impl<'a, const K: usize> AnnealingEngine<'a, K> {
         };
         let kernels = kernels::<K>(target, &self.set);
         let bottom = self.ladder(self.rounds, 0);
-        let samples = samples(target, &self.family, &self.set, self.seed, bottom, self.particles);
-        let mut population = Population::from_samples(samples, &self.family, Resampling::Systematic);
+        let samples = samples(
+            target,
+            &self.family,
+            &self.set,
+            self.seed,
+            bottom,
+            self.particles,
+        );
+        let mut population =
+            Population::from_samples(samples, &self.family, Resampling::Systematic);
         let mut central = generator(self.seed, self.ladder(self.rounds, K));
         let mut light = [0.0; K];
         let mut normalisers = [0.0; K];
@@ -255,7 +267,9 @@ impl<const K: usize> Engine for AnnealingEngine<'_, K> {
             Budget::Time(_) => u64::MAX / cost * cost,
             // a share of the ladders is a share of the rounds, but one at least
             Budget::PerPixel(_) | Budget::Total(_) => {
-                let share = settings.ladder_range().map(|ladder| settings.planned(ladder));
+                let share = settings
+                    .ladder_range()
+                    .map(|ladder| settings.planned(ladder));
                 let steps: u64 = share.sum();
                 (steps / cost).max(u64::from(steps > 0)) * cost
             }

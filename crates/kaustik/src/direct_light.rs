@@ -98,7 +98,11 @@ impl<'a> DirectLight<'a> {
         let look = |value: &mut Contributions, cell| {
             let samples = (0..LOOK).map(|index| {
                 // far from the indices that passes will have
-                self.build(cell as u64, u64::MAX / self.cells.count() / 2 + index, value);
+                self.build(
+                    cell as u64,
+                    u64::MAX / self.cells.count() / 2 + index,
+                    value,
+                );
                 (value.splats().iter())
                     .map(|s| f64::from(s.xyz.sum()))
                     .sum::<f64>()

@@ -229,9 +229,9 @@ pub const KEYS: &[Key] = &[
     Key {
         name: "normaliser",
         default: "running",
-        range: "running|initial",
-        meaning: "the scale of the image: from the pilot and all large steps, or from the pilot alone \
-                  (exactly unbiased)",
+        range: "running|bridge|initial",
+        meaning: "the scale of the image: from the pilot and all large steps; the same by Bennett's acceptance \
+                  ratio with the chains; from the pilot alone (exactly unbiased)",
         methods: CHAINS,
     },
     Key {

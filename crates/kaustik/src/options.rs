@@ -41,6 +41,8 @@ pub enum Normaliser {
     Initial,
     /// What chains tell about the next: RELT eq. 10, `relt` alone.
     Exchange,
+    /// What the chain tells about its large steps: Bennett's acceptance ratio, `pssmlt` alone.
+    Bridge,
 }
 
 impl Normaliser {
@@ -50,6 +52,7 @@ impl Normaliser {
             Self::Running => "running",
             Self::Initial => "initial",
             Self::Exchange => "exchange",
+            Self::Bridge => "bridge",
         }
     }
 }
@@ -318,6 +321,7 @@ impl Options {
                     Normaliser::Running,
                     Normaliser::Initial,
                     Normaliser::Exchange,
+                    Normaliser::Bridge,
                 ];
                 self.normaliser = word(value, &words.map(|n| (n.name(), n)))?;
             }

@@ -3,10 +3,10 @@
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
-use kaustik_estimate::{KelemenDeposit, Mis, PathTarget, ScalarContribution, Scale};
+use kaustik_estimate::{Bridge, KelemenDeposit, Mis, PathTarget, ScalarContribution, Scale};
 use kaustik_film::{Counters, Film, Image, Quantum, develop};
 use kaustik_mcmc::{
-    Draws, Exponential, Mean, Metropolis, Mutation, Pcg64Dxsm, Point, PointKernel, Pool,
+    Draws, Estimate, Exponential, Mean, Metropolis, Mutation, Pcg64Dxsm, Point, PointKernel, Pool,
     SampleGenerators, Statistics, Uniform, generator, sample, sample_generator,
 };
 use kaustik_path::{Bidirectional, Contributions, Endpoint, Form, PathBuilder, Unidirectional};
@@ -75,6 +75,8 @@ pub(crate) struct PssmltEngine<'a> {
     large_film: Option<Film>,
     direct: Option<DirectLight<'a>>,
     pool: Mean,
+    /// What the pool's samples bring to the bridge.
+    pool_bridge: Bridge,
     /// The constant in the weights; 0 if the pilot saw nothing.
     b0: f64,
     scale: Scale,
@@ -88,6 +90,7 @@ struct Chain {
     nonfinite: Nonfinite,
     draws: Pcg64Dxsm,
     metropolis: Metropolis<Point<Small>, Contributions, 1>,
+    bridge: Bridge,
 }
 
 impl<'a> PssmltEngine<'a> {
@@ -129,6 +132,10 @@ impl<'a> PssmltEngine<'a> {
             }
         };
         let chains = start_chains(target, family, &pool, settings)?;
+        let mut pool_bridge = Bridge::default();
+        for density in pool.densities().iter().filter(|density| **density > 0.0) {
+            pool_bridge.sample(1.0, density / b0);
+        }
         let layout = settings.layout();
         let quantum = Quantum::from_mean(b0 / 3.0);
         let large_film = match options.mis {
@@ -144,6 +151,7 @@ impl<'a> PssmltEngine<'a> {
             large_film,
             direct: DirectLight::new(scene, settings)?,
             pool: *pool.normaliser(),
+            pool_bridge,
             b0,
             scale: Scale {
                 width: f64::from(settings.width),
@@ -154,7 +162,7 @@ impl<'a> PssmltEngine<'a> {
         })
     }
 
-    fn deposit(&self) -> KelemenDeposit<'_> {
+    fn deposit(&self, bridge: Bridge) -> KelemenDeposit<'_> {
         KelemenDeposit {
             chain: &self.chain_film,
             large: self.large_film.as_ref(),
@@ -162,6 +170,7 @@ impl<'a> PssmltEngine<'a> {
             b0: self.b0,
             p_large: self.options.p_large,
             mis: self.options.mis,
+            bridge,
         }
     }
 
@@ -174,10 +183,10 @@ impl<'a> PssmltEngine<'a> {
             nonfinite: &nonfinite,
         };
         let kernel = PointKernel::new(target, self.options.p_large);
-        let mut deposit = self.deposit();
+        let mut deposit = self.deposit(chain.bridge);
         for done in 0..steps {
             if done % STRIDE == 0 && is_stopped(stop) {
-                return;
+                break;
             }
             let step = chain.metropolis.statistics().steps;
             chain
@@ -189,6 +198,7 @@ impl<'a> PssmltEngine<'a> {
                 chain.nonfinite.count(found, step);
             }
         }
+        chain.bridge = deposit.bridge;
     }
 
     /// All chains' statistics, in the order of the ladders.
@@ -201,12 +211,53 @@ impl<'a> PssmltEngine<'a> {
     }
 
     /// The estimate of `b` that scales the image.
-    fn normaliser(&self, statistics: &Statistics<1>) -> Mean {
+    fn normaliser(&self, statistics: &Statistics<1>) -> Estimate {
         let mut mean = self.pool;
         if self.options.normaliser != Normaliser::Initial {
             mean.merge(&statistics.independent[0]);
         }
-        mean
+        let plain = Estimate {
+            value: mean.mean(),
+            standard_error: mean.standard_error(),
+        };
+        match self.options.normaliser {
+            Normaliser::Bridge => self.bridged(None).map_or(plain, |value| Estimate {
+                value,
+                standard_error: self.bridge_error(),
+            }),
+            _ => plain,
+        }
+    }
+
+    /// `b` by the bridge between all independent samples and the chains, all or all but one.
+    fn bridged(&self, left_out: Option<usize>) -> Option<f64> {
+        let mut bridge = self.pool_bridge;
+        let (mut samples, mut steps) = (self.pool.count(), 0);
+        for (index, chain) in self.chains.iter().enumerate() {
+            if left_out != Some(index) {
+                let statistics = chain.metropolis.statistics();
+                bridge.merge(&chain.bridge);
+                samples += statistics.independent[0].count();
+                steps += statistics.steps;
+            }
+        }
+        Some(self.b0 * bridge.ratio(samples, steps as f64)?)
+    }
+
+    /// Its standard error: from leaving out one chain after the other (jackknife), and from the pool, which is the
+    /// same for all.
+    fn bridge_error(&self) -> f64 {
+        let all = 0..self.chains.len();
+        let without: Mean = all.filter_map(|index| self.bridged(Some(index))).collect();
+        let chains = without.count() as f64;
+        let of_chains = (without.variance() / chains).sqrt() * (chains - 1.0);
+        let own: u64 = (self.chains.iter())
+            .map(|chain| chain.metropolis.statistics().independent[0].count())
+            .sum();
+        let pool = self.pool.count();
+        let share = pool as f64 / (pool + own) as f64;
+        let of_pool = share * self.pool_bridge.relative_error(pool) * without.mean();
+        of_chains.hypot(of_pool)
     }
 }
 
@@ -285,6 +336,7 @@ fn start_chains(
             nonfinite: Nonfinite::default(),
             metropolis: Metropolis::rebuild(&target, &family, 0, small, &start, &mut draws)?,
             draws: generator(settings.seed, u64::from(ladder)),
+            bridge: Bridge::default(),
         });
     }
     Ok(chains)
@@ -310,12 +362,14 @@ impl Engine for PssmltEngine<'_> {
     fn develop(&mut self) -> Result<Image, RenderError> {
         let mut chains = std::mem::take(&mut self.chains);
         for chain in &mut chains {
-            chain.metropolis.flush(&mut self.deposit());
+            let mut deposit = self.deposit(chain.bridge);
+            chain.metropolis.flush(&mut deposit);
+            chain.bridge = deposit.bridge;
         }
         self.chains = chains;
         let statistics = self.statistics();
         let per_step = self.area / statistics.steps.max(1) as f64;
-        let b = self.normaliser(&statistics).mean();
+        let b = self.normaliser(&statistics).value;
         let scale = match self.options.mis {
             Mis::Printed => 1.0,
             Mis::Split | Mis::Off if self.b0 > 0.0 => b / self.b0,
@@ -332,7 +386,7 @@ impl Engine for PssmltEngine<'_> {
         let b = self.normaliser(&statistics);
         Some(ChainStatistics::new(
             &statistics,
-            [b.mean(), b.standard_error()],
+            [b.value, b.standard_error],
             self.b0,
         ))
     }

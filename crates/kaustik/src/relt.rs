@@ -9,7 +9,8 @@ use kaustik_estimate::{
 };
 use kaustik_film::{Counters, Film, Image, Layer, Quantum, develop};
 use kaustik_mcmc::{
-    AcceptanceAdaptation, Estimate, Ladder, LadderStatistics, Mean, Pcg64Dxsm, Point, RoughNormalisers, RunningNormalisers, Schedule, Statistics, SteppingStone, generator,
+    AcceptanceAdaptation, Estimate, Ladder, LadderStatistics, Mean, Pcg64Dxsm, Point,
+    RoughNormalisers, RunningNormalisers, Schedule, Statistics, SteppingStone, generator,
 };
 use kaustik_path::{Bidirectional, Contributions};
 use kaustik_scene::Scene;
@@ -19,8 +20,8 @@ use crate::control::is_stopped;
 use crate::direct_light::DirectLight;
 use crate::engine::{Engine, Nonfinite, STRIDE, add_counters, add_nonfinite};
 use crate::{
-    ChainStatistics, Normaliser, Options, Place, RenderError, RenderSettings, ReplicaLevel, ReplicaStatistics,
-    Steps,
+    ChainStatistics, Normaliser, Options, Place, RenderError, RenderSettings, ReplicaLevel,
+    ReplicaStatistics, Steps,
 };
 use start::{
     Mutation, Started, State, for_so_many_replicas, kernels, mutation, replica_builder, start,
@@ -213,7 +214,7 @@ impl<'a, const K: usize> ReltEngine<'a, K> {
     /// better than those of eq. 10 (spec 7.5).
     fn scales(&self) -> [f64; K] {
         match self.options.normaliser {
-            Normaliser::Running => self.shares().scales(self.sweeps()),
+            Normaliser::Running | Normaliser::Bridge => self.shares().scales(self.sweeps()),
             Normaliser::Exchange if self.sweeps() >= self.particles => {
                 let rough = RoughNormalisers::guess(self.rough.map(|b| b.value));
                 self.running().over(&rough)
@@ -230,7 +231,7 @@ impl<'a, const K: usize> ReltEngine<'a, K> {
         let value = shares.light(sweeps, &self.scales());
         let full = 1.min(K - 1);
         let relative = match self.options.normaliser {
-            Normaliser::Running => {
+            Normaliser::Running | Normaliser::Bridge => {
                 return Estimate {
                     value,
                     standard_error: self.jackknife(),
@@ -260,7 +261,10 @@ impl<'a, const K: usize> ReltEngine<'a, K> {
         }
         // the values hardly differ: their variance over ladders - 1 is what one ladder changes
         let ladders = self.runs.len() as f64;
-        (without.variance() / ladders).sqrt() * (ladders - 1.0)
+        let of_ladders = (without.variance() / ladders).sqrt() * (ladders - 1.0);
+        // the first population is the same for all
+        let pool = self.particles as f64 / (self.particles + self.sweeps()) as f64;
+        of_ladders.hypot(pool * self.pool.whole().standard_error)
     }
 
     /// Films with what turns them into parts of the picture.

@@ -13,7 +13,8 @@ use crate::independent::IndependentEngine;
 use crate::pssmlt::PssmltEngine;
 use crate::relt;
 use crate::{
-    Budget, Control, Lamps, Method, Progress, RenderError, RenderSettings, RenderStatistics, annealing, features,
+    Budget, Control, Lamps, Method, Progress, RenderError, RenderSettings, RenderStatistics,
+    annealing, features,
 };
 
 /// What became of a render.

@@ -200,7 +200,8 @@ fn all_densities<const K: usize>(
     family: &ReplicaFamily<K>,
     value: &Contributions,
 ) -> [f64; ReplicaSet::MOST] {
-    let known = checked_densities(family, value).unwrap_or_else(|| from_fn(|k| f64::from(u8::from(k == 0))));
+    let known = checked_densities(family, value)
+        .unwrap_or_else(|| from_fn(|k| f64::from(u8::from(k == 0))));
     from_fn(|k| known.get(k).copied().unwrap_or_default())
 }
 
@@ -244,5 +245,4 @@ fn choose<const K: usize>(
 }
 
 /// A population of paths.
-type Climbing<const K: usize> =
-    Population<Point<Mutation>, Contributions, K>;
+type Climbing<const K: usize> = Population<Point<Mutation>, Contributions, K>;
