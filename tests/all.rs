@@ -21,6 +21,8 @@ mod vocabulary;
 mod agreement;
 /// The same bits for any number of threads, and across a glTF file.
 mod bits;
+/// The brightness of chains' pictures; annealing.
+mod brightness;
 /// A second path tracer, and what it takes to tell a wrong one from a right one.
 mod by_the_book;
 /// Pictures known in closed form.
