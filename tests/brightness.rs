@@ -101,7 +101,11 @@ fn annealing_agrees_roughly_with_path() {
 #[ignore = "long"]
 fn annealing_agrees_with_path() {
     const SIDE: u32 = 32;
-    for words in ["cornell", "ring-and-sphere?light=0.8", "water-cornell?light=0.8"] {
+    for words in [
+        "cornell",
+        "ring-and-sphere?light=0.8",
+        "water-cornell?light=0.8",
+    ] {
         let scene = scene(words, SIDE);
         let path = tiles_of_seeds(&scene, &settings(Method::Path, SIDE, 2_000), 0..16);
         let mut annealing = settings(Method::Annealing, SIDE, 2_000);

@@ -22,6 +22,7 @@ use crate::relt::start::{
 use crate::relt::{known, layer};
 use crate::{
     Budget, ChainStatistics, Place, RenderError, RenderSettings, ReplicaLevel, ReplicaStatistics,
+    Steps,
 };
 use deposit::{AnnealedDeposit, Gathered};
 
@@ -56,6 +57,7 @@ struct AnnealingEngine<'a, const K: usize> {
     scene: &'a Scene,
     builder: Bidirectional,
     set: ReplicaSet,
+    steps: Steps,
     family: ReplicaFamily<K>,
     weights: ReplicaWeights<K>,
     rough: [Estimate; K],
@@ -106,6 +108,7 @@ impl<'a, const K: usize> AnnealingEngine<'a, K> {
             scene,
             builder,
             set,
+            steps: options.steps,
             family: ReplicaFamily::new(&set, options.target),
             weights: ReplicaWeights::new(rough.map(|b| b.value), options.beta, specific),
             rough,
@@ -146,12 +149,13 @@ impl<'a, const K: usize> AnnealingEngine<'a, K> {
             builder: &self.builder,
             nonfinite: &nonfinite,
         };
-        let kernels = kernels::<K>(target, &self.set);
+        let kernels = kernels::<K>(target, &self.set, self.steps);
         let bottom = self.ladder(self.rounds, 0);
+        let first = mutation(&self.set, self.steps, 0);
         let samples = samples(
             target,
             &self.family,
-            &self.set,
+            &first,
             self.seed,
             bottom,
             self.particles,
@@ -320,7 +324,7 @@ impl<const K: usize> Engine for AnnealingEngine<'_, K> {
             share_error: known(level.share.standard_error()),
             scale: 1.0,
             acceptance: level.accepted as f64 / level.moves.max(1) as f64,
-            step: mutation(&self.set, k).sizes().1,
+            step: mutation(&self.set, self.steps, k).sizes().1,
         };
         Some(ReplicaStatistics {
             levels: self.levels.iter().enumerate().map(level).collect(),

@@ -70,8 +70,10 @@ pub enum Lamps {
 /// Sizes of small steps of `relt`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Steps {
-    /// Those that RELT 5.1.3 prints.
+    /// Those that RELT 5.1.3 prints, but for the specific replica Kelemen's.
     #[default]
+    Fine,
+    /// Those that RELT 5.1.3 prints.
     Paper,
     /// Adapted by each ladder.
     Adapted,
@@ -261,6 +263,7 @@ impl Options {
                 .find(|(_, schedule)| *schedule == self.exchange)
                 .map_or(String::new(), |(word, _)| (*word).to_owned()),
             "steps" => match self.steps {
+                Steps::Fine => "fine",
                 Steps::Paper => "paper",
                 Steps::Adapted => "adapted",
             }
@@ -335,8 +338,12 @@ impl Options {
             "beta" => self.beta = number(value).filter(|b| (1.0..=8.0).contains(b))?,
             "exchange" => self.exchange = word(value, EXCHANGES)?,
             "steps" => {
-                let (paper, adapted) = (Steps::Paper, Steps::Adapted);
-                self.steps = word(value, &[("paper", paper), ("adapted", adapted)])?;
+                let words = [
+                    ("fine", Steps::Fine),
+                    ("paper", Steps::Paper),
+                    ("adapted", Steps::Adapted),
+                ];
+                self.steps = word(value, &words)?;
             }
             "particles" => self.particles = integer(value, 1_000, 1_000_000)?,
             _ => return None,

@@ -154,7 +154,7 @@ impl<'a, const K: usize> ReltEngine<'a, K> {
             builder: &self.builder,
             nonfinite: &nonfinite,
         };
-        let kernels = kernels::<K>(target, &self.set);
+        let kernels = kernels::<K>(target, &self.set, self.options.steps);
         let mut deposit = self.deposit(run.shares);
         for done in 0..sweeps {
             if done % STRIDE == 0 && is_stopped(stop) {
@@ -302,7 +302,9 @@ fn runs<const K: usize>(
             index,
             draws: generator(settings.seed, u64::from(index)),
             ladder: Ladder::new(starts, family).with_schedule(settings.options.exchange),
-            adaptations: std::array::from_fn(|k| AcceptanceAdaptation::new(mutation(set, k))),
+            adaptations: std::array::from_fn(|k| {
+                AcceptanceAdaptation::new(mutation(set, settings.options.steps, k))
+            }),
             sweeps: 0,
             shares: Shares::default(),
             nonfinite: Nonfinite::default(),

@@ -12,8 +12,8 @@ use kaustik_path::{Bidirectional, Contributions, Form};
 use kaustik_scene::Scene;
 use rayon::prelude::*;
 
-use crate::RenderSettings;
 use crate::render::chain_builder_settings;
+use crate::{RenderSettings, Steps};
 
 /// Small steps of a replica.
 pub(crate) type Mutation = Exponential;
@@ -30,11 +30,15 @@ pub(crate) fn replica_builder(settings: &RenderSettings) -> Bidirectional {
     }
 }
 
-/// Small steps of a replica: RELT 5.1.3's sizes, s2 = 16 s1 (spec relt.md (10)). The specific replica's
-/// are smaller.
-pub(crate) fn mutation(set: &ReplicaSet, level: usize) -> Mutation {
+/// Small steps of a replica: RELT 5.1.3's sizes, s2 = 16 s1 (spec relt.md (10)). The specific replica's are
+/// smaller: as printed, or fine enough for light through glass that is a peak a thousandth wide.
+pub(crate) fn mutation(set: &ReplicaSet, steps: Steps, level: usize) -> Mutation {
     let specific = set.is_specific() && level + 1 == set.count();
-    let s1 = if specific { 1.0 / 96.0 } else { 1.0 / 61.0 };
+    let s1 = match (specific, steps) {
+        (true, Steps::Fine) => 1.0 / 1024.0,
+        (true, Steps::Paper | Steps::Adapted) => 1.0 / 96.0,
+        (false, _) => 1.0 / 61.0,
+    };
     Exponential::new(s1, 16.0 * s1)
 }
 
@@ -42,10 +46,11 @@ pub(crate) fn mutation(set: &ReplicaSet, level: usize) -> Mutation {
 pub(crate) fn kernels<'a, const K: usize>(
     target: PathTarget<'a>,
     set: &ReplicaSet,
+    steps: Steps,
 ) -> [LevelKernel<PathTarget<'a>, Mutation>; K] {
     from_fn(|level| {
         let large = if level == 0 { 1.0 } else { 0.0 };
-        LevelKernel::new(target, large, mutation(set, level))
+        LevelKernel::new(target, large, mutation(set, steps, level))
     })
 }
 
@@ -155,10 +160,11 @@ fn climb<const K: usize>(
     attempt: u32,
 ) -> (Started, Option<Extinct>) {
     let family = ReplicaFamily::<K>::new(set, settings.options.target);
-    let kernels = kernels::<K>(target, set);
+    let kernels = kernels::<K>(target, set, settings.options.steps);
     let particles = settings.options.particles << attempt;
     let ladder = |level: usize| u64::MAX - u64::from(attempt) * LADDERS - level as u64;
-    let samples = samples(target, &family, set, settings.seed, ladder(0), particles);
+    let first = mutation(set, settings.options.steps, 0);
+    let samples = samples(target, &family, &first, settings.seed, ladder(0), particles);
     let pool: Vec<_> = (samples.iter())
         .map(|(_, value)| (all_densities(&family, value), light(value)))
         .collect();
@@ -209,7 +215,7 @@ fn all_densities<const K: usize>(
 pub(crate) fn samples<const K: usize>(
     target: PathTarget<'_>,
     family: &ReplicaFamily<K>,
-    set: &ReplicaSet,
+    mutation: &Mutation,
     seed: u64,
     ladder: u64,
     count: u64,
@@ -220,7 +226,7 @@ pub(crate) fn samples<const K: usize>(
         .with_min_len(64)
         .map(|index| {
             let mut draws = generators.at(index as u64);
-            let chain = Metropolis::start(&target, family, 0, mutation(set, 0), &mut draws);
+            let chain = Metropolis::start(&target, family, 0, *mutation, &mut draws);
             (chain.state().clone(), chain.value().clone())
         })
         .collect()
