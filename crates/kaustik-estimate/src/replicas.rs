@@ -193,21 +193,22 @@ impl<const K: usize> Recorder<Contributions, K> for ReplicaDeposit<'_, K> {
         }
         let roughly = self.weights.roughly(visit.densities);
         self.shares.visit(visit.level, visit.weight, &roughly);
+        let whole = specular + other;
         let film = &self.films[visit.level];
         let weights = &self.weights;
         if visit.level < weights.shared {
             let weight = visit.weight * weights.factor(visit.level, visit.densities);
             if weights.shared == K {
                 self.scale.splat(film, visit.value, weight);
-                self.shares.hold(visit.level, weight * (specular + other));
+                self.shares.hold(visit.level, weight * whole, whole);
             } else if other > 0.0 {
                 (self.scale).splat_classes(film, visit.value, weight, |class| class != Class::L0);
-                self.shares.hold(visit.level, weight * other);
+                self.shares.hold(visit.level, weight * other, whole);
             }
         } else if specular > 0.0 {
             let weight = visit.weight * weights.specific_factor(visit.densities);
             (self.scale).splat_classes(film, visit.value, weight, |class| class == Class::L0);
-            self.shares.hold(visit.level, weight * specular);
+            self.shares.hold(visit.level, weight * specular, whole);
         }
     }
 }

@@ -26,6 +26,8 @@ pub struct Shares<const K: usize> {
     whole: Mean,
     /// What the films were given: sums of weight times light.
     held: [f64; K],
+    /// The same times all light of the visit.
+    squares: [f64; K],
     /// Visits of the replica below, by how much of a bridge is this replica's.
     up: [f64; K],
     /// Visits of this replica, by how much of the bridge is the one's below.
@@ -38,6 +40,7 @@ impl<const K: usize> Default for Shares<K> {
             parts: [Mean::new(); K],
             whole: Mean::new(),
             held: [0.0; K],
+            squares: [0.0; K],
             up: [0.0; K],
             down: [0.0; K],
         }
@@ -54,10 +57,11 @@ impl<const K: usize> Shares<K> {
         self.whole.push(parts.iter().sum());
     }
 
-    /// The film of a replica was given so much light.
+    /// The film of a replica was given so much light by a visit whose whole light is this.
     #[inline]
-    pub fn hold(&mut self, level: usize, light: f64) {
+    pub fn hold(&mut self, level: usize, light: f64, whole: f64) {
         self.held[level] += light;
+        self.squares[level] += light * whole;
     }
 
     /// A replica was somewhere, with this weight; `roughly` are the densities there over the rough constants.
@@ -98,6 +102,7 @@ impl<const K: usize> Shares<K> {
         for k in 0..K {
             self.parts[k].merge(&other.parts[k]);
             self.held[k] += other.held[k];
+            self.squares[k] += other.squares[k];
             self.up[k] += other.up[k];
             self.down[k] += other.down[k];
         }
@@ -156,6 +161,18 @@ impl<const K: usize> Shares<K> {
         })
     }
 
+    /// Standard error of the light of independent samples, as the chains know it: the second moment of the
+    /// light is what films hold of it, each times all light of its path. Samples that have not yet met the rare
+    /// and bright see no spread; a chain that has been there does.
+    pub fn foreseen_error(&self, sweeps: u64, scales: &[f64; K]) -> f64 {
+        let samples = self.whole.count().max(1) as f64;
+        let per_sweep = 1.0 / sweeps.max(1) as f64;
+        let seconds = scales.iter().zip(&self.squares);
+        let second: f64 = seconds.map(|(scale, sum)| scale * sum * per_sweep).sum();
+        let light = self.light(sweeps, scales);
+        ((second - light * light).max(0.0) / samples).sqrt()
+    }
+
     /// The light of films with these scales.
     pub fn light(&self, sweeps: u64, scales: &[f64; K]) -> f64 {
         let light = scales
@@ -190,9 +207,9 @@ mod tests {
             let half = if i % 2 == 0 { &mut one } else { &mut other };
             half.sample([1.0, if i < 1_000 { 3.0 } else { 0.0 }, 0.0]);
         }
-        one.hold(0, 0.25);
-        other.hold(0, 0.75);
-        other.hold(1, 1.0);
+        one.hold(0, 0.25, 1.0);
+        other.hold(0, 0.75, 1.0);
+        other.hold(1, 1.0, 3.0);
         // the second is twice as large as it was thought to be
         one.visit(0, 3.0, &[1.0, 2.0, 0.0]);
         other.visit(1, 3.0, &[1.0, 2.0, 0.0]);
@@ -204,6 +221,12 @@ mod tests {
         assert!(close(scales[1], (1_000.0 * 3.0 + 8.0 * 2.0) / 1_008.0));
         assert!(close(scales[2], 0.0));
         assert!(close(one.light(4, &scales), (scales[0] + scales[1]) / 4.0));
+        // second moments 1 and 9 / 4 in all, but for what the bridges say
+        let foreseen = one.foreseen_error(4, &[4.0, 3.0, 0.0]);
+        assert!(close(
+            foreseen,
+            ((1.0 + 2.25 - 1.75 * 1.75) / 4_000.0_f64).sqrt()
+        ));
         let whole = one.whole();
         assert!(close(whole.value, 1.75) && close(one.part(1).value, 0.75));
         assert!((whole.standard_error / (1.6875_f64 / 4_000.0).sqrt() - 1.0).abs() < 1e-3);
@@ -213,7 +236,7 @@ mod tests {
     fn what_samples_have_hardly_met_is_left_to_the_bridges() {
         let mut shares = Shares::<1>::default();
         shares.sample([0.0]);
-        shares.hold(0, 3.0);
+        shares.hold(0, 3.0, 1.0);
         assert!(close(shares.scales(6)[0], 1.0));
         shares.sample([8.0]); // one effective sample, a mean of 4
         assert!(close(shares.scales(6)[0], (8.0 + 8.0) / 9.0));

@@ -223,8 +223,8 @@ impl<'a, const K: usize> ReltEngine<'a, K> {
         }
     }
 
-    /// The light (X + Y + Z) of all films. Its error is the jackknife's: how much it changes without one of the
-    /// ladders, which are independent. Scaled by other than independent samples, it has the error of the full
+    /// The light (X + Y + Z) of all films. Its error is the jackknife's (how much it changes without one of the
+    /// ladders, which are independent) or what chains foresee. Scaled by other than independent samples, it has the error of the full
     /// replica's normaliser at least.
     fn brightness(&self) -> Estimate {
         let (shares, sweeps) = (self.shares(), self.sweeps());
@@ -246,7 +246,8 @@ impl<'a, const K: usize> ReltEngine<'a, K> {
         }
     }
 
-    /// Standard error of the light: from leaving out one ladder after the other.
+    /// Standard error of the light: from leaving out one ladder after the other, at least what chains foresee
+    /// from what they have seen.
     fn jackknife(&self) -> f64 {
         let mut without = Mean::new();
         for left_out in 0..self.runs.len() {
@@ -264,7 +265,9 @@ impl<'a, const K: usize> ReltEngine<'a, K> {
         let of_ladders = (without.variance() / ladders).sqrt() * (ladders - 1.0);
         // the first population is the same for all
         let pool = self.particles as f64 / (self.particles + self.sweeps()) as f64;
-        of_ladders.hypot(pool * self.pool.whole().standard_error)
+        let seen = of_ladders.hypot(pool * self.pool.whole().standard_error);
+        let (shares, sweeps) = (self.shares(), self.sweeps());
+        seen.max(shares.foreseen_error(sweeps, &shares.scales(sweeps)))
     }
 
     /// Films with what turns them into parts of the picture.

@@ -15,6 +15,7 @@ const PATH: Unidirectional = Unidirectional {
     settings: BuilderSettings {
         largest: false,
         max_edges: 64,
+        min_edges: 1,
         wavelengths: WavelengthSampling::Hero,
         window_min: glam::DVec2::ZERO,
         window_max: glam::DVec2::ONE,
