@@ -27,17 +27,17 @@ fn chi_square(settings: &RenderSettings, seeds: u64) -> f64 {
 
 #[test]
 fn stated_errors_of_the_normalisation_are_right() {
-    let mut relt = settings(Method::Relt, 16, 256);
+    let mut relt = settings(Method::Relt, 16, 64);
     relt.options.ladders = 16;
-    let mut annealing = settings(Method::Annealing, 16, 512);
+    let mut annealing = settings(Method::Annealing, 16, 128);
     annealing.options.particles = 1_000;
-    let mut bridge = settings(Method::Pssmlt, 16, 256);
+    let mut bridge = settings(Method::Pssmlt, 16, 64);
     bridge.options.normaliser = Normaliser::Bridge;
     bridge.options.builder = Builder::Bidirectional;
-    for settings in [relt, annealing, bridge, settings(Method::Pssmlt, 16, 256)] {
-        let chi2 = chi_square(&settings, 32);
-        // 31 degrees of freedom: one in 10,000 on either side
-        assert!((9.0..73.0).contains(&chi2), "{}: {chi2}", settings.method);
+    for settings in [relt, annealing, bridge, settings(Method::Pssmlt, 16, 64)] {
+        let chi2 = chi_square(&settings, 16);
+        // 15 degrees of freedom: one in 10,000 on either side
+        assert!((2.0..48.0).contains(&chi2), "{}: {chi2}", settings.method);
     }
 }
 
@@ -75,20 +75,20 @@ fn small_lamps_are_seen_well() {
     path.max_depth = 1;
     let wanted = means(&picture(&scene, &path))[1];
     for seed in 0..4 {
-        let mut pssmlt = settings(Method::Pssmlt, SIDE, 1);
+        let mut pssmlt = settings(Method::Pssmlt, SIDE, 48);
         (pssmlt.seed, pssmlt.max_depth) = (seed, 1);
         let found = means(&picture(&scene, &pssmlt))[1];
-        assert!((found / wanted - 1.0).abs() < 0.01, "{found} {wanted}");
+        assert!((found / wanted - 1.0).abs() < 0.03, "{found} {wanted}");
     }
 }
 
 #[test]
 fn annealing_agrees_roughly_with_path() {
     const SIDE: u32 = 16;
-    for (words, share) in [("cornell", 0.1), ("glass-cube?light=0.8", 0.2)] {
+    for (words, share) in [("cornell", 0.15)] {
         let scene = scene(words, SIDE);
-        let path = tiles_of_seeds(&scene, &settings(Method::Path, SIDE, 512), 0..8);
-        let mut annealing = settings(Method::Annealing, SIDE, 512);
+        let path = tiles_of_seeds(&scene, &settings(Method::Path, SIDE, 256), 0..8);
+        let mut annealing = settings(Method::Annealing, SIDE, 256);
         annealing.options.particles = 1_000;
         let tiles = tiles_of_seeds(&scene, &annealing, 0..8);
         let verdict = agree(&path, &tiles, |_| true, share);
@@ -105,6 +105,7 @@ fn annealing_agrees_with_path() {
         "cornell",
         "ring-and-sphere?light=0.8",
         "water-cornell?light=0.8",
+        "glass-cube?light=0.8",
     ] {
         let scene = scene(words, SIDE);
         let path = tiles_of_seeds(&scene, &settings(Method::Path, SIDE, 2_000), 0..16);
