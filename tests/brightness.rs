@@ -85,16 +85,15 @@ fn small_lamps_are_seen_well() {
 #[test]
 fn annealing_agrees_roughly_with_path() {
     const SIDE: u32 = 16;
-    for (words, share) in [("cornell", 0.15)] {
-        let scene = scene(words, SIDE);
-        let path = tiles_of_seeds(&scene, &settings(Method::Path, SIDE, 256), 0..8);
-        let mut annealing = settings(Method::Annealing, SIDE, 256);
-        annealing.options.particles = 1_000;
-        let tiles = tiles_of_seeds(&scene, &annealing, 0..8);
-        let verdict = agree(&path, &tiles, |_| true, share);
-        assert!(verdict.rejected.is_empty(), "{words}: {verdict:?}");
-        assert!(verdict.uncertain.is_empty(), "{words}: {verdict:?}");
-    }
+    let (words, share) = ("cornell", 0.15);
+    let scene = scene(words, SIDE);
+    let path = tiles_of_seeds(&scene, &settings(Method::Path, SIDE, 256), 0..8);
+    let mut annealing = settings(Method::Annealing, SIDE, 256);
+    annealing.options.particles = 1_000;
+    let tiles = tiles_of_seeds(&scene, &annealing, 0..8);
+    let verdict = agree(&path, &tiles, |_| true, share);
+    assert!(verdict.rejected.is_empty(), "{words}: {verdict:?}");
+    assert!(verdict.uncertain.is_empty(), "{words}: {verdict:?}");
 }
 
 #[test]
