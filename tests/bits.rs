@@ -3,7 +3,8 @@
 use kaustik::film::Filter;
 use kaustik::scene::{builtin, gltf};
 use kaustik::{
-    Budget, Control, Direct, Method, Progress, RenderSettings, Rendered, Watch, render_watched,
+    Budget, Builder, Control, Direct, Method, Progress, RenderSettings, Rendered, Watch,
+    render_watched,
 };
 
 use crate::support::{compile, picture, scene, settings};
@@ -99,6 +100,24 @@ fn looks_change_nothing_but_rounding() {
                 (b - c).abs() <= 1e-5 * b.abs().max(0.1),
                 "{method}: {b} and {c}"
             );
+        }
+    }
+}
+
+#[test]
+fn threads_do_not_show_with_any_builder() {
+    let scene = scene("glass-cube?light=0.8", 24);
+    for builder in [Builder::Endpoint, Builder::Simple, Builder::Bidirectional] {
+        let with = |threads| {
+            let mut settings = settings(Method::Pssmlt, 24, 3);
+            settings.options.builder = builder;
+            settings.threads = threads;
+            bits(&picture(&scene, &settings))
+        };
+        let one = with(1);
+        assert!(one.iter().any(|&v| v != 0));
+        for threads in [2, 5] {
+            assert!(one == with(threads), "{builder:?} with {threads} threads");
         }
     }
 }

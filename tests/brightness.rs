@@ -1,8 +1,9 @@
-//! The scale of a chain's picture: within the error that it states, whatever the seed.
+//! The scale of a chain's picture: within the error that it states, whatever the seed; annealing as a
+//! renderer.
 
-use kaustik::{Control, Direct, Method, RenderSettings, render};
+use kaustik::{Builder, Control, Direct, Method, Normaliser, RenderSettings, render};
 
-use crate::support::{scene, settings};
+use crate::support::{agree, means, picture, scene, settings, tiles_of_seeds};
 
 const SEEDS: u64 = 16;
 /// 0.001 and 0.999 quantiles of chi-square with 15 degrees of freedom.
@@ -33,7 +34,7 @@ fn chi_square(found: &[[f64; 2]], factor: f64) -> f64 {
 #[test]
 fn seeds_differ_by_the_error_that_they_state() {
     for method in [Method::Pssmlt, Method::Mmlt] {
-        for direct in [Direct::Together, Direct::Apart] {
+        for direct in [Direct::Lamps, Direct::Together, Direct::Apart] {
             let mut settings = settings(method, 16, 400);
             settings.options.direct = direct;
             let found = normalisations(&settings);
@@ -45,6 +46,19 @@ fn seeds_differ_by_the_error_that_they_state() {
                 assert!(!BOUNDS.contains(&wrong), "{method}, {direct:?}: {wrong}");
             }
         }
+    }
+}
+
+#[test]
+fn errors_of_replicas_and_populations_are_right() {
+    let mut relt = settings(Method::Relt, 16, 64);
+    relt.options.ladders = 16;
+    let mut annealing = settings(Method::Annealing, 16, 128);
+    annealing.options.particles = 1_000;
+    for settings in [relt, annealing] {
+        let found = chi_square(&normalisations(&settings), 1.0);
+        // One in 10,000 on either side: particles and exchanges make the law of an error wider.
+        assert!((2.0..48.0).contains(&found), "{}: {found}", settings.method);
     }
 }
 
@@ -60,4 +74,87 @@ fn the_scale_goes_on_improving() {
     let (short, long) = (error(50), error(800));
     let ratio = long / short;
     assert!((0.2..0.35).contains(&ratio), "{short} to {long}: {ratio}");
+}
+
+/// Ways to come by the scale, and by what is seen directly, that all have one picture.
+#[test]
+fn the_scale_and_the_lamps_do_not_show() {
+    const SIDE: u32 = 16;
+    let scene = scene("cornell", SIDE);
+    let path = tiles_of_seeds(&scene, &settings(Method::Path, SIDE, 256), 0..8);
+    for (builder, normaliser, direct) in [
+        (
+            Builder::Unidirectional,
+            Normaliser::Running,
+            Direct::Together,
+        ),
+        (Builder::Endpoint, Normaliser::Running, Direct::Lamps),
+        (
+            Builder::Bidirectional,
+            Normaliser::Initial,
+            Direct::Together,
+        ),
+        (Builder::Simple, Normaliser::Initial, Direct::Lamps),
+    ] {
+        let mut settings = settings(Method::Pssmlt, SIDE, 512);
+        settings.options.builder = builder;
+        settings.options.normaliser = normaliser;
+        settings.options.direct = direct;
+        let tiles = tiles_of_seeds(&scene, &settings, 0..8);
+        let verdict = agree(&path, &tiles, |_| true, 0.1);
+        let name = (builder, normaliser, direct);
+        assert!(verdict.rejected.is_empty(), "{name:?}: {verdict:?}");
+        assert!(verdict.uncertain.is_empty(), "{name:?}: {verdict:?}");
+    }
+}
+
+/// A lamp of a few pixels is as bright as a path tracer sees it, whatever the chains do.
+#[test]
+fn small_lamps_are_seen_well() {
+    const SIDE: u32 = 48;
+    let scene = scene("ring-and-sphere", SIDE);
+    let mut path = settings(Method::Path, SIDE, 1_024);
+    path.max_depth = 1;
+    let wanted = means(&picture(&scene, &path))[1];
+    for seed in 0..4 {
+        let mut pssmlt = settings(Method::Pssmlt, SIDE, 48);
+        (pssmlt.seed, pssmlt.max_depth) = (seed, 1);
+        let found = means(&picture(&scene, &pssmlt))[1];
+        assert!((found / wanted - 1.0).abs() < 0.03, "{found} {wanted}");
+    }
+}
+
+#[test]
+fn annealing_agrees_roughly_with_path() {
+    const SIDE: u32 = 16;
+    let (words, share) = ("cornell", 0.15);
+    let scene = scene(words, SIDE);
+    let path = tiles_of_seeds(&scene, &settings(Method::Path, SIDE, 256), 0..8);
+    let mut annealing = settings(Method::Annealing, SIDE, 256);
+    annealing.options.particles = 1_000;
+    let tiles = tiles_of_seeds(&scene, &annealing, 0..8);
+    let verdict = agree(&path, &tiles, |_| true, share);
+    assert!(verdict.rejected.is_empty(), "{words}: {verdict:?}");
+    assert!(verdict.uncertain.is_empty(), "{words}: {verdict:?}");
+}
+
+#[test]
+#[ignore = "long"]
+fn annealing_agrees_with_path() {
+    const SIDE: u32 = 32;
+    for words in [
+        "cornell",
+        "ring-and-sphere?light=0.8",
+        "water-cornell?light=0.8",
+        "glass-cube?light=0.8",
+    ] {
+        let scene = scene(words, SIDE);
+        let path = tiles_of_seeds(&scene, &settings(Method::Path, SIDE, 2_000), 0..16);
+        let mut annealing = settings(Method::Annealing, SIDE, 2_000);
+        annealing.options.particles = 4_000;
+        let tiles = tiles_of_seeds(&scene, &annealing, 0..16);
+        let verdict = agree(&path, &tiles, |_| true, 0.03);
+        assert!(verdict.rejected.is_empty(), "{words}: {verdict:?}");
+        assert!(verdict.uncertain.len() <= 3, "{words}: {verdict:?}");
+    }
 }

@@ -2,7 +2,9 @@
 
 use kaustik::mcmc::Schedule;
 use kaustik::path::Class;
-use kaustik::{Budget, Control, Method, RenderSettings, Rendered, Steps, render};
+use kaustik::{
+    Budget, Control, Direct, Method, Normaliser, RenderSettings, Rendered, Steps, render,
+};
 
 use crate::support::{Tile, agree, means, picture, scene, settings, tiles_of_seeds};
 
@@ -18,8 +20,14 @@ fn all_variants_agree_roughly_with_path() {
     let scene = scene("cornell", SIDE);
     let path = tiles_of_seeds(&scene, &settings(Method::Path, SIDE, 256), 0..8);
     type Change = fn(&mut kaustik::Options);
-    let variants: [(&str, Change); 6] = [
+    let variants: [(&str, Change); 9] = [
         ("default", |_| {}),
+        ("exchange", |o| o.normaliser = Normaliser::Exchange),
+        ("initial", |o| {
+            o.normaliser = Normaliser::Initial;
+            o.particles = 10_000;
+        }),
+        ("lamps by chains", |o| o.direct = Direct::Together),
         ("pair", |o| o.exchange = Schedule::RandomPair),
         ("gibbs, beta 1", |o| {
             o.exchange = Schedule::Permutation;
@@ -92,9 +100,11 @@ fn it_agrees_with_path_through_glass() {
 /// Paths of one edge are all of a class that no replica but the uniform one follows.
 #[test]
 fn what_no_chain_reaches_is_left_to_the_uniform_replica() {
-    let with = |method| RenderSettings {
-        max_depth: 1,
-        ..settings(method, 16, 512)
+    let with = |method| {
+        let mut settings = settings(method, 16, 512);
+        settings.max_depth = 1;
+        settings.options.direct = Direct::Together;
+        settings
     };
     let done = rendered("furnace?kind=diffuse", &with(Method::Relt));
     let replicas = done.statistics.replicas.expect("statistics of replicas");
@@ -138,11 +148,11 @@ fn the_replicas_layers_add_up_to_the_picture() {
     };
     let image = rendered("glass-cube?light=0.8", &settings).image;
     for (name, plane) in ["R", "G", "B"].into_iter().zip(image.rgb()) {
-        let part = |k: u32| {
-            let layer = image.layer(&format!("replica-{k}")).expect("its layer");
+        let layers = ["replica-1", "replica-2", "replica-3", "replica-4", "direct"];
+        let parts = layers.map(|layer| {
+            let layer = image.layer(layer).expect("its layer");
             layer.channel(name).expect("its channel").to_vec()
-        };
-        let parts = [1, 2, 3, 4].map(part);
+        });
         for (pixel, &whole) in plane.iter().enumerate() {
             let sum: f32 = parts.iter().map(|part| part[pixel]).sum();
             assert!(

@@ -9,11 +9,13 @@ mod deposit;
 mod replica_set;
 mod replicas;
 mod scalar;
+mod shares;
 mod target;
 
 pub use deposit::{KelemenDeposit, Mis, Scale};
 pub use kaustik_path::ScalarTarget;
 pub use replica_set::{ClassWeights, ReplicaSet, ReplicaSetError};
-pub use replicas::{ReplicaDeposit, ReplicaFamily, ReplicaWeights};
+pub use replicas::{ReplicaDeposit, ReplicaFamily, ReplicaWeights, light};
 pub use scalar::{Contribution, ScalarContribution};
+pub use shares::Shares;
 pub use target::PathTarget;

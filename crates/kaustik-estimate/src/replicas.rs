@@ -4,7 +4,7 @@ use kaustik_film::Film;
 use kaustik_mcmc::{Family, Recorder, Visit};
 use kaustik_path::{Class, Contributions, ScalarTarget};
 
-use crate::{ClassWeights, ReplicaSet, Scale};
+use crate::{ClassWeights, ReplicaSet, Scale, Shares};
 
 /// The densities of K replicas: `q_0 = 1`, `q_k = sum of d_{k,n} L_n` (RELT eq. 19; spec
 /// relt.md 3, which counts from 1).
@@ -105,6 +105,37 @@ impl<const K: usize> ReplicaWeights<K> {
         Self::power(densities[level] * self.inverse[level], self.beta - 1.0) / sum
     }
 
+    /// Densities over the rough constants.
+    #[inline]
+    pub fn roughly(&self, densities: &[f64; K]) -> [f64; K] {
+        std::array::from_fn(|k| densities[k] * self.inverse[k])
+    }
+
+    /// How the light of a point is shared: what falls to each replica, given the scalar of its implicit
+    /// specular light and of all other. They add up to the whole, but for specular light where a specific
+    /// replica's density is zero, which cannot be.
+    #[inline]
+    pub fn share(&self, densities: &[f64; K], [specular, other]: [f64; 2]) -> [f64; K] {
+        let common = if self.shared == K {
+            specular + other
+        } else {
+            other
+        };
+        let mut terms = [0.0; K];
+        let mut sum = 0.0;
+        for k in 0..self.shared {
+            terms[k] = Self::power(densities[k] * self.inverse[k], self.beta);
+            sum += terms[k];
+        }
+        for term in &mut terms {
+            *term *= common / sum;
+        }
+        if self.shared < K {
+            terms[K - 1] = specular;
+        }
+        terms
+    }
+
     /// What implicit specular light of a sample of the specific replica is multiplied by:
     /// `b_hat_K / q_K` (spec (8)).
     #[inline]
@@ -113,10 +144,22 @@ impl<const K: usize> ReplicaWeights<K> {
     }
 }
 
+/// Scalar (X + Y + Z) of the implicit specular light of a value and of all its other light.
+#[inline]
+pub fn light(value: &Contributions) -> [f64; 2] {
+    let classes = value.by_class(ScalarTarget::Xyz);
+    let specular = classes[Class::L0 as usize];
+    let mut other = 0.0;
+    for class in Class::ALL.into_iter().filter(|class| *class != Class::L0) {
+        other += classes[class as usize];
+    }
+    [specular, other]
+}
+
 /// Takes the visits of ladders of K replicas: one film each.
 ///
-/// After N sweeps the image is `area / N * sum of b_k / b_hat_k * film_k` (spec (7), (8)), `area` being
-/// the raster area in pixels.
+/// After N sweeps the image is `area / N * sum of scale_k * film_k`, `area` being the raster area in
+/// pixels and `scale_k` the replica's of [`Shares::scales`], or `b_k / b_hat_k` (spec (7), (8)).
 ///
 /// Without a specific replica every visit goes to its replica's film, weighted by
 /// [`factor`](ReplicaWeights::factor). With one, implicit specular light ([`Class::L0`]) goes to the
@@ -130,28 +173,42 @@ pub struct ReplicaDeposit<'a, const K: usize> {
     pub scale: Scale,
     /// The heuristic.
     pub weights: ReplicaWeights<K>,
+    /// What the films are given, and what independent samples (visits of replica 0) say they should hold.
+    pub shares: Shares<K>,
 }
 
 impl<const K: usize> Recorder<Contributions, K> for ReplicaDeposit<'_, K> {
     #[inline]
     fn record(&mut self, visit: Visit<'_, Contributions, K>) {
-        if visit.weight <= 0.0 || visit.density() <= 0.0 || visit.value.splats().is_empty() {
+        if visit.independent <= 0.0 && visit.value.splats().is_empty() {
             return;
         }
+        let [specular, other] = light(visit.value);
+        if visit.independent > 0.0 {
+            let parts = self.weights.share(visit.densities, [specular, other]);
+            self.shares.sample(parts);
+        }
+        if visit.weight <= 0.0 || visit.density() <= 0.0 || specular + other <= 0.0 {
+            return;
+        }
+        let roughly = self.weights.roughly(visit.densities);
+        self.shares.visit(visit.level, visit.weight, &roughly);
+        let whole = specular + other;
         let film = &self.films[visit.level];
         let weights = &self.weights;
-        if weights.shared == K {
-            let factor = weights.factor(visit.level, visit.densities);
-            self.scale.splat(film, visit.value, visit.weight * factor);
-        } else if visit.level < weights.shared {
-            let factor = weights.factor(visit.level, visit.densities);
-            let weight = visit.weight * factor;
-            self.scale
-                .splat_classes(film, visit.value, weight, |class| class != Class::L0);
-        } else {
+        if visit.level < weights.shared {
+            let weight = visit.weight * weights.factor(visit.level, visit.densities);
+            if weights.shared == K {
+                self.scale.splat(film, visit.value, weight);
+                self.shares.hold(visit.level, weight * whole, whole);
+            } else if other > 0.0 {
+                (self.scale).splat_classes(film, visit.value, weight, |class| class != Class::L0);
+                self.shares.hold(visit.level, weight * other, whole);
+            }
+        } else if specular > 0.0 {
             let weight = visit.weight * weights.specific_factor(visit.densities);
-            self.scale
-                .splat_classes(film, visit.value, weight, |class| class == Class::L0);
+            (self.scale).splat_classes(film, visit.value, weight, |class| class == Class::L0);
+            self.shares.hold(visit.level, weight * specular, whole);
         }
     }
 }

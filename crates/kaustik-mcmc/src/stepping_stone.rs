@@ -228,6 +228,14 @@ impl<const K: usize> SteppingStone<K> {
         self.defects += other.defects;
     }
 
+    /// As [`merge`](Self::merge), but all that the other ladder has gathered is one batch. A dozen ladders
+    /// or more should be merged so, into an empty one: ladders are independent, the batches of one are
+    /// not while it has still to find what others have found.
+    pub fn merge_as_one(&mut self, other: &Self) {
+        self.merged.push(&other.moments().sum);
+        self.defects += other.defects;
+    }
+
     /// The constants so far, if that of level 0 is `base`.
     ///
     /// A level that none of the visits below has touched has the value 0 and an infinite
@@ -389,6 +397,39 @@ mod tests {
         let error = |n: &RunningNormalisers<3>| n.estimates()[2].relative_error();
         assert!((error(&sum) / error(&long) - 1.0).abs() < 0.35);
         assert!(error(&short) / error(&sum) > 1.2);
+    }
+
+    /// Ladders that each stay where they are: batches in time see no spread at all, ladders do.
+    #[test]
+    fn ladders_as_batches_see_what_batches_in_time_do_not() {
+        let mut rng = generator(32, 0);
+        let (mut in_time, mut as_one) = (SteppingStone::<2>::line(), SteppingStone::line());
+        for _ in 0..400 {
+            let x = rng.uniform();
+            let mut ladder = SteppingStone::line();
+            for _ in 0..100 {
+                ladder.record(Visit {
+                    level: 0,
+                    value: &(),
+                    densities: &[1.0, x],
+                    weight: 1.0,
+                    independent: 0.0,
+                });
+                ladder.end_sweep();
+            }
+            in_time.merge(&ladder);
+            as_one.merge_as_one(&ladder);
+        }
+        let error = |stone: &SteppingStone<2>| stone.normalisers(1.0).estimates()[1].standard_error;
+        // 400 uniform numbers, of variance 1/12
+        let exact = (1.0_f64 / 12.0 / 400.0).sqrt();
+        assert!((error(&as_one) / exact - 1.0).abs() < 0.1);
+        assert!(
+            error(&in_time) < 0.3 * exact,
+            "a hundredth of the batches would do"
+        );
+        let value = |stone: &SteppingStone<2>| stone.normalisers(1.0).values()[1];
+        assert!((value(&in_time) - value(&as_one)).abs() < 1e-12);
     }
 
     #[test]

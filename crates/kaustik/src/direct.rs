@@ -32,6 +32,23 @@ pub(crate) fn is_apart(settings: &RenderSettings) -> bool {
     chains && settings.options.direct == Direct::Apart
 }
 
+/// Are emitters and surroundings seen directly rendered beside the chains, and nothing else?
+pub(crate) fn are_lamps(settings: &RenderSettings) -> bool {
+    match settings.method {
+        Method::Pssmlt | Method::Mmlt | Method::Relt => settings.options.direct == Direct::Lamps,
+        method => method == Method::Annealing,
+    }
+}
+
+/// The shortest paths that a method's builder makes, in edges.
+pub(crate) fn min_edges(settings: &RenderSettings) -> u32 {
+    match (is_apart(settings), are_lamps(settings)) {
+        (true, _) => MOST_EDGES + 1,
+        (false, true) => 2,
+        (false, false) => 1,
+    }
+}
+
 /// A method whose paths have more edges than [`MOST_EDGES`], and stratified independent samples of the others on a
 /// film of their own. The picture is the sum: both parts are right by themselves, whatever share
 /// of the steps each takes.

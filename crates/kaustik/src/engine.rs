@@ -94,6 +94,15 @@ impl Nonfinite {
     }
 }
 
+/// What two parts left out, and the first place of either.
+pub(crate) fn add_nonfinite(
+    (count, place): (u64, Option<Place>),
+    other: Option<(u64, Option<Place>)>,
+) -> (u64, Option<Place>) {
+    let (more, there) = other.unwrap_or_default();
+    (count + more, place.or(there))
+}
+
 /// Sum of two films' counters.
 pub(crate) fn add_counters(a: Counters, b: Counters) -> Counters {
     Counters {

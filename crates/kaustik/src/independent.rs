@@ -45,7 +45,7 @@ pub(crate) struct IndependentEngine<'a> {
 
 /// A grid over the window, one cell a pixel (nearly so where a filter reaches over the edge).
 #[derive(Clone, Copy, Debug)]
-struct Cells {
+pub(crate) struct Cells {
     columns: u64,
     rows: u64,
     ladders: u64,
@@ -378,7 +378,7 @@ fn all_equal(passes: &[Option<u64>]) -> Option<u64> {
 }
 
 impl Cells {
-    fn new(settings: &RenderSettings) -> Self {
+    pub(crate) fn new(settings: &RenderSettings) -> Self {
         let bounds = settings.layout().extended_bounds();
         let side = |axis: usize| ((bounds.max[axis] - bounds.min[axis]).round() as u64).max(1);
         Self {
@@ -388,8 +388,16 @@ impl Cells {
         }
     }
 
-    fn count(&self) -> u64 {
+    pub(crate) fn count(&self) -> u64 {
         self.columns * self.rows
+    }
+
+    pub(crate) fn columns(&self) -> u64 {
+        self.columns
+    }
+
+    pub(crate) fn rows(&self) -> u64 {
+        self.rows
     }
 
     /// First cell of a ladder and the one after its last: ladders own bands of the image.

@@ -22,6 +22,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod annealing;
 mod control;
 mod direct;
 mod engine;
@@ -29,6 +30,7 @@ mod erpt_pss;
 mod error;
 mod features;
 mod independent;
+mod lamps;
 mod method;
 mod mmlt;
 mod options;

@@ -21,11 +21,13 @@ pub enum Method {
     Relt,
     /// Energy redistribution on primary samples (Cline 2005; spec: erpt.md 6).
     ErptPss,
+    /// Population annealing alone (Kitaoka 2009, section 6).
+    Annealing,
 }
 
 impl Method {
     /// All methods.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 8] = [
         Self::Path,
         Self::Light,
         Self::Bdpt,
@@ -33,6 +35,7 @@ impl Method {
         Self::Mmlt,
         Self::Relt,
         Self::ErptPss,
+        Self::Annealing,
     ];
 
     /// The name on the command line.
@@ -45,6 +48,7 @@ impl Method {
             Self::Mmlt => "mmlt",
             Self::Relt => "relt",
             Self::ErptPss => "erpt-pss",
+            Self::Annealing => "annealing",
         }
     }
 
@@ -71,6 +75,9 @@ impl Method {
             }
             Self::ErptPss => {
                 "energy redistribution: path samples spread over their neighbours by short chains (Cline et al. 2005)"
+            }
+            Self::Annealing => {
+                "population annealing: fresh populations climb from easy to hard paths (Kitaoka et al. 2009, 6)"
             }
         }
     }
@@ -128,9 +135,17 @@ const WALKS: &[Method] = &[Method::Pssmlt, Method::ErptPss];
 const SMALL_STEPS: &[Method] = &[Method::Pssmlt, Method::Mmlt, Method::ErptPss];
 const REDISTRIBUTION: &[Method] = &[Method::ErptPss];
 const CHAINS: &[Method] = &[Method::Pssmlt, Method::Mmlt];
-const METROPOLIS: &[Method] = &[Method::Pssmlt, Method::Mmlt, Method::Relt, Method::ErptPss];
+const DIRECT: &[Method] = &[Method::Pssmlt, Method::Mmlt, Method::Relt, Method::ErptPss];
+const METROPOLIS: &[Method] = &[
+    Method::Pssmlt,
+    Method::Mmlt,
+    Method::Relt,
+    Method::ErptPss,
+    Method::Annealing,
+];
 const MULTIPLEXED: &[Method] = &[Method::Mmlt];
-const REPLICAS: &[Method] = &[Method::Relt];
+const EXCHANGE: &[Method] = &[Method::Relt];
+const REPLICAS: &[Method] = &[Method::Relt, Method::Annealing];
 
 /// All keys.
 pub const KEYS: &[Key] = &[
@@ -198,6 +213,7 @@ pub const KEYS: &[Key] = &[
             Method::Mmlt,
             Method::Relt,
             Method::ErptPss,
+            Method::Annealing,
         ],
     },
     Key {
@@ -249,17 +265,26 @@ pub const KEYS: &[Key] = &[
         name: "normaliser",
         default: "running",
         range: "running|initial",
-        meaning: "the scale of the image: from the pilot and all large steps, or from the pilot alone \
-                  (exactly unbiased)",
+        meaning: "the scale of the image: from the pilot and all large steps; the same by Bennett's acceptance \
+                  ratio with the chains; from the pilot alone (exactly unbiased)",
         methods: CHAINS,
     },
     Key {
         name: "direct",
-        default: "together",
-        range: "together|apart",
-        meaning: "paths of at most two edges (emitters seen directly, light scattered once): under the \
-                  chains like all others, or left out there and rendered as path does",
-        methods: METROPOLIS,
+        default: "lamps",
+        range: "lamps|together|apart",
+        meaning: "what independent samples beside the chains see to: emitters and surroundings seen directly \
+                  (erpt-pss: nothing), nothing, or all paths of at most two edges",
+        methods: DIRECT,
+    },
+    Key {
+        name: "normaliser",
+        default: "running",
+        range: "running|exchange|initial",
+        meaning: "what scales the replicas' films: all independent samples so far; what each replica tells \
+                  about the next (RELT eq. 10, which is blind to what no chain has found); the annealing's \
+                  own constants",
+        methods: EXCHANGE,
     },
     Key {
         name: "replicas",
@@ -289,22 +314,23 @@ pub const KEYS: &[Key] = &[
         range: "full|pair|alternating|gibbs|none",
         meaning: "exchanges after each sweep: even and odd pairs, one random pair (the paper), even and \
                   odd by turns, a permutation of all (at most 5 replicas), none",
-        methods: REPLICAS,
+        methods: EXCHANGE,
     },
     Key {
         name: "steps",
-        default: "paper",
-        range: "paper|adapted",
-        meaning: "small steps: 1/61, 1/61 and 1/96 up to 16 times as much, or these sizes times \
-                  factors that every ladder adapts to an acceptance of 0.234",
+        default: "fine",
+        range: "fine|paper|adapted",
+        meaning: "small steps: 1/61 and 1/61 up to 16 times as much, for the specific replica 1/1024 up to \
+                  1/64; or 1/96 up to 1/6 (RELT 5.1.3); or these times factors that every ladder of relt \
+                  adapts to an acceptance of 0.234",
         methods: REPLICAS,
     },
     Key {
         name: "particles",
         default: "10000",
         range: "1000..=1000000",
-        meaning: "particles of the population annealing at the start: first states and constants of \
-                  the weights",
+        meaning: "particles of the population annealing at the start (first states and constants of \
+                  the weights), and of each round of annealing",
         methods: REPLICAS,
     },
     Key {

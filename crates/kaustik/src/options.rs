@@ -30,14 +30,28 @@ pub enum Builder {
     Bidirectional,
 }
 
-/// Which estimate of `b` scales the image.
+/// Which estimate of `b` scales the image, or of its parts the replicas' films.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Normaliser {
-    /// The pilot and all large steps: consistent, and better all the time.
+    /// All independent samples, those before the chains and among their steps: consistent, and better all
+    /// the time.
     #[default]
     Running,
-    /// The pilot alone: exactly unbiased.
+    /// Those before the chains alone: exactly unbiased (`relt`: but for exchanges).
     Initial,
+    /// What chains tell about the next: RELT eq. 10, `relt` alone.
+    Exchange,
+}
+
+impl Normaliser {
+    /// The word for it.
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::Running => "running",
+            Self::Initial => "initial",
+            Self::Exchange => "exchange",
+        }
+    }
 }
 
 /// How often `mmlt` tries the strategies of a length.
@@ -50,22 +64,26 @@ pub enum Strategies {
     Even,
 }
 
-/// Where paths of at most two edges are rendered: emitters seen directly, and light that was
-/// scattered once.
+/// Which paths independent samples beside the chains see to; chains leave these out.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Direct {
-    /// By the chains, like all others.
+    /// Paths of one edge: emitters and surroundings seen directly. (`erpt-pss`, whose chains start in every
+    /// pixel, has nothing of this.)
     #[default]
+    Lamps,
+    /// None.
     Together,
-    /// By independent samples beside the chains, which leave them out.
+    /// Paths of at most two edges: light that was scattered once as well.
     Apart,
 }
 
 /// Sizes of small steps of `relt`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Steps {
-    /// Those that RELT 5.1.3 prints.
+    /// Those that RELT 5.1.3 prints, but for the specific replica Kelemen's.
     #[default]
+    Fine,
+    /// Those that RELT 5.1.3 prints.
     Paper,
     /// Adapted by each ladder.
     Adapted,
@@ -184,7 +202,10 @@ impl Options {
                     .collect::<Vec<_>>()
                     .join(", "),
             })?;
-        self.assign(key.name, value)
+        let known = key.name != "normaliser" || key.range.split('|').any(|word| word == value);
+        known
+            .then(|| self.assign(key.name, value))
+            .flatten()
             .ok_or_else(|| OptionError::Value {
                 key: key.name,
                 value: value.to_owned(),
@@ -252,12 +273,9 @@ impl Options {
                 Mis::Off => "off",
             }
             .to_owned(),
-            "normaliser" => match self.normaliser {
-                Normaliser::Running => "running",
-                Normaliser::Initial => "initial",
-            }
-            .to_owned(),
+            "normaliser" => self.normaliser.name().to_owned(),
             "direct" => match self.direct {
+                Direct::Lamps => "lamps",
                 Direct::Together => "together",
                 Direct::Apart => "apart",
             }
@@ -270,6 +288,7 @@ impl Options {
                 .find(|(_, schedule)| *schedule == self.exchange)
                 .map_or(String::new(), |(word, _)| (*word).to_owned()),
             "steps" => match self.steps {
+                Steps::Fine => "fine",
                 Steps::Paper => "paper",
                 Steps::Adapted => "adapted",
             }
@@ -333,12 +352,20 @@ impl Options {
                 self.mis = word(value, &words)?;
             }
             "normaliser" => {
-                let (running, initial) = (Normaliser::Running, Normaliser::Initial);
-                self.normaliser = word(value, &[("running", running), ("initial", initial)])?;
+                let words = [
+                    Normaliser::Running,
+                    Normaliser::Initial,
+                    Normaliser::Exchange,
+                ];
+                self.normaliser = word(value, &words.map(|n| (n.name(), n)))?;
             }
             "direct" => {
-                let (together, apart) = (Direct::Together, Direct::Apart);
-                self.direct = word(value, &[("together", together), ("apart", apart)])?;
+                let words = [
+                    ("lamps", Direct::Lamps),
+                    ("together", Direct::Together),
+                    ("apart", Direct::Apart),
+                ];
+                self.direct = word(value, &words)?;
             }
             "replicas" if value == "standard" => self.replicas = None,
             "replicas" => self.replicas = Some(value.parse().ok()?),
@@ -346,8 +373,12 @@ impl Options {
             "beta" => self.beta = number(value).filter(|b| (1.0..=8.0).contains(b))?,
             "exchange" => self.exchange = word(value, EXCHANGES)?,
             "steps" => {
-                let (paper, adapted) = (Steps::Paper, Steps::Adapted);
-                self.steps = word(value, &[("paper", paper), ("adapted", adapted)])?;
+                let words = [
+                    ("fine", Steps::Fine),
+                    ("paper", Steps::Paper),
+                    ("adapted", Steps::Adapted),
+                ];
+                self.steps = word(value, &words)?;
             }
             "particles" => self.particles = integer(value, 1_000, 1_000_000)?,
             "length" => self.length = integer(value, 1, 100_000)? as u32,
@@ -458,6 +489,7 @@ mod tests {
             "steps=adapted",
             "particles=2000",
             "delta=0.1",
+            "normaliser=exchange",
         ] {
             options.set(Method::Relt, text).unwrap();
         }

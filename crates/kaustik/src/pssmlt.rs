@@ -14,7 +14,8 @@ use kaustik_scene::Scene;
 use rayon::prelude::*;
 
 use crate::control::is_stopped;
-use crate::engine::{Engine, Nonfinite, STRIDE, add_counters};
+use crate::engine::{Engine, Nonfinite, STRIDE, add_counters, add_nonfinite};
+use crate::lamps::Lamps;
 use crate::render::builder_settings;
 use crate::{
     Builder, ChainStatistics, Method, Normaliser, Options, Place, RenderError, RenderSettings,
@@ -75,6 +76,7 @@ pub(crate) struct PssmltEngine<'a> {
     chains: Vec<Chain>,
     chain_film: Film,
     large_film: Option<Film>,
+    lamps: Option<Lamps<'a>>,
     pool: Mean,
     /// The constant in the weights; 0 if neither pool nor pilot saw any light.
     b0: f64,
@@ -135,6 +137,7 @@ impl<'a> PssmltEngine<'a> {
             chains,
             chain_film: Film::with_layout(&layout, quantum)?,
             large_film,
+            lamps: Lamps::new(scene, settings)?,
             pool: *pool.normaliser(),
             b0,
             scale: Scale {
@@ -321,7 +324,11 @@ impl Engine for PssmltEngine<'_> {
             .with_max_len(1)
             .for_each(|(chain, &steps)| self.drive(chain, steps, stop));
         self.chains = chains;
-        self.statistics().steps - before
+        let steps = self.statistics().steps;
+        if let Some(lamps) = &mut self.lamps {
+            lamps.keep_up(steps);
+        }
+        steps - before
     }
 
     fn develop(&mut self) -> Result<Image, RenderError> {
@@ -340,6 +347,7 @@ impl Engine for PssmltEngine<'_> {
         };
         let mut films = vec![(&self.chain_film, scale * per_step)];
         films.extend(self.large_film.iter().map(|film| (film, per_step)));
+        films.extend(self.lamps.iter().map(Lamps::part));
         Ok(develop(&films)?)
     }
 
@@ -354,23 +362,19 @@ impl Engine for PssmltEngine<'_> {
     }
 
     fn nonfinite(&self) -> (u64, Option<Place>) {
-        Nonfinite::all(
-            self.chains
-                .iter()
-                .map(|chain| (chain.ladder, chain.nonfinite)),
-        )
+        let chains = self.chains.iter();
+        let own = Nonfinite::all(chains.map(|chain| (chain.ladder, chain.nonfinite)));
+        add_nonfinite(own, self.lamps.as_ref().map(Lamps::nonfinite))
     }
 
     fn film_counters(&self) -> Counters {
-        let large = self
-            .large_film
-            .as_ref()
-            .map(Film::counters)
-            .unwrap_or_default();
-        add_counters(self.chain_film.counters(), large)
+        let large = self.large_film.as_ref().map(Film::counters);
+        let lamps = self.lamps.as_ref().map(Lamps::film_counters);
+        let others = add_counters(large.unwrap_or_default(), lamps.unwrap_or_default());
+        add_counters(self.chain_film.counters(), others)
     }
 
     fn is_lit(&self) -> bool {
-        self.b0 > 0.0
+        self.b0 > 0.0 || self.lamps.as_ref().is_some_and(Lamps::is_lit)
     }
 }

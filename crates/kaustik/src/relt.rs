@@ -1,36 +1,38 @@
 //! Replica exchange light transport (Kitaoka, Kitamura and Kishino 2009; spec: relt.md).
 
-mod start;
+pub(crate) mod start;
 
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use kaustik_estimate::{
-    PathTarget, ReplicaDeposit, ReplicaFamily, ReplicaSet, ReplicaWeights, Scale,
+    PathTarget, ReplicaDeposit, ReplicaFamily, ReplicaSet, ReplicaWeights, Scale, Shares,
 };
 use kaustik_film::{Counters, Film, Image, Layer, Quantum, develop};
 use kaustik_mcmc::{
-    AcceptanceAdaptation, Estimate, Exponential, Ladder, LadderStatistics, LevelKernel, Pcg64Dxsm,
-    Point, RoughNormalisers, RunningNormalisers, Schedule, Statistics, SteppingStone, generator,
+    AcceptanceAdaptation, Estimate, Ladder, LadderStatistics, Mean, Pcg64Dxsm, Point,
+    RoughNormalisers, RunningNormalisers, Schedule, Statistics, SteppingStone, generator,
 };
-use kaustik_path::{Bidirectional, Contributions, Form};
+use kaustik_path::{Bidirectional, Contributions};
 use kaustik_scene::Scene;
 use rayon::prelude::*;
 
 use crate::control::is_stopped;
-use crate::engine::{Engine, Nonfinite, STRIDE, add_counters};
-use crate::render::builder_settings;
+use crate::engine::{Engine, Nonfinite, STRIDE, add_counters, add_nonfinite};
+use crate::lamps::Lamps;
 use crate::{
-    ChainStatistics, Options, Place, RenderError, RenderSettings, ReplicaLevel, ReplicaStatistics,
-    Steps,
+    ChainStatistics, Normaliser, Options, Place, RenderError, RenderSettings, ReplicaLevel,
+    ReplicaStatistics, Steps,
 };
-use start::{Started, anneal};
-
-/// A replica's place and what it brings.
-type State = (Point<Exponential>, Contributions);
+use start::{
+    Mutation, Started, State, for_so_many_replicas, kernels, mutation, replica_builder, start,
+};
 
 /// Sweeps of a ladder between two changes of its step sizes. Rounds of 16 were seen to bias a chain by
 /// 20 %, rounds of 1,000 within its error (spec relt.md 4).
 const ADAPTATION_ROUND: u64 = 1_000;
+
+/// So many ladders make their spread a better measure of errors than the spread of batches within each.
+const LADDERS_FOR_ERRORS: usize = 16;
 
 /// Anneals, decides which replicas run, and starts the ladders.
 pub(crate) fn engine<'a>(
@@ -45,55 +47,11 @@ pub(crate) fn engine<'a>(
             expected: format!("at most {} replicas", Schedule::MOST_PERMUTED),
         });
     }
-    let builder = Bidirectional {
-        settings: builder_settings(settings),
-        form: Form::Full,
-        heuristic: settings.options.heuristic,
-    };
-    let nonfinite = AtomicU64::new(0);
-    let target = PathTarget {
-        scene,
-        builder: &builder,
-        nonfinite: &nonfinite,
-    };
-    let started = match set.count() {
-        2 => anneal::<2>(target, &set, settings),
-        3 => anneal::<3>(target, &set, settings),
-        4 => anneal::<4>(target, &set, settings),
-        5 => anneal::<5>(target, &set, settings),
-        6 => anneal::<6>(target, &set, settings),
-        7 => anneal::<7>(target, &set, settings),
-        _ => anneal::<8>(target, &set, settings),
-    };
-    Ok(match started.starts.len() {
-        0 | 1 => Box::new(ReltEngine::<1>::new(scene, builder, settings, started)?),
-        2 => Box::new(ReltEngine::<2>::new(scene, builder, settings, started)?),
-        3 => Box::new(ReltEngine::<3>::new(scene, builder, settings, started)?),
-        4 => Box::new(ReltEngine::<4>::new(scene, builder, settings, started)?),
-        5 => Box::new(ReltEngine::<5>::new(scene, builder, settings, started)?),
-        6 => Box::new(ReltEngine::<6>::new(scene, builder, settings, started)?),
-        7 => Box::new(ReltEngine::<7>::new(scene, builder, settings, started)?),
-        _ => Box::new(ReltEngine::<8>::new(scene, builder, settings, started)?),
-    })
-}
-
-/// Small steps of a replica: RELT 5.1.3's sizes, s2 = 16 s1 (spec relt.md (10)). The specific replica's
-/// are smaller.
-fn mutation(set: &ReplicaSet, level: usize) -> Exponential {
-    let specific = set.is_specific() && level + 1 == set.count();
-    let s1 = if specific { 1.0 / 96.0 } else { 1.0 / 61.0 };
-    Exponential::new(s1, 16.0 * s1)
-}
-
-/// Kernels of all replicas: the uniform one draws anew, the others perturb.
-fn kernels<'a, const K: usize>(
-    target: PathTarget<'a>,
-    set: &ReplicaSet,
-) -> [LevelKernel<PathTarget<'a>, Exponential>; K] {
-    std::array::from_fn(|level| {
-        let large = if level == 0 { 1.0 } else { 0.0 };
-        LevelKernel::new(target, large, mutation(set, level))
-    })
+    let builder = replica_builder(settings);
+    let started = start(scene, &builder, settings);
+    Ok(for_so_many_replicas!(
+        ReltEngine, scene, builder, settings, started
+    ))
 }
 
 /// Ladders of K replicas on K films.
@@ -107,9 +65,12 @@ struct ReltEngine<'a, const K: usize> {
     rough: [Estimate; K],
     runs: Vec<Run<K>>,
     films: [Film; K],
+    direct: Option<Lamps<'a>>,
     scale: Scale,
     /// Raster area of the window in pixels.
     area: f64,
+    /// What the first population says of the light of each replica.
+    pool: Shares<K>,
     particles: u64,
     dropped: Option<String>,
     lit: bool,
@@ -119,9 +80,10 @@ struct ReltEngine<'a, const K: usize> {
 struct Run<const K: usize> {
     index: u32,
     draws: Pcg64Dxsm,
-    ladder: Ladder<Point<Exponential>, Contributions, K>,
-    adaptations: [AcceptanceAdaptation<Exponential>; K],
+    ladder: Ladder<Point<Mutation>, Contributions, K>,
+    adaptations: [AcceptanceAdaptation<Mutation>; K],
     sweeps: u64,
+    shares: Shares<K>,
     nonfinite: Nonfinite,
 }
 
@@ -147,19 +109,26 @@ impl<'a, const K: usize> ReltEngine<'a, K> {
         let Ok(films) = <[Film; K]>::try_from(films) else {
             unreachable!("K films were made");
         };
+        let weights = ReplicaWeights::new(rough.map(|b| b.value), options.beta, specific);
+        let mut pool = Shares::default();
+        for (densities, light) in &started.pool {
+            pool.sample(weights.share(&std::array::from_fn(|k| densities[k]), *light));
+        }
         Ok(Self {
             scene,
             builder,
             options,
             set,
             family,
-            weights: ReplicaWeights::new(rough.map(|b| b.value), options.beta, specific),
+            weights,
+            pool,
             rough,
             lit: started.mean > 0.0,
             particles: started.particles,
             dropped: started.dropped.clone(),
             runs: runs(&family, &set, settings, started),
             films,
+            direct: Lamps::new(scene, settings)?,
             scale: Scale {
                 width: f64::from(settings.width),
                 height: f64::from(settings.height),
@@ -168,11 +137,12 @@ impl<'a, const K: usize> ReltEngine<'a, K> {
         })
     }
 
-    fn deposit(&self) -> ReplicaDeposit<'_, K> {
+    fn deposit(&self, shares: Shares<K>) -> ReplicaDeposit<'_, K> {
         ReplicaDeposit {
             films: &self.films,
             scale: self.scale,
             weights: self.weights,
+            shares,
         }
     }
 
@@ -184,11 +154,11 @@ impl<'a, const K: usize> ReltEngine<'a, K> {
             builder: &self.builder,
             nonfinite: &nonfinite,
         };
-        let kernels = kernels::<K>(target, &self.set);
-        let mut deposit = self.deposit();
+        let kernels = kernels::<K>(target, &self.set, self.options.steps);
+        let mut deposit = self.deposit(run.shares);
         for done in 0..sweeps {
             if done % STRIDE == 0 && is_stopped(stop) {
-                return;
+                break;
             }
             (run.ladder).sweep(&kernels, &self.family, &mut run.draws, &mut deposit);
             let found = nonfinite.load(Ordering::Relaxed);
@@ -201,6 +171,7 @@ impl<'a, const K: usize> ReltEngine<'a, K> {
                 run.adapt();
             }
         }
+        run.shares = deposit.shares;
     }
 
     fn sweeps(&self) -> u64 {
@@ -220,24 +191,83 @@ impl<'a, const K: usize> ReltEngine<'a, K> {
     fn running(&self) -> RunningNormalisers<K> {
         let mut all = SteppingStone::line();
         for run in &self.runs {
-            all.merge(run.ladder.stepping_stone());
+            let stone = run.ladder.stepping_stone();
+            if self.runs.len() < LADDERS_FOR_ERRORS {
+                all.merge(stone);
+            } else {
+                all.merge_as_one(stone);
+            }
         }
         all.normalisers(1.0)
     }
 
-    /// Do the running normalisers scale the films? In a render shorter than its annealing the rough ones
-    /// are better (spec 7.5).
-    fn is_running(&self) -> bool {
-        self.sweeps() >= self.particles
+    /// The light of each replica by independent samples, and what the films hold.
+    fn shares(&self) -> Shares<K> {
+        let mut all = self.pool;
+        for run in &self.runs {
+            all.merge(&run.shares);
+        }
+        all
     }
 
-    /// `b_k / b_hat_k` (spec (7)).
+    /// What a film per sweep is multiplied by. In a render shorter than its annealing the rough constants are
+    /// better than those of eq. 10 (spec 7.5).
     fn scales(&self) -> [f64; K] {
-        if !self.is_running() {
-            return [1.0; K];
+        match self.options.normaliser {
+            Normaliser::Running => self.shares().scales(self.sweeps()),
+            Normaliser::Exchange if self.sweeps() >= self.particles => {
+                let rough = RoughNormalisers::guess(self.rough.map(|b| b.value));
+                self.running().over(&rough)
+            }
+            Normaliser::Exchange | Normaliser::Initial => [1.0; K],
         }
-        let rough = RoughNormalisers::guess(self.rough.map(|b| b.value));
-        self.running().over(&rough)
+    }
+
+    /// The light (X + Y + Z) of all films. Its error is the jackknife's (how much it changes without one of the
+    /// ladders, which are independent) or what chains foresee. Scaled by other than independent samples, it has the error of the full
+    /// replica's normaliser at least.
+    fn brightness(&self) -> Estimate {
+        let (shares, sweeps) = (self.shares(), self.sweeps());
+        let value = shares.light(sweeps, &self.scales());
+        let full = 1.min(K - 1);
+        let relative = match self.options.normaliser {
+            Normaliser::Running => {
+                return Estimate {
+                    value,
+                    standard_error: self.jackknife(),
+                };
+            }
+            Normaliser::Initial => self.rough[full].relative_error(),
+            Normaliser::Exchange => self.running().estimates()[full].relative_error(),
+        };
+        Estimate {
+            value,
+            standard_error: value * relative,
+        }
+    }
+
+    /// Standard error of the light: from leaving out one ladder after the other, at least what chains foresee
+    /// from what they have seen.
+    fn jackknife(&self) -> f64 {
+        let mut without = Mean::new();
+        for left_out in 0..self.runs.len() {
+            let (mut shares, mut sweeps) = (self.pool, 0);
+            for (index, run) in self.runs.iter().enumerate() {
+                if index != left_out {
+                    shares.merge(&run.shares);
+                    sweeps += run.sweeps;
+                }
+            }
+            without.push(shares.light(sweeps, &shares.scales(sweeps)));
+        }
+        // the values hardly differ: their variance over ladders - 1 is what one ladder changes
+        let ladders = self.runs.len() as f64;
+        let of_ladders = (without.variance() / ladders).sqrt() * (ladders - 1.0);
+        // the first population is the same for all
+        let pool = self.particles as f64 / (self.particles + self.sweeps()) as f64;
+        let seen = of_ladders.hypot(pool * self.pool.whole().standard_error);
+        let (shares, sweeps) = (self.shares(), self.sweeps());
+        seen.max(shares.foreseen_error(sweeps, &shares.scales(sweeps)))
     }
 
     /// Films with what turns them into parts of the picture.
@@ -275,8 +305,11 @@ fn runs<const K: usize>(
             index,
             draws: generator(settings.seed, u64::from(index)),
             ladder: Ladder::new(starts, family).with_schedule(settings.options.exchange),
-            adaptations: std::array::from_fn(|k| AcceptanceAdaptation::new(mutation(set, k))),
+            adaptations: std::array::from_fn(|k| {
+                AcceptanceAdaptation::new(mutation(set, settings.options.steps, k))
+            }),
             sweeps: 0,
+            shares: Shares::default(),
             nonfinite: Nonfinite::default(),
         })
     };
@@ -292,7 +325,11 @@ impl<const K: usize> Engine for ReltEngine<'_, K> {
             .with_max_len(1)
             .for_each(|(run, &steps)| self.drive(run, steps / K as u64, stop));
         self.runs = runs;
-        (self.sweeps() - before) * K as u64
+        let sweeps = self.sweeps();
+        if let Some(direct) = &mut self.direct {
+            direct.keep_up(sweeps * K as u64);
+        }
+        (sweeps - before) * K as u64
     }
 
     fn planned(&self, ladder: u32, settings: &RenderSettings) -> u64 {
@@ -306,22 +343,23 @@ impl<const K: usize> Engine for ReltEngine<'_, K> {
     fn develop(&mut self) -> Result<Image, RenderError> {
         let mut runs = std::mem::take(&mut self.runs);
         for run in &mut runs {
-            run.ladder.flush(&mut self.deposit());
+            let mut deposit = self.deposit(run.shares);
+            run.ladder.flush(&mut deposit);
+            run.shares = deposit.shares;
         }
         self.runs = runs;
-        Ok(develop(&self.parts())?)
+        let mut parts = self.parts();
+        parts.extend(self.direct.iter().map(Lamps::part));
+        Ok(develop(&parts)?)
     }
 
     fn layers(&self) -> Result<Vec<Layer>, RenderError> {
         let mut layers = Vec::with_capacity(K);
         for (index, part) in self.parts().into_iter().enumerate() {
-            let image = develop(&[part])?;
-            let channels = ["R", "G", "B"].into_iter().zip(image.rgb());
-            let channels = channels.map(|(name, plane)| (name, plane.to_vec()));
-            layers.push(Layer::new(
-                &format!("replica-{}", index + 1),
-                channels.collect(),
-            ));
+            layers.push(layer(&format!("replica-{}", index + 1), part)?);
+        }
+        if let Some(direct) = &self.direct {
+            layers.push(layer("direct", direct.part())?);
         }
         Ok(layers)
     }
@@ -331,18 +369,11 @@ impl<const K: usize> Engine for ReltEngine<'_, K> {
         for level in 0..K {
             all.merge(&self.level(level));
         }
-        let first = 1.min(K - 1);
-        let b = self.running().estimates()[first];
-        let b = if self.is_running() {
-            b
-        } else {
-            self.rough[first]
-        };
-        let normaliser = [b.value, b.standard_error];
+        let b = self.brightness();
         Some(ChainStatistics::new(
             &all,
-            normaliser,
-            self.rough[first].value,
+            [b.value, b.standard_error],
+            self.rough[1.min(K - 1)].value,
         ))
     }
 
@@ -352,6 +383,8 @@ impl<const K: usize> Engine for ReltEngine<'_, K> {
             exchanges.merge(run.ladder.statistics());
         }
         let running = self.running();
+        let shares = self.shares();
+        let scales = self.scales();
         let uniform = self.level(0);
         let apart = running.discrepancies(&uniform.independent);
         let level = |k: usize| {
@@ -374,6 +407,9 @@ impl<const K: usize> Engine for ReltEngine<'_, K> {
                 independent: uniform.independent[k].mean(),
                 independent_error: known(uniform.independent[k].standard_error()),
                 discrepancy: known(apart[k]),
+                share: shares.part(k).value,
+                share_error: known(shares.part(k).standard_error),
+                scale: scales[k],
                 acceptance: moves.rate(),
                 step: steps.sum::<f64>() / self.runs.len().max(1) as f64,
             }
@@ -385,24 +421,36 @@ impl<const K: usize> Engine for ReltEngine<'_, K> {
             round_trips: exchanges.round_trips,
             particles: self.particles,
             dropped: self.dropped.clone(),
-            running: self.is_running(),
+            normaliser: self.options.normaliser.name(),
         })
     }
 
     fn nonfinite(&self) -> (u64, Option<Place>) {
-        Nonfinite::all(self.runs.iter().map(|run| (run.index, run.nonfinite)))
+        let own = Nonfinite::all(self.runs.iter().map(|run| (run.index, run.nonfinite)));
+        add_nonfinite(own, self.direct.as_ref().map(Lamps::nonfinite))
     }
 
     fn film_counters(&self) -> Counters {
-        (self.films.iter().map(Film::counters)).fold(Counters::default(), add_counters)
+        let direct = self.direct.iter().map(Lamps::film_counters);
+        (self.films.iter().map(Film::counters))
+            .chain(direct)
+            .fold(Counters::default(), add_counters)
     }
 
     fn is_lit(&self) -> bool {
-        self.lit
+        self.lit || self.direct.as_ref().is_some_and(Lamps::is_lit)
     }
 }
 
+/// A film as a layer.
+pub(crate) fn layer(name: &str, part: (&Film, f64)) -> Result<Layer, RenderError> {
+    let image = develop(&[part])?;
+    let channels = ["R", "G", "B"].into_iter().zip(image.rgb());
+    let channels = channels.map(|(channel, plane)| (channel, plane.to_vec()));
+    Ok(Layer::new(name, channels.collect()))
+}
+
 /// JSON knows neither infinity nor NaN.
-fn known(x: f64) -> Option<f64> {
+pub(crate) fn known(x: f64) -> Option<f64> {
     x.is_finite().then_some(x)
 }

@@ -14,7 +14,8 @@ use crate::independent::IndependentEngine;
 use crate::pssmlt::PssmltEngine;
 use crate::relt;
 use crate::{
-    Budget, Control, Method, Progress, RenderError, RenderSettings, RenderStatistics, features,
+    Budget, Control, Method, Progress, RenderError, RenderSettings, RenderStatistics, annealing,
+    features,
 };
 
 /// What became of a render.
@@ -161,6 +162,7 @@ fn engine<'a>(
         Method::Bdpt => Box::new(IndependentEngine::bdpt(scene, settings)?),
         Method::Pssmlt | Method::Mmlt => Box::new(PssmltEngine::new(scene, settings)?),
         Method::Relt => relt::engine(scene, settings)?,
+        Method::Annealing => annealing::engine(scene, settings)?,
         Method::ErptPss => Box::new(IndependentEngine::erpt_pss(scene, settings)?),
     };
     if !direct::is_apart(settings) {
@@ -174,11 +176,7 @@ pub(crate) fn builder_settings(settings: &RenderSettings) -> BuilderSettings {
     let bounds = settings.layout().extended_bounds();
     let size = DVec2::new(f64::from(settings.width), f64::from(settings.height));
     BuilderSettings {
-        min_edges: if direct::is_apart(settings) {
-            direct::MOST_EDGES + 1
-        } else {
-            1
-        },
+        min_edges: direct::min_edges(settings),
         max_edges: settings.max_depth,
         largest: settings.options.contribution == Contribution::Maximum,
         wavelengths: settings.options.wavelengths,

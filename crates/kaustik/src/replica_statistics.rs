@@ -15,8 +15,8 @@ pub struct ReplicaStatistics {
     pub particles: u64,
     /// Why replicas that were asked for did not run; `None` if all did.
     pub dropped: Option<String>,
-    /// Are the films scaled by the running normalisers? Very short renders keep the rough ones.
-    pub running: bool,
+    /// What scales the films: `running`, `exchange` or `initial`.
+    pub normaliser: &'static str,
 }
 
 /// One replica.
@@ -28,7 +28,7 @@ pub struct ReplicaLevel {
     pub rough: f64,
     /// Its standard error.
     pub rough_error: Option<f64>,
-    /// Running estimate by stepping stones, which scales the film (RELT eq. 10).
+    /// Running estimate from replica to replica (RELT eq. 10): blind to what no chain has found.
     pub normalisation: f64,
     /// Its standard error; `None` while nothing is known of it.
     pub normalisation_error: Option<f64>,
@@ -38,6 +38,12 @@ pub struct ReplicaLevel {
     pub independent_error: Option<f64>,
     /// How many standard errors lie between the last two.
     pub discrepancy: Option<f64>,
+    /// Light (X + Y + Z) that its film stands for, by independent samples.
+    pub share: f64,
+    /// Its standard error.
+    pub share_error: Option<f64>,
+    /// What its film is multiplied by.
+    pub scale: f64,
     /// Mean acceptance of its steps.
     pub acceptance: f64,
     /// Largest small step, mean over the ladders.

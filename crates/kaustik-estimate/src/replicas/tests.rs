@@ -154,6 +154,7 @@ fn batch(index: u64, runs: u32, sweeps: u32, variants: &[Variant]) -> Vec<[f64; 
             films,
             scale,
             weights: variant.weights,
+            shares: Shares::default(),
         })
         .collect());
     for _ in 0..runs {

@@ -1,17 +1,98 @@
 //! How replicas start: by population annealing (RELT 4.3, Algorithm 2; spec relt.md 7).
 
-use kaustik_estimate::{PathTarget, ReplicaFamily, ReplicaSet, ScalarTarget};
+use std::array::from_fn;
+use std::sync::atomic::AtomicU64;
+
+use kaustik_estimate::{PathTarget, ReplicaFamily, ReplicaSet, light};
 use kaustik_mcmc::{
-    Estimate, Extinct, Ignore, Metropolis, Pcg64Dxsm, Population, Resampling, SampleGenerators,
-    generator,
+    Estimate, Exponential, Extinct, Ignore, LevelKernel, Metropolis, Pcg64Dxsm, Point, Population,
+    Resampling, SampleGenerators, checked_densities, generator,
 };
+use kaustik_path::{Bidirectional, Contributions, Form};
+use kaustik_scene::Scene;
 use rayon::prelude::*;
 
-use super::{State, kernels, mutation};
-use crate::RenderSettings;
+use crate::render::builder_settings;
+use crate::{RenderSettings, Steps};
+
+/// Small steps of a replica.
+pub(crate) type Mutation = Exponential;
+
+/// A replica's place and what it brings.
+pub(crate) type State = (Point<Mutation>, Contributions);
+
+/// How paths under replicas are made.
+pub(crate) fn replica_builder(settings: &RenderSettings) -> Bidirectional {
+    Bidirectional {
+        settings: builder_settings(settings),
+        form: Form::Full,
+        heuristic: settings.options.heuristic,
+    }
+}
+
+/// Small steps of a replica: RELT 5.1.3's sizes, s2 = 16 s1 (spec relt.md (10)). The specific replica's are
+/// smaller: as printed, or fine enough for light through glass that is a peak a thousandth wide.
+pub(crate) fn mutation(set: &ReplicaSet, steps: Steps, level: usize) -> Mutation {
+    let specific = set.is_specific() && level + 1 == set.count();
+    let s1 = match (specific, steps) {
+        (true, Steps::Fine) => 1.0 / 1024.0,
+        (true, Steps::Paper | Steps::Adapted) => 1.0 / 96.0,
+        (false, _) => 1.0 / 61.0,
+    };
+    Exponential::new(s1, 16.0 * s1)
+}
+
+/// Kernels of all replicas: the uniform one draws anew, the others perturb.
+pub(crate) fn kernels<'a, const K: usize>(
+    target: PathTarget<'a>,
+    set: &ReplicaSet,
+    steps: Steps,
+) -> [LevelKernel<PathTarget<'a>, Mutation>; K] {
+    from_fn(|level| {
+        let large = if level == 0 { 1.0 } else { 0.0 };
+        LevelKernel::new(target, large, mutation(set, steps, level))
+    })
+}
+
+/// The engine of a type `Engine<K>` for as many replicas as have started.
+macro_rules! for_so_many_replicas {
+    ($engine:ident, $scene:expr, $builder:expr, $settings:expr, $started:expr) => {
+        match $started.starts.len() {
+            0 | 1 => Box::new($engine::<1>::new($scene, $builder, $settings, $started)?),
+            2 => Box::new($engine::<2>::new($scene, $builder, $settings, $started)?),
+            3 => Box::new($engine::<3>::new($scene, $builder, $settings, $started)?),
+            4 => Box::new($engine::<4>::new($scene, $builder, $settings, $started)?),
+            5 => Box::new($engine::<5>::new($scene, $builder, $settings, $started)?),
+            6 => Box::new($engine::<6>::new($scene, $builder, $settings, $started)?),
+            7 => Box::new($engine::<7>::new($scene, $builder, $settings, $started)?),
+            _ => Box::new($engine::<8>::new($scene, $builder, $settings, $started)?),
+        }
+    };
+}
+pub(crate) use for_so_many_replicas;
+
+/// Anneals with the replicas that are asked for.
+pub(crate) fn start(scene: &Scene, builder: &Bidirectional, settings: &RenderSettings) -> Started {
+    let set = &settings.options.replica_set();
+    let nonfinite = AtomicU64::new(0);
+    let target = PathTarget {
+        scene,
+        builder,
+        nonfinite: &nonfinite,
+    };
+    match set.count() {
+        2 => anneal::<2>(target, set, settings),
+        3 => anneal::<3>(target, set, settings),
+        4 => anneal::<4>(target, set, settings),
+        5 => anneal::<5>(target, set, settings),
+        6 => anneal::<6>(target, set, settings),
+        7 => anneal::<7>(target, set, settings),
+        _ => anneal::<8>(target, set, settings),
+    }
+}
 
 /// Small steps of every particle at a level: copies must come apart (spec 7.2).
-const MOVES: usize = 2;
+pub(crate) const MOVES: usize = 2;
 /// An annealing that dies is tried again so often, each time with twice the particles (spec 7.3).
 const AGAIN: u32 = 3;
 /// Below this share of the replica before, the specific one is not worth its steps (spec 6.6). Its whole
@@ -22,22 +103,24 @@ const NEGLIGIBLE: f64 = 1e-3;
 const LADDERS: u64 = 16;
 
 /// What an annealing leaves.
-pub(super) struct Started {
+pub(crate) struct Started {
     /// For each replica that is to run, a state for each ladder of this process.
-    pub(super) starts: Vec<Vec<State>>,
+    pub(crate) starts: Vec<Vec<State>>,
     /// Integrals of the replicas' densities: constants of the weights.
-    pub(super) rough: Vec<Estimate>,
-    /// Mean of X + Y + Z over the independent samples.
-    pub(super) mean: f64,
+    pub(crate) rough: Vec<Estimate>,
+    /// Densities and [`light`] of the independent samples.
+    pub(crate) pool: Vec<([f64; ReplicaSet::MOST], [f64; 2])>,
+    /// Mean of X + Y + Z over them.
+    pub(crate) mean: f64,
     /// Particles of the last attempt.
-    pub(super) particles: u64,
+    pub(crate) particles: u64,
     /// Why replicas do not run.
-    pub(super) dropped: Option<String>,
+    pub(crate) dropped: Option<String>,
 }
 
 /// Anneals until the population lives or has been tried often enough, and drops what nobody reaches
 /// and what is negligible.
-pub(super) fn anneal<const K: usize>(
+fn anneal<const K: usize>(
     target: PathTarget<'_>,
     set: &ReplicaSet,
     settings: &RenderSettings,
@@ -77,20 +160,21 @@ fn climb<const K: usize>(
     attempt: u32,
 ) -> (Started, Option<Extinct>) {
     let family = ReplicaFamily::<K>::new(set, settings.options.target);
-    let kernels = kernels::<K>(target, set);
+    let kernels = kernels::<K>(target, set, settings.options.steps);
     let particles = settings.options.particles << attempt;
     let ladder = |level: usize| u64::MAX - u64::from(attempt) * LADDERS - level as u64;
-    let samples = samples(target, &family, set, settings.seed, ladder(0), particles);
-    let light = samples.iter().map(|(_, value)| {
-        let classes = value.by_class(ScalarTarget::Xyz);
-        classes.iter().sum::<f64>()
-    });
-    let mean = light.sum::<f64>() / particles as f64;
+    let first = mutation(set, settings.options.steps, 0);
+    let samples = samples(target, &family, &first, settings.seed, ladder(0), particles);
+    let pool: Vec<_> = (samples.iter())
+        .map(|(_, value)| (all_densities(&family, value), light(value)))
+        .collect();
+    let mean = pool.iter().flat_map(|(_, light)| light).sum::<f64>() / particles as f64;
     let mut population = Population::from_samples(samples, &family, Resampling::Systematic);
     let mut central = generator(settings.seed, ladder(K));
     let mut started = Started {
         starts: Vec::new(),
         rough: Vec::new(),
+        pool,
         mean,
         particles,
         dropped: None,
@@ -117,11 +201,21 @@ fn climb<const K: usize>(
     (started, None)
 }
 
+/// The densities of a value, with zeros for replicas that there are not; NaN and the like are zeros.
+fn all_densities<const K: usize>(
+    family: &ReplicaFamily<K>,
+    value: &Contributions,
+) -> [f64; ReplicaSet::MOST] {
+    let known = checked_densities(family, value)
+        .unwrap_or_else(|| from_fn(|k| f64::from(u8::from(k == 0))));
+    from_fn(|k| known.get(k).copied().unwrap_or_default())
+}
+
 /// Independent samples, each from a generator of its own, in the order of their indices.
-fn samples<const K: usize>(
+pub(crate) fn samples<const K: usize>(
     target: PathTarget<'_>,
     family: &ReplicaFamily<K>,
-    set: &ReplicaSet,
+    mutation: &Mutation,
     seed: u64,
     ladder: u64,
     count: u64,
@@ -132,7 +226,7 @@ fn samples<const K: usize>(
         .with_min_len(64)
         .map(|index| {
             let mut draws = generators.at(index as u64);
-            let chain = Metropolis::start(&target, family, 0, mutation(set, 0), &mut draws);
+            let chain = Metropolis::start(&target, family, 0, *mutation, &mut draws);
             (chain.state().clone(), chain.value().clone())
         })
         .collect()
@@ -157,5 +251,4 @@ fn choose<const K: usize>(
 }
 
 /// A population of paths.
-type Climbing<const K: usize> =
-    Population<kaustik_mcmc::Point<kaustik_mcmc::Exponential>, kaustik_path::Contributions, K>;
+type Climbing<const K: usize> = Population<Point<Mutation>, Contributions, K>;
