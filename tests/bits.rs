@@ -84,7 +84,7 @@ fn looks_change_nothing_but_rounding() {
         let watched = render_watched(&scene, &settings, &mut Control::default(), &mut onlooker);
         let watched = watched.expect("a render").image;
         let looks = &onlooker.per_pixel;
-        assert!(looks.len() > 2, "{method}: {looks:?}");
+        assert!(looks.len() >= 2, "{method}: {looks:?}"); // annealing: in whole rounds
         assert!(
             looks.windows(2).all(|pair| pair[0] <= pair[1]),
             "{method}: {looks:?}"

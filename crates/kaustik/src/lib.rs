@@ -23,6 +23,7 @@
 //! ```
 
 mod annealing;
+mod choices;
 mod control;
 mod direct;
 mod engine;
@@ -43,12 +44,11 @@ mod sobol;
 mod statistics;
 mod stratified;
 
+pub use choices::{Builder, Direct, Normaliser, SmallStep, Steps, Strategies};
 pub use control::{Control, Progress};
 pub use error::RenderError;
 pub use method::{KEYS, Key, Method, UnknownMethod};
-pub use options::{
-    Builder, Direct, Normaliser, OptionError, Options, SmallStep, Steps, Strategies,
-};
+pub use options::{OptionError, Options};
 pub use render::{Outcome, Rendered, Watch, render, render_watched};
 pub use replica_statistics::{ReplicaLevel, ReplicaStatistics};
 pub use settings::{Budget, RenderSettings};
