@@ -54,6 +54,7 @@ pub use kaustik_estimate as estimate;
 pub use kaustik_film as film;
 pub use kaustik_geometry as geometry;
 pub use kaustik_mcmc as mcmc;
+pub use kaustik_mutate as mutate;
 pub use kaustik_path as path;
 pub use kaustik_pss as pss;
 pub use kaustik_scene as scene;
