@@ -60,7 +60,7 @@ const TABLE: &[(u8, &str, &str, &str, &str)] = &[
         "kaustik-mutate",
         "bsdf geometry mcmc path scene spectrum",
         "glam libm",
-        "",
+        "pss",
     ),
     (
         4,

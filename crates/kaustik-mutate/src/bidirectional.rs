@@ -123,7 +123,9 @@ impl Additions {
 
     /// Probability of so many edges.
     fn probability(&self, added: usize) -> f64 {
-        let weight = added.checked_sub(self.from).and_then(|i| self.weights.get(i));
+        let weight = added
+            .checked_sub(self.from)
+            .and_then(|i| self.weights.get(i));
         weight.map_or(0.0, |weight| weight / self.sum)
     }
 }
@@ -337,5 +339,37 @@ impl Kernel<()> for BidirectionalMutation<'_> {
         draws: &mut D,
     ) -> Move {
         Move::new(0, ratio(self.mutate(current, proposed, draws)))
+    }
+}
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::*;
+
+    /// What the probability of a cut is divided by.
+    pub(crate) fn cuts_sum(space: &PathSpace<'_>, path: &Path) -> f64 {
+        cuts(path, space.has_aperture())
+            .map(|(_, weight)| weight)
+            .sum()
+    }
+
+    /// What the probability of two new edges for two old ones is divided by.
+    pub(crate) fn additions_sum(space: &PathSpace<'_>, path: &Path) -> f64 {
+        Additions::new(path.edges(), 2, space.settings.max_edges as usize).sum
+    }
+
+    #[test]
+    fn lengths_stay_within_bounds() {
+        for edges in 1..9 {
+            for lost in 1..=edges + 2 {
+                let additions = Additions::new(edges, lost, 8);
+                let sum: f64 = (1..40).map(|added| additions.probability(added)).sum();
+                assert!((sum - 1.0).abs() < 1e-12, "{edges} {lost}: {sum}");
+                for added in (1..40).filter(|&added| additions.probability(added) > 0.0) {
+                    let after = edges + added - lost;
+                    assert!((1..=8).contains(&after) && (lost, added) != (1, 1));
+                }
+            }
+        }
     }
 }

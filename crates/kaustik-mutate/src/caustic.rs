@@ -111,7 +111,11 @@ impl CausticPerturbation<'_> {
         let direction = from.toward_eye.as_vec3();
         match from.place {
             Place::Emitter(EmitterPoint::Punctual(index)) => {
-                let origin = self.space.scene.punctual_position(index).unwrap_or_default();
+                let origin = self
+                    .space
+                    .scene
+                    .punctual_position(index)
+                    .unwrap_or_default();
                 let ray = Ray::new(origin.as_vec3(), direction);
                 self.space.leave_emitter(y, &ray, draws)
             }

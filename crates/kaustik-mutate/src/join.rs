@@ -33,7 +33,9 @@ impl PathSpace<'_> {
             // No walk from the eye finds such a light, and it has no size in the picture.
             Place::Emitter(EmitterPoint::Punctual(_)) if last => None,
             Place::Emitter(EmitterPoint::Punctual(index)) => {
-                let view = self.scene.punctual_view(index, eye.vertex.position, &wavelengths);
+                let view = self
+                    .scene
+                    .punctual_view(index, eye.vertex.position, &wavelengths);
                 (view.squared > 0.0).then_some((view.toward, view.squared))
             }
             Place::Emitter(EmitterPoint::Environment(_)) if last && camera.is_dirac_direction() => {

@@ -48,3 +48,6 @@ pub use wavelength::WavelengthMutation;
 
 #[cfg(test)]
 mod tests;
+
+#[cfg(test)]
+mod tests;

@@ -49,8 +49,13 @@ impl PathSpace<'_> {
     pub(crate) fn footprint(&self, distance: f64) -> f64 {
         let camera = self.scene.camera();
         let (position, forward) = (camera.position(), camera.forward());
-        let per_pixel = self.raster_per_direction(position, forward) * self.pixels.element_product();
-        let distance = if camera.is_dirac_direction() { 1.0 } else { distance };
+        let per_pixel =
+            self.raster_per_direction(position, forward) * self.pixels.element_product();
+        let distance = if camera.is_dirac_direction() {
+            1.0
+        } else {
+            distance
+        };
         distance / per_pixel.sqrt()
     }
 }

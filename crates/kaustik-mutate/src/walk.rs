@@ -19,9 +19,9 @@ impl PathSpace<'_> {
                 let PathVertex { interior, back, .. } = vertex;
                 (self.scene).interior_toward(&vertex.vertex, interior, *back, direction)
             }
-            Place::Emitter(point) => {
-                self.scene.emitter_interior(point, &vertex.vertex, direction)
-            }
+            Place::Emitter(point) => self
+                .scene
+                .emitter_interior(point, &vertex.vertex, direction),
             Place::Lens => self.scene.camera_interior(),
         }
     }
@@ -41,7 +41,8 @@ impl PathSpace<'_> {
         let mut interior = self.beyond(from, direction);
         let start = interior;
         let draw = || draws.uniform();
-        let segment = (self.scene).advance(ray, &mut interior, &wavelengths, draw, &mut slot.vertex);
+        let segment =
+            (self.scene).advance(ray, &mut interior, &wavelengths, draw, &mut slot.vertex);
         slot.toward_eye = -direction;
         slot.specular = false;
         slot.transmitted = false;
@@ -90,7 +91,8 @@ impl PathSpace<'_> {
         let mut interior = self.beyond(from, direction);
         let start = interior;
         let draw = || draws.uniform();
-        let segment = (self.scene).advance(ray, &mut interior, &wavelengths, draw, &mut slot.vertex);
+        let segment =
+            (self.scene).advance(ray, &mut interior, &wavelengths, draw, &mut slot.vertex);
         let Some(segment) = segment else {
             return false;
         };

@@ -21,7 +21,8 @@ const SAME: f64 = 1e-6;
 impl WavelengthMutation<'_> {
     /// Is the path of the kind that this mutation can change?
     pub fn suits(&self, path: &Path) -> bool {
-        path.edges() > 0 && (1..path.edges()).all(|i| !(path.is_specular(i) && path.at(i).dispersive))
+        path.edges() > 0
+            && (1..path.edges()).all(|i| !(path.is_specular(i) && path.at(i).dispersive))
     }
 
     fn redraw<D: Draws + ?Sized>(&self, x: &Path, y: &mut Path, draws: &mut D) -> bool {
@@ -39,7 +40,9 @@ impl WavelengthMutation<'_> {
         let wavelengths = y.wavelengths;
         for i in 1..n - 1 {
             let vertex = y.at_mut(i);
-            vertex.bsdf = space.scene.bsdf(&vertex.vertex, &wavelengths, &vertex.interior);
+            vertex.bsdf = space
+                .scene
+                .bsdf(&vertex.vertex, &wavelengths, &vertex.interior);
             if vertex.specular && vertex.transmitted {
                 let delta = vertex.bsdf.delta(vertex.wo, true, Mode::Radiance);
                 if !delta.is_some_and(|delta| (delta.wi - vertex.wi).length() < SAME) {

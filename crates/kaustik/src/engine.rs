@@ -4,7 +4,9 @@ use std::sync::atomic::AtomicBool;
 
 use kaustik_film::{Counters, Image, Layer};
 
-use crate::{ChainStatistics, Place, RenderError, RenderSettings, ReplicaStatistics};
+use crate::{
+    ChainStatistics, MutationStatistics, Place, RenderError, RenderSettings, ReplicaStatistics,
+};
 
 /// A method at work: ladders that can be driven on, and films that can be developed.
 ///
@@ -36,6 +38,11 @@ pub(crate) trait Engine: Send + Sync {
     /// The replicas so far.
     fn replica_statistics(&self) -> Option<ReplicaStatistics> {
         None
+    }
+
+    /// The kinds of mutations of paths so far.
+    fn mutation_statistics(&self) -> Vec<MutationStatistics> {
+        Vec::new()
     }
 
     /// Parts of the picture, each weighted as it is in the whole. After [`develop`](Self::develop).

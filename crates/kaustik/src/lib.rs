@@ -28,6 +28,7 @@ mod error;
 mod features;
 mod independent;
 mod method;
+mod mlt;
 mod options;
 mod pssmlt;
 mod relt;
@@ -41,11 +42,11 @@ mod stratified;
 pub use control::{Control, Progress};
 pub use error::RenderError;
 pub use method::{KEYS, Key, Method, UnknownMethod};
-pub use options::{Builder, Normaliser, OptionError, Options, SmallStep, Steps};
+pub use options::{Builder, Mutations, Normaliser, OptionError, Options, SmallStep, Steps};
 pub use render::{Outcome, Rendered, render};
 pub use replica_statistics::{ReplicaLevel, ReplicaStatistics};
 pub use settings::{Budget, RenderSettings};
-pub use statistics::{ChainStatistics, Place, RenderStatistics};
+pub use statistics::{ChainStatistics, MutationStatistics, Place, RenderStatistics};
 
 pub use kaustik_estimate::Mis;
 

@@ -17,16 +17,19 @@ pub enum Method {
     Pssmlt,
     /// Replica exchange light transport (Kitaoka 2009).
     Relt,
+    /// Metropolis light transport on paths (Veach and Guibas 1997).
+    Mlt,
 }
 
 impl Method {
     /// All methods.
-    pub const ALL: [Self; 5] = [
+    pub const ALL: [Self; 6] = [
         Self::Path,
         Self::Light,
         Self::Bdpt,
         Self::Pssmlt,
         Self::Relt,
+        Self::Mlt,
     ];
 
     /// The name on the command line.
@@ -37,6 +40,7 @@ impl Method {
             Self::Bdpt => "bdpt",
             Self::Pssmlt => "pssmlt",
             Self::Relt => "relt",
+            Self::Mlt => "mlt",
         }
     }
 
@@ -57,6 +61,9 @@ impl Method {
             }
             Self::Relt => {
                 "replica exchange: chains of rising difficulty that swap states (Kitaoka et al. 2009)"
+            }
+            Self::Mlt => {
+                "Metropolis light transport on paths: mutations trace what they change alone (Veach, Guibas 1997)"
             }
         }
     }
@@ -112,6 +119,7 @@ pub struct Key {
 const EVERY: &[Method] = &Method::ALL;
 const CHAINS: &[Method] = &[Method::Pssmlt];
 const REPLICAS: &[Method] = &[Method::Relt];
+const PATHS: &[Method] = &[Method::Mlt];
 
 /// All keys.
 pub const KEYS: &[Key] = &[
@@ -143,7 +151,13 @@ pub const KEYS: &[Key] = &[
         range: "1..=10000000",
         meaning: "independent samples at the start: they choose the chains' first states, estimate the \
                   normalisation and fix the film's quantum (path, light, bdpt: a hundredth of it)",
-        methods: &[Method::Path, Method::Light, Method::Bdpt, Method::Pssmlt],
+        methods: &[
+            Method::Path,
+            Method::Light,
+            Method::Bdpt,
+            Method::Pssmlt,
+            Method::Mlt,
+        ],
     },
     Key {
         name: "nextevent",
@@ -173,7 +187,7 @@ pub const KEYS: &[Key] = &[
         default: "xyz",
         range: "xyz|luminance",
         meaning: "the scalar that the chain follows: X+Y+Z, or luminance (which starves dispersion)",
-        methods: &[Method::Pssmlt, Method::Relt],
+        methods: &[Method::Pssmlt, Method::Relt, Method::Mlt],
     },
     Key {
         name: "contribution",
@@ -258,5 +272,27 @@ pub const KEYS: &[Key] = &[
         meaning: "particles of the population annealing at the start: first states and constants of \
                   the weights",
         methods: REPLICAS,
+    },
+    Key {
+        name: "mutations",
+        default: "bidirectional,lens,multichain,caustic,subpath,wavelengths",
+        range: "a list of bidirectional|lens|multichain|caustic|subpath|wavelengths",
+        meaning: "what may change a path; bidirectional alone reaches every path",
+        methods: PATHS,
+    },
+    Key {
+        name: "jitter",
+        default: "veach",
+        range: "veach|R1:R2",
+        meaning: "pixels by which lens, multichain and caustic move what is seen: a tenth up to the radius of a \
+                  twentieth of the image, or 0 < R1 < R2",
+        methods: PATHS,
+    },
+    Key {
+        name: "angles",
+        default: "0.0001:0.1",
+        range: "T1:T2",
+        meaning: "radians by which multichain turns directions within the path, 0 < T1 < T2 <= 3",
+        methods: PATHS,
     },
 ];

@@ -50,6 +50,46 @@ pub enum Steps {
     Adapted,
 }
 
+/// Which mutations `mlt` makes, by their number in [`Mutations::NAMES`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Mutations([bool; Mutations::NAMES.len()]);
+
+impl Mutations {
+    /// Names of all, in the order of the statistics.
+    pub const NAMES: [&'static str; 6] = [
+        "bidirectional",
+        "lens",
+        "multichain",
+        "caustic",
+        "subpath",
+        "wavelengths",
+    ];
+    /// All of them.
+    pub const ALL: Self = Self([true; Self::NAMES.len()]);
+
+    /// Is it made?
+    pub fn holds(self, index: usize) -> bool {
+        self.0[index]
+    }
+
+    /// From a list of names, at least one.
+    fn parse(list: &str) -> Option<Self> {
+        let mut made = [false; Self::NAMES.len()];
+        for word in list.split(',') {
+            made[Self::NAMES.iter().position(|name| *name == word)?] = true;
+        }
+        Some(Self(made))
+    }
+}
+
+impl std::fmt::Display for Mutations {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let names = Self::NAMES.iter().zip(self.0);
+        let made: Vec<&str> = names.filter(|(_, on)| *on).map(|(name, _)| *name).collect();
+        f.write_str(&made.join(","))
+    }
+}
+
 /// All settings; a method reads those that [`Method::keys`] lists.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[expect(missing_docs, reason = "the table of keys says what each does")]
@@ -74,6 +114,11 @@ pub struct Options {
     pub exchange: Schedule,
     pub steps: Steps,
     pub particles: u64,
+    pub mutations: Mutations,
+    /// Pixels, least and most; `None`: Veach's.
+    pub jitter: Option<[f64; 2]>,
+    /// Radians, least and most.
+    pub angles: [f64; 2],
 }
 
 impl Default for Options {
@@ -98,6 +143,9 @@ impl Default for Options {
             exchange: Schedule::Full,
             steps: Steps::default(),
             particles: 10_000,
+            mutations: Mutations::ALL,
+            jitter: None,
+            angles: [1e-4, 0.1],
         }
     }
 }
@@ -233,6 +281,9 @@ impl Options {
             }
             .to_owned(),
             "particles" => self.particles.to_string(),
+            "mutations" => self.mutations.to_string(),
+            "jitter" => (self.jitter).map_or("veach".to_owned(), |[a, b]| format!("{a}:{b}")),
+            "angles" => format!("{}:{}", self.angles[0], self.angles[1]),
             _ => String::new(),
         }
     }
@@ -297,6 +348,10 @@ impl Options {
                 self.steps = word(value, &[("paper", paper), ("adapted", adapted)])?;
             }
             "particles" => self.particles = integer(value, 1_000, 1_000_000)?,
+            "mutations" => self.mutations = Mutations::parse(value)?,
+            "jitter" if value == "veach" => self.jitter = None,
+            "jitter" => self.jitter = Some(range(value, 1e6)?),
+            "angles" => self.angles = range(value, 3.0)?,
             _ => return None,
         }
         Some(())
@@ -334,6 +389,12 @@ fn integer(value: &str, least: u64, most: u64) -> Option<u64> {
 
 fn number(value: &str) -> Option<f64> {
     value.parse().ok().filter(|x: &f64| x.is_finite())
+}
+
+/// Two numbers that grow, both above 0, with a colon between them.
+fn range(value: &str, most: f64) -> Option<[f64; 2]> {
+    let (a, b) = value.split_once(':')?;
+    Some([number(a)?, number(b)?]).filter(|[a, b]| 0.0 < *a && a < b && *b <= most)
 }
 
 fn small_step(value: &str) -> Option<SmallStep> {
@@ -418,6 +479,33 @@ mod tests {
             "particles=10",
         ] {
             assert!(again.set(Method::Relt, wrong).is_err(), "{wrong}");
+        }
+        assert_eq!(again, options);
+    }
+
+    #[test]
+    fn what_is_written_of_mutations_is_what_was_set() {
+        let mut options = Options::default();
+        for text in [
+            "mutations=lens,bidirectional",
+            "jitter=0.5:20",
+            "angles=0.001:0.5",
+        ] {
+            options.set(Method::Mlt, text).unwrap();
+        }
+        let mut again = Options::default();
+        for (key, value) in options.entries(Method::Mlt) {
+            again.set(Method::Mlt, &format!("{key}={value}")).unwrap();
+        }
+        assert_eq!(again, options);
+        for wrong in [
+            "mutations=",
+            "mutations=lens,small",
+            "jitter=3:1",
+            "angles=0.1:4",
+            "angles=1",
+        ] {
+            assert!(again.set(Method::Mlt, wrong).is_err(), "{wrong}");
         }
         assert_eq!(again, options);
     }

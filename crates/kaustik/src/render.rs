@@ -10,6 +10,7 @@ use kaustik_scene::Scene;
 
 use crate::engine::Engine;
 use crate::independent::IndependentEngine;
+use crate::mlt::MltEngine;
 use crate::pssmlt::PssmltEngine;
 use crate::relt;
 use crate::{
@@ -86,6 +87,7 @@ pub fn render(
         film: engine.film_counters(),
         chain: engine.chain_statistics(),
         replicas: engine.replica_statistics(),
+        mutations: engine.mutation_statistics(),
     };
     if settings.features {
         for layer in engine.layers()? {
@@ -149,6 +151,7 @@ fn engine<'a>(
         Method::Bdpt => Box::new(IndependentEngine::bdpt(scene, settings)?),
         Method::Pssmlt => Box::new(PssmltEngine::new(scene, settings)?),
         Method::Relt => relt::engine(scene, settings)?,
+        Method::Mlt => Box::new(MltEngine::new(scene, settings)?),
     })
 }
 
