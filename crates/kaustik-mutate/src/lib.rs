@@ -48,6 +48,3 @@ pub use wavelength::WavelengthMutation;
 
 #[cfg(test)]
 mod tests;
-
-#[cfg(test)]
-mod tests;
