@@ -1,7 +1,8 @@
 use glam::DVec2;
+use kaustik_scene::EmitterPoint;
 use kaustik_spectrum::{WavelengthSampling, Wavelengths, Xyz};
 
-use crate::vertex::PathVertex;
+use crate::vertex::{PathVertex, Place};
 
 /// A light path, from the emitter to the lens, with what it brings to the image.
 ///
@@ -68,9 +69,15 @@ impl Path {
         self.len.saturating_sub(1)
     }
 
-    /// World position of a vertex, 0 at the emitter; without meaning for one infinitely far away.
+    /// World position of a vertex, 0 at the emitter; of the environment the unit direction in which it lies, of a
+    /// punctual light the origin.
     pub fn position(&self, vertex: usize) -> [f64; 3] {
-        self.at(vertex).vertex.position.to_array()
+        let vertex = self.at(vertex);
+        match vertex.place {
+            Place::Emitter(EmitterPoint::Environment(toward)) => toward.to_array(),
+            Place::Emitter(EmitterPoint::Punctual(_)) => [0.0; 3],
+            _ => vertex.vertex.position.to_array(),
+        }
     }
 
     /// Does the vertex scatter into a Dirac direction?

@@ -243,6 +243,20 @@ pub(crate) fn scene(name: &str) -> Scene {
     let above = Vec3::new(1.0, 2.0, 0.5);
     match name {
         "diffuse" => lit(),
+        // a mirror for a wall
+        "gallery" => Stage::new()
+            .add(
+                diffuse([0.7, 0.6, 0.5]),
+                rectangle(Vec3::ZERO, Vec3::Z * 3.0, Vec3::X * 3.0),
+            )
+            .add(
+                metal(0.0),
+                rectangle(Vec3::new(-1.4, 1.5, 0.0), Vec3::Y * 1.5, Vec3::Z * 3.0),
+            )
+            .add(
+                lamp(4.0),
+                rectangle(Vec3::new(-0.9, 1.2, -0.8), Vec3::Y * 0.4, Vec3::Z * 0.4),
+            ),
         "glossy" => plate(metal(0.4)),
         "mirror" => plate(metal(0.0)),
         "varnish" => plate(varnish()),
