@@ -356,11 +356,6 @@ pub(crate) mod tests {
             .sum()
     }
 
-    /// What the probability of two new edges for two old ones is divided by.
-    pub(crate) fn additions_sum(space: &PathSpace<'_>, path: &Path) -> f64 {
-        Additions::new(path.edges(), 2, space.settings.max_edges as usize).sum
-    }
-
     #[test]
     fn lengths_stay_within_bounds() {
         for edges in 1..9 {

@@ -7,8 +7,8 @@ use kaustik_scene::Scene;
 
 use super::space;
 use super::stage::scene;
-use crate::bidirectional::tests::{additions_sum, cuts_sum};
-use crate::density::{bending, geometry_to_eye, geometry_to_light};
+use crate::bidirectional::tests::cuts_sum;
+use crate::density::{geometry_to_eye, geometry_to_light};
 use crate::{
     BidirectionalMutation, CausticPerturbation, LensMutation, LensPerturbation, Path, PathSpace,
     Radii, Run, Seeds, WavelengthMutation,
@@ -181,10 +181,14 @@ const CASES: &[(Kind, &[&str])] = &[
             "veil",
         ],
     ),
-    (MULTICHAIN, &["mirror", "glass", "varnish", "sky", "lens"]),
+    (
+        MULTICHAIN,
+        &["gallery", "mirror", "glass", "varnish", "sky", "lens"],
+    ),
     (
         CAUSTIC,
         &[
+            "gallery",
             "diffuse",
             "mirror",
             "glass",
@@ -202,6 +206,7 @@ const CASES: &[(Kind, &[&str])] = &[
     (
         BIDIRECTIONAL,
         &[
+            "gallery",
             "diffuse",
             "glossy",
             "mirror",
@@ -299,7 +304,7 @@ const FAULTS: &[(&str, &str, Kind, Factor)] = &[
     ),
     (
         "the geometry behind a turn",
-        "mirror",
+        "gallery",
         MULTICHAIN,
         |_, path| {
             let turn = (2..path.edges())
@@ -316,7 +321,7 @@ const FAULTS: &[(&str, &str, Kind, Factor)] = &[
     ),
     (
         "the cosine before a mirror",
-        "mirror",
+        "gallery",
         CAUSTIC,
         |_, path| {
             if path.is_specular(path.edges() - 2) && path.edges() > 2 {
@@ -327,10 +332,6 @@ const FAULTS: &[(&str, &str, Kind, Factor)] = &[
             }
         },
     ),
-    ("the bending of refractions", "inlay", CAUSTIC, |_, path| {
-        let bent = (1..path.edges() - 1).filter(|&i| path.is_specular(i));
-        bent.map(|i| bending(path.at(i))).product()
-    }),
     (
         "the density of the whole new part",
         "diffuse",
@@ -342,12 +343,6 @@ const FAULTS: &[(&str, &str, Kind, Factor)] = &[
         "diffuse",
         BIDIRECTIONAL,
         |space, path| 1.0 / cuts_sum(space, path),
-    ),
-    (
-        "the sum of the weights of additions",
-        "diffuse",
-        BIDIRECTIONAL,
-        |space, path| 1.0 / additions_sum(space, path),
     ),
     (
         "the density of the lens subpath",

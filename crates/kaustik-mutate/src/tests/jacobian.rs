@@ -136,7 +136,7 @@ fn directions_spread_as_the_density_says() {
         for i in 2..path.edges() {
             let (light, eye) = (path.at(i - 1), path.at(i));
             // Positions are rounded to single precision: close by, that turns directions.
-            if light.edge.squared < 0.1 || light.cos_eye.min(eye.cos_light) < 0.1 {
+            if light.edge.squared < 0.25 || light.cos_eye.min(eye.cos_light) < 0.2 {
                 continue;
             }
             let from = eye.vertex.position;
