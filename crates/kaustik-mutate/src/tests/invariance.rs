@@ -65,8 +65,8 @@ fn lens<'a>(space: &'a PathSpace<'a>, run: Run) -> LensPerturbation<'a> {
             most: 3.0,
         },
         angles: Radii {
-            least: 1e-2,
-            most: 0.5,
+            least: 0.05,
+            most: 1.0,
         },
         run,
     }
@@ -77,7 +77,7 @@ fn caustic<'a>(space: &'a PathSpace<'a>) -> CausticPerturbation<'a> {
         space,
         radii: Radii {
             least: 0.2,
-            most: 4.0,
+            most: 6.0,
         },
     }
 }
@@ -355,7 +355,7 @@ const FAULTS: &[(&str, &str, Kind, Factor)] = &[
 #[test]
 fn a_factor_left_out_is_found() {
     let test = PairedTest {
-        starts: 60_000,
+        starts: 160_000,
         steps: 10,
         seed: 11,
     };
@@ -363,9 +363,10 @@ fn a_factor_left_out_is_found() {
     for (what, name, kind, factor) in FAULTS {
         let found = changes(name, *kind, Some(*factor), &test);
         println!(
-            "{} without {what}, {name}: chi2 {:.1}",
+            "{} without {what}, {name}: chi2 {:.1}, moved {:.2}",
             kind.0,
-            found.chi_square()
+            found.chi_square(),
+            found.moved
         );
         if found.p_value() > 1e-6 {
             missed.push((*what, found.chi_square(), found.p_value()));

@@ -132,7 +132,7 @@ fn rays_from_the_lens_spread_as_the_density_says() {
 fn directions_spread_as_the_density_says() {
     let scene = scene("diffuse");
     let mut seen = 0;
-    for path in &paths(&space(&scene, 5), 400) {
+    for path in &paths(&space(&scene, 5), 2_000) {
         for i in 2..path.edges() {
             let (light, eye) = (path.at(i - 1), path.at(i));
             // Positions are rounded to single precision: close by, that turns directions.

@@ -243,7 +243,7 @@ pub(crate) fn scene(name: &str) -> Scene {
     let above = Vec3::new(1.0, 2.0, 0.5);
     match name {
         "diffuse" => lit(),
-        // a mirror for a wall
+        // a lamp that faces a wall that is a mirror
         "gallery" => Stage::new()
             .add(
                 diffuse([0.7, 0.6, 0.5]),
@@ -255,7 +255,7 @@ pub(crate) fn scene(name: &str) -> Scene {
             )
             .add(
                 lamp(4.0),
-                rectangle(Vec3::new(-0.9, 1.2, -0.8), Vec3::Y * 0.4, Vec3::Z * 0.4),
+                rectangle(Vec3::new(-0.4, 1.4, -0.6), Vec3::Z * 1.2, Vec3::Y * 0.8),
             ),
         "glossy" => plate(metal(0.4)),
         "mirror" => plate(metal(0.0)),
