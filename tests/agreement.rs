@@ -131,6 +131,7 @@ fn methods_agree_roughly() {
         Rival::new(Method::Bdpt, 8),
         Rival::new(Method::Mmlt, 64),
         Rival::new(Method::ErptPss, 16),
+        Rival::new(Method::Mlt, 64),
     ];
     assert_agreement("cornell", 16, &rivals.map(|r| r.within(0.2)), 8, 1.0);
 }
@@ -155,6 +156,7 @@ agreement_on! {
     methods_agree_on_cornell: "cornell", 400, [
         Rival::new(Method::Light, 600), Rival::new(Method::Pssmlt, 5_000), Rival::new(Method::Bdpt, 300),
         Rival::new(Method::Mmlt, 10_000),
+        Rival::new(Method::Mlt, 5_000),
     ];
     methods_agree_on_direct_light: "cornell-direct", 200, [
         Rival::new(Method::Light, 600), Rival::new(Method::Pssmlt, 4_000), Rival::new(Method::Bdpt, 200),
@@ -173,6 +175,7 @@ agreement_on! {
         Rival::new(Method::Pssmlt, 3_500).within(0.03),
         Rival::new(Method::Bdpt, 1_200),
         Rival::new(Method::Mmlt, 7_000).within(0.03),
+        Rival::new(Method::Mlt, 5_000).within(0.03),
     ];
     methods_agree_on_glass_cube: "glass-cube?light=0.8", 14_000, [
         Rival::new(Method::Light, 1_000),

@@ -57,6 +57,13 @@ const TABLE: &[(u8, &str, &str, &str, &str)] = &[
     ),
     (
         4,
+        "kaustik-mutate",
+        "bsdf geometry mcmc path scene spectrum",
+        "glam libm",
+        "pss",
+    ),
+    (
+        4,
         "kaustik-estimate",
         "film mcmc path pss scene spectrum",
         "libm",
@@ -65,7 +72,7 @@ const TABLE: &[(u8, &str, &str, &str, &str)] = &[
     (
         5,
         "kaustik",
-        "bsdf estimate film geometry mcmc path pss scene spectrum",
+        "bsdf estimate film geometry mcmc mutate path pss scene spectrum",
         "glam rayon serde serde_json sobol_burley thiserror",
         "",
     ),

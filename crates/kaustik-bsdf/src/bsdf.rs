@@ -1,7 +1,7 @@
 use crate::{
-    Coated, Conductor, Dielectric, Interface, Lambertian, Lobe, Mirror, Mode, Phong, Principled,
-    PrincipledParameters, Reflectance, RoughConductor, RoughDielectric, RoughThinDielectric,
-    Sample, ThinDielectric,
+    Coated, Conductor, Delta, Dielectric, Interface, Lambertian, Lobe, Mirror, Mode, Phong,
+    Principled, PrincipledParameters, Reflectance, RoughConductor, RoughDielectric,
+    RoughThinDielectric, Sample, ThinDielectric,
 };
 use glam::DVec3;
 use kaustik_spectrum::Spectrum;
@@ -156,6 +156,11 @@ impl Lobe for Bsdf {
     #[inline]
     fn sample(&self, wo: DVec3, uc: f64, u: [f64; 2], mode: Mode) -> Option<Sample> {
         each!(self, lobe => lobe.sample(wo, uc, u, mode))
+    }
+
+    #[inline]
+    fn delta(&self, wo: DVec3, transmitted: bool, mode: Mode) -> Option<Delta> {
+        each!(self, lobe => lobe.delta(wo, transmitted, mode))
     }
 
     #[inline]

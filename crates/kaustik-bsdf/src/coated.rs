@@ -1,4 +1,4 @@
-use crate::{Lobe, Mode, Sample, fresnel, local, warp};
+use crate::{Delta, Lobe, Mode, Sample, fresnel, local, warp};
 use glam::DVec3;
 use kaustik_spectrum::Spectrum;
 use std::f64::consts::FRAC_1_PI;
@@ -76,6 +76,17 @@ impl Lobe for Coated {
         }
         let wi = local::to_side_of(wo, warp::cosine_hemisphere(u));
         Sample::continuous(wo, wi, self.eval(wo, wi, mode), self.pdf(wo, wi, mode))
+    }
+
+    #[inline]
+    fn delta(&self, wo: DVec3, transmitted: bool, _mode: Mode) -> Option<Delta> {
+        if transmitted || !local::usable(wo) {
+            return None;
+        }
+        let f = self.coat(wo);
+        let p = self.mirror_probability(f);
+        let sample = Sample::delta(wo, local::mirror(wo), Spectrum::splat(f as f32), p)?;
+        Some(Delta::of(&sample))
     }
 
     #[inline]

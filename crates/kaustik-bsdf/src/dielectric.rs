@@ -1,4 +1,5 @@
-use crate::{Interface, Lobe, Mode, Sample, interface, local};
+use crate::interface::Split;
+use crate::{Delta, Interface, Lobe, Mode, Sample, interface, local};
 use glam::DVec3;
 use kaustik_spectrum::Spectrum;
 
@@ -9,6 +10,22 @@ use kaustik_spectrum::Spectrum;
 pub struct Dielectric {
     /// The two media.
     pub interface: Interface,
+}
+
+impl Dielectric {
+    /// Through the surface; `None` under total reflection.
+    #[inline]
+    fn refracted(&self, wo: DVec3, split: &Split, mode: Mode) -> Option<Sample> {
+        let ahead = self.interface.ahead(wo);
+        let normal = DVec3::new(0.0, 0.0, wo.z.signum());
+        let wi = interface::refract(wo, normal, wo.z.abs(), split.beyond, ahead);
+        let share = split.transmitted * (radiance_scale(ahead, mode) as f32);
+        let sample = Sample::delta(wo, wi, share, 1.0 - split.reflect)?;
+        Some(Sample {
+            dispersive: self.interface.dispersive(),
+            ..sample
+        })
+    }
 }
 
 impl Lobe for Dielectric {
@@ -31,15 +48,21 @@ impl Lobe for Dielectric {
         if uc < split.reflect {
             return Sample::delta(wo, local::mirror(wo), split.reflected, split.reflect);
         }
-        let ahead = self.interface.ahead(wo);
-        let normal = DVec3::new(0.0, 0.0, wo.z.signum());
-        let wi = interface::refract(wo, normal, wo.z.abs(), split.beyond, ahead);
-        let share = split.transmitted * (radiance_scale(ahead, mode) as f32);
-        let sample = Sample::delta(wo, wi, share, 1.0 - split.reflect)?;
-        Some(Sample {
-            dispersive: self.interface.dispersive(),
-            ..sample
-        })
+        self.refracted(wo, &split, mode)
+    }
+
+    #[inline]
+    fn delta(&self, wo: DVec3, transmitted: bool, mode: Mode) -> Option<Delta> {
+        if !local::usable(wo) {
+            return None;
+        }
+        let split = self.interface.split(wo.z.abs(), wo.z > 0.0);
+        let sample = if transmitted {
+            self.refracted(wo, &split, mode)
+        } else {
+            Sample::delta(wo, local::mirror(wo), split.reflected, split.reflect)
+        };
+        sample.as_ref().map(Delta::of)
     }
 
     #[inline]

@@ -1,4 +1,4 @@
-use crate::{Mode, Sample};
+use crate::{Delta, Mode, Sample};
 use glam::DVec3;
 use kaustik_spectrum::Spectrum;
 
@@ -30,6 +30,15 @@ pub trait Lobe {
 
     /// Draws `wi`. `uc` chooses the lobe, `u` the direction; all in `[0, 1)`. `None`: absorbed.
     fn sample(&self, wo: DVec3, uc: f64, u: [f64; 2], mode: Mode) -> Option<Sample>;
+
+    /// All that scatters from `wo` into one Dirac direction: by reflection, or through the surface if
+    /// `transmitted`. `None` where there is no such part.
+    ///
+    /// What a walk draws with [`sample`](Self::sample) at its chance, asked for by name: a path that
+    /// is traced again must pass each smooth surface as it did before.
+    fn delta(&self, _wo: DVec3, _transmitted: bool, _mode: Mode) -> Option<Delta> {
+        None
+    }
 
     /// Directional albedo: the share of light that leaves again when it arrives from `wo`. Exact
     /// for lossless lobes, an estimate within a few per cent for the others; for the albedo

@@ -1,4 +1,4 @@
-use crate::{Lobe, Mode, Sample, local};
+use crate::{Delta, Lobe, Mode, Sample, local};
 use glam::DVec3;
 use kaustik_spectrum::Spectrum;
 
@@ -26,6 +26,14 @@ impl Lobe for Mirror {
             return None;
         }
         Sample::delta(wo, local::mirror(wo), self.reflectance, 1.0)
+    }
+
+    #[inline]
+    fn delta(&self, wo: DVec3, transmitted: bool, mode: Mode) -> Option<Delta> {
+        if transmitted {
+            return None;
+        }
+        Some(Delta::of(&self.sample(wo, 0.0, [0.0; 2], mode)?))
     }
 
     #[inline]

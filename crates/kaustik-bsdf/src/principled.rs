@@ -5,7 +5,7 @@ mod parameters;
 pub use parameters::{PrincipledParameters, Wall};
 
 use crate::facets::{Facets, rebound_colour};
-use crate::{Bsdf, Lobe, Mode, Reflectance, Sample, local, warp};
+use crate::{Bsdf, Delta, Lobe, Mode, Reflectance, Sample, local, warp};
 use body::Body;
 use clear::Clear;
 use glam::DVec3;
@@ -224,6 +224,30 @@ impl Lobe for Principled {
             pdf: sample.pdf * clear,
             ..sample
         })
+    }
+
+    fn delta(&self, wo: DVec3, transmitted: bool, mode: Mode) -> Option<Delta> {
+        if !local::usable(wo) {
+            return None;
+        }
+        let [glossy, _, clear] = self.choice(wo);
+        let through = self
+            .clear
+            .and_then(|lobe| lobe.delta(wo, transmitted, mode));
+        let through = through.map(|delta| Delta {
+            probability: delta.probability * clear,
+            ..delta
+        });
+        let coat = match &self.glossy {
+            Glossy::Smooth(_) if !transmitted => {
+                self.sample_glossy(wo, glossy, 0.0, [0.0; 2], mode)
+            }
+            _ => None,
+        };
+        match coat {
+            Some(sample) => Some(Delta::of(&sample).and(through)),
+            None => through,
+        }
     }
 
     #[inline]

@@ -1,4 +1,4 @@
-use crate::{Interface, Lobe, Mode, Sample, local};
+use crate::{Delta, Interface, Lobe, Mode, Sample, local};
 use glam::DVec3;
 use kaustik_spectrum::Spectrum;
 
@@ -53,6 +53,21 @@ impl Lobe for ThinDielectric {
         } else {
             Sample::delta(wo, -wo, transmitted, 1.0 - p)
         }
+    }
+
+    #[inline]
+    fn delta(&self, wo: DVec3, transmitted: bool, _mode: Mode) -> Option<Delta> {
+        if !local::usable(wo) {
+            return None;
+        }
+        let (reflected, through) = pane(&self.interface, wo.z.abs());
+        let p = reflect_probability(reflected, through);
+        let sample = if transmitted {
+            Sample::delta(wo, -wo, through, 1.0 - p)
+        } else {
+            Sample::delta(wo, local::mirror(wo), reflected, p)
+        };
+        sample.as_ref().map(Delta::of)
     }
 
     #[inline]

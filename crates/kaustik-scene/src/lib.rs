@@ -20,7 +20,9 @@ pub mod texture;
 mod vertex;
 
 pub use description::Description;
-pub use emitter::{AreaSample, DirectSample, EmissionPdf, EmissionSample, Reach};
+pub use emitter::{
+    AreaSample, DirectSample, EmissionPdf, EmissionSample, EmitterPoint, PunctualView, Reach,
+};
 pub use interior::Interior;
 pub use scene::{Scene, SceneError, SceneOptions, Segment};
 pub use vertex::Vertex;

@@ -135,7 +135,7 @@ impl Matter {
     }
 
     /// The same at a point of a surface that was chosen and not met.
-    fn coverage(&self, material: u32, surface: &Surface) -> f32 {
+    pub(crate) fn coverage(&self, material: u32, surface: &Surface) -> f32 {
         let material = self.material(material);
         if !material.has_alpha() {
             return 1.0;

@@ -1,6 +1,7 @@
 //! A scene ready for rays.
 
 mod build;
+mod endpoint;
 mod error;
 
 use glam::DVec3;

@@ -5,7 +5,8 @@ use std::sync::atomic::AtomicBool;
 use kaustik_film::{Counters, Image, Layer};
 
 use crate::{
-    ChainStatistics, DirectStatistics, Place, RenderError, RenderSettings, ReplicaStatistics,
+    ChainStatistics, DirectStatistics, MutationStatistics, Place, RenderError, RenderSettings,
+    ReplicaStatistics,
 };
 
 /// A method at work: ladders that can be driven on, and films that can be developed.
@@ -43,6 +44,11 @@ pub(crate) trait Engine: Send + Sync {
     /// Direct light that is rendered apart, so far.
     fn direct_statistics(&self) -> Option<DirectStatistics> {
         None
+    }
+
+    /// The kinds of mutations of paths so far.
+    fn mutation_statistics(&self) -> Vec<MutationStatistics> {
+        Vec::new()
     }
 
     /// Parts of the picture, each weighted as it is in the whole. After [`develop`](Self::develop).

@@ -33,7 +33,9 @@ mod features;
 mod independent;
 mod lamps;
 mod method;
+mod mlt;
 mod mmlt;
+mod mutations;
 mod options;
 mod pssmlt;
 mod relt;
@@ -48,11 +50,14 @@ pub use choices::{Builder, Direct, Normaliser, SmallStep, Steps, Strategies};
 pub use control::{Control, Progress};
 pub use error::RenderError;
 pub use method::{KEYS, Key, Method, UnknownMethod};
+pub use mutations::Mutations;
 pub use options::{OptionError, Options};
 pub use render::{Outcome, Rendered, Watch, render, render_watched};
 pub use replica_statistics::{ReplicaLevel, ReplicaStatistics};
 pub use settings::{Budget, RenderSettings};
-pub use statistics::{ChainStatistics, DirectStatistics, Place, RenderStatistics};
+pub use statistics::{
+    ChainStatistics, DirectStatistics, MutationStatistics, Place, RenderStatistics,
+};
 
 pub use kaustik_estimate::Mis;
 
@@ -61,6 +66,7 @@ pub use kaustik_estimate as estimate;
 pub use kaustik_film as film;
 pub use kaustik_geometry as geometry;
 pub use kaustik_mcmc as mcmc;
+pub use kaustik_mutate as mutate;
 pub use kaustik_path as path;
 pub use kaustik_pss as pss;
 pub use kaustik_scene as scene;

@@ -23,11 +23,13 @@ pub enum Method {
     ErptPss,
     /// Population annealing alone (Kitaoka 2009, section 6).
     Annealing,
+    /// Metropolis light transport on paths (Veach and Guibas 1997).
+    Mlt,
 }
 
 impl Method {
     /// All methods.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self::Path,
         Self::Light,
         Self::Bdpt,
@@ -36,6 +38,7 @@ impl Method {
         Self::Relt,
         Self::ErptPss,
         Self::Annealing,
+        Self::Mlt,
     ];
 
     /// The name on the command line.
@@ -49,6 +52,7 @@ impl Method {
             Self::Relt => "relt",
             Self::ErptPss => "erpt-pss",
             Self::Annealing => "annealing",
+            Self::Mlt => "mlt",
         }
     }
 
@@ -78,6 +82,9 @@ impl Method {
             }
             Self::Annealing => {
                 "population annealing: fresh populations climb from easy to hard paths (Kitaoka et al. 2009, 6)"
+            }
+            Self::Mlt => {
+                "Metropolis light transport on paths: mutations trace what they change alone (Veach, Guibas 1997)"
             }
         }
     }
@@ -142,10 +149,12 @@ const METROPOLIS: &[Method] = &[
     Method::Relt,
     Method::ErptPss,
     Method::Annealing,
+    Method::Mlt,
 ];
 const MULTIPLEXED: &[Method] = &[Method::Mmlt];
 const EXCHANGE: &[Method] = &[Method::Relt];
 const REPLICAS: &[Method] = &[Method::Relt, Method::Annealing];
+const PATHS: &[Method] = &[Method::Mlt];
 
 /// All keys.
 pub const KEYS: &[Key] = &[
@@ -184,6 +193,7 @@ pub const KEYS: &[Key] = &[
             Method::Pssmlt,
             Method::Mmlt,
             Method::ErptPss,
+            Method::Mlt,
         ],
     },
     Key {
@@ -354,5 +364,27 @@ pub const KEYS: &[Key] = &[
         meaning: "Cline's filter: a chain that stayed in one place for more proposals than this leaves \
                   nothing for its staying. Biased: light is lost (the report uses 10 and 20)",
         methods: REDISTRIBUTION,
+    },
+    Key {
+        name: "mutations",
+        default: "bidirectional,lens,multichain,caustic,subpath,wavelengths",
+        range: "a list of bidirectional|lens|multichain|caustic|subpath|wavelengths",
+        meaning: "what may change a path; bidirectional alone reaches every path",
+        methods: PATHS,
+    },
+    Key {
+        name: "jitter",
+        default: "veach",
+        range: "veach|R1:R2",
+        meaning: "pixels by which lens, multichain and caustic move what is seen: a tenth up to the radius of a \
+                  twentieth of the image, or 0 < R1 < R2",
+        methods: PATHS,
+    },
+    Key {
+        name: "angles",
+        default: "0.0001:0.1",
+        range: "T1:T2",
+        meaning: "radians by which multichain turns directions within the path, 0 < T1 < T2 <= 3",
+        methods: PATHS,
     },
 ];

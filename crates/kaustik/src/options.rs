@@ -5,6 +5,7 @@ use kaustik_mcmc::Schedule;
 use kaustik_path::Heuristic;
 use kaustik_spectrum::WavelengthSampling;
 
+use crate::Mutations;
 use crate::choices::{Builder, Direct, Normaliser, SmallStep, Steps, Strategies};
 use crate::method::{KEYS, Method};
 
@@ -38,6 +39,11 @@ pub struct Options {
     pub chains: f64,
     /// `None`: no filter.
     pub consecutive: Option<u64>,
+    pub mutations: Mutations,
+    /// Pixels, least and most; `None`: Veach's.
+    pub jitter: Option<[f64; 2]>,
+    /// Radians, least and most.
+    pub angles: [f64; 2],
 }
 
 impl Default for Options {
@@ -67,6 +73,9 @@ impl Default for Options {
             length: 100,
             chains: 1.0,
             consecutive: None,
+            mutations: Mutations::ALL,
+            jitter: None,
+            angles: [1e-4, 0.1],
         }
     }
 }
@@ -216,6 +225,9 @@ impl Options {
             "length" => self.length.to_string(),
             "chains" => self.chains.to_string(),
             "consecutive" => (self.consecutive).map_or("off".to_owned(), |n| n.to_string()),
+            "mutations" => self.mutations.to_string(),
+            "jitter" => (self.jitter).map_or("veach".to_owned(), |[a, b]| format!("{a}:{b}")),
+            "angles" => format!("{}:{}", self.angles[0], self.angles[1]),
             _ => String::new(),
         }
     }
@@ -304,6 +316,10 @@ impl Options {
             "chains" => self.chains = number(value).filter(|n| (0.01..=100.0).contains(n))?,
             "consecutive" if value == "off" => self.consecutive = None,
             "consecutive" => self.consecutive = Some(integer(value, 1, 100_000)?),
+            "mutations" => self.mutations = Mutations::parse(value)?,
+            "jitter" if value == "veach" => self.jitter = None,
+            "jitter" => self.jitter = Some(range(value, 1e6)?),
+            "angles" => self.angles = range(value, 3.0)?,
             _ => return None,
         }
         Some(())
@@ -341,6 +357,12 @@ fn integer(value: &str, least: u64, most: u64) -> Option<u64> {
 
 fn number(value: &str) -> Option<f64> {
     value.parse().ok().filter(|x: &f64| x.is_finite())
+}
+
+/// Two numbers that grow, both above 0, with a colon between them.
+fn range(value: &str, most: f64) -> Option<[f64; 2]> {
+    let (a, b) = value.split_once(':')?;
+    Some([number(a)?, number(b)?]).filter(|[a, b]| 0.0 < *a && a < b && *b <= most)
 }
 
 fn small_step(value: &str) -> Option<SmallStep> {
@@ -426,6 +448,33 @@ mod tests {
             "particles=10",
         ] {
             assert!(again.set(Method::Relt, wrong).is_err(), "{wrong}");
+        }
+        assert_eq!(again, options);
+    }
+
+    #[test]
+    fn what_is_written_of_mutations_is_what_was_set() {
+        let mut options = Options::default();
+        for text in [
+            "mutations=lens,bidirectional",
+            "jitter=0.5:20",
+            "angles=0.001:0.5",
+        ] {
+            options.set(Method::Mlt, text).unwrap();
+        }
+        let mut again = Options::default();
+        for (key, value) in options.entries(Method::Mlt) {
+            again.set(Method::Mlt, &format!("{key}={value}")).unwrap();
+        }
+        assert_eq!(again, options);
+        for wrong in [
+            "mutations=",
+            "mutations=lens,small",
+            "jitter=3:1",
+            "angles=0.1:4",
+            "angles=1",
+        ] {
+            assert!(again.set(Method::Mlt, wrong).is_err(), "{wrong}");
         }
         assert_eq!(again, options);
     }

@@ -11,6 +11,7 @@ use kaustik_scene::Scene;
 use crate::direct::{self, DirectApart};
 use crate::engine::Engine;
 use crate::independent::IndependentEngine;
+use crate::mlt::MltEngine;
 use crate::pssmlt::PssmltEngine;
 use crate::relt;
 use crate::{
@@ -162,6 +163,7 @@ fn engine<'a>(
         Method::Bdpt => Box::new(IndependentEngine::bdpt(scene, settings)?),
         Method::Pssmlt | Method::Mmlt => Box::new(PssmltEngine::new(scene, settings)?),
         Method::Relt => relt::engine(scene, settings)?,
+        Method::Mlt => Box::new(MltEngine::new(scene, settings)?),
         Method::Annealing => annealing::engine(scene, settings)?,
         Method::ErptPss => Box::new(IndependentEngine::erpt_pss(scene, settings)?),
     };
@@ -263,6 +265,7 @@ impl Work<'_> {
             chain: engine.chain_statistics(),
             direct: engine.direct_statistics(),
             replicas: engine.replica_statistics(),
+            mutations: engine.mutation_statistics(),
         };
         if settings.features {
             for layer in engine.layers()? {

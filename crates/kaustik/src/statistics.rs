@@ -33,6 +33,20 @@ pub struct RenderStatistics {
     pub direct: Option<DirectStatistics>,
     /// Of replica exchange.
     pub replicas: Option<ReplicaStatistics>,
+    /// Of each kind of mutation of paths.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub mutations: Vec<MutationStatistics>,
+}
+
+/// What one kind of mutation of paths did.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct MutationStatistics {
+    /// Its name among the settings.
+    pub name: &'static str,
+    /// Proposals made.
+    pub proposed: u64,
+    /// Their mean acceptance.
+    pub acceptance: f64,
 }
 
 /// A sample or step among all of a render.

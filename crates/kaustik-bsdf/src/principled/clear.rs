@@ -1,6 +1,6 @@
 use super::{PrincipledParameters, Wall};
 use crate::{
-    Bsdf, Dielectric, Interface, Lobe, Mode, RoughDielectric, RoughThinDielectric, Sample,
+    Bsdf, Delta, Dielectric, Interface, Lobe, Mode, RoughDielectric, RoughThinDielectric, Sample,
     ThinDielectric,
 };
 use glam::DVec3;
@@ -70,6 +70,11 @@ impl Lobe for Clear {
     #[inline]
     fn sample(&self, wo: DVec3, uc: f64, u: [f64; 2], mode: Mode) -> Option<Sample> {
         each!(self, lobe => lobe.sample(wo, uc, u, mode))
+    }
+
+    #[inline]
+    fn delta(&self, wo: DVec3, transmitted: bool, mode: Mode) -> Option<Delta> {
+        each!(self, lobe => lobe.delta(wo, transmitted, mode))
     }
 
     #[inline]

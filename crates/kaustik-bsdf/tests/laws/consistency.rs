@@ -70,6 +70,51 @@ fn delta_only_is_what_it_says() {
     }
 }
 
+/// What [`Lobe::delta`] names is what `sample` draws: with that probability, to that direction, and
+/// on average as bright.
+#[test]
+fn named_dirac_parts_are_those_drawn() {
+    const N: usize = 4000;
+    for case in some() {
+        for (wo, mode) in directions(&case)
+            .into_iter()
+            .flat_map(|wo| MODES.map(|m| (wo, m)))
+        {
+            for transmitted in [false, true] {
+                let named = case.bsdf.delta(wo, transmitted, mode);
+                let (mut share, mut count) = (Spectrum::ZERO, 0.0);
+                for i in 0..N {
+                    let uc = (i as f64 + 0.5) / N as f64;
+                    let sample = case.bsdf.sample(wo, uc, [0.3, 0.6], mode);
+                    let Some(s) = sample.filter(|s| s.delta && s.transmitted == transmitted) else {
+                        continue;
+                    };
+                    let named = named.unwrap_or_else(|| panic!("{}: not named", case.name));
+                    assert!((s.wi - named.wi).length() < 1e-12, "{}", case.name);
+                    assert_eq!(s.dispersive, named.dispersive, "{}", case.name);
+                    share += s.weight * (1.0 / N as f32);
+                    count += 1.0 / N as f64;
+                }
+                let (p, wanted) = named.map_or((0.0, Spectrum::ZERO), |d| (d.probability, d.share));
+                assert!(
+                    (p - count).abs() < 3.0 / N as f64,
+                    "{}: {p} {count}",
+                    case.name
+                );
+                let off = (0..4)
+                    .map(|i| (share[i] - wanted[i]).abs())
+                    .fold(0.0, f32::max);
+                let most = wanted.max().max(1.0) / (p as f32).max(0.01);
+                assert!(
+                    off < 5.0 / N as f32 * most,
+                    "{} {share:?} {wanted:?}",
+                    case.name
+                );
+            }
+        }
+    }
+}
+
 /// Pairs of directions between which something happens, drawn by the lobe itself or evenly.
 fn pairs(case: &Case, random: &mut Random) -> Vec<(DVec3, DVec3)> {
     let mut pairs = Vec::new();

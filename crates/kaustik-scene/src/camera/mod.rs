@@ -180,6 +180,22 @@ impl Camera {
         }
     }
 
+    /// The ray of a raster point that leaves a given point of the lens (world): what a path keeps when
+    /// only its raster point moves. A pinhole and an orthographic camera ignore `lens_point`.
+    #[must_use]
+    pub fn ray_from(&self, lens_point: DVec3, raster: DVec2) -> CameraRay {
+        let (origin, direction) = match &self.optics {
+            Optics::Perspective(optics) => {
+                optics.ray_from(self.pose.point_to_local(lens_point), raster)
+            }
+            Optics::Orthographic(optics) => optics.ray(raster),
+        };
+        CameraRay {
+            origin: self.pose.point_to_world(origin),
+            direction: self.pose.vector_to_world(direction),
+        }
+    }
+
     /// Density of `direction` (unit, into the scene) per solid angle when the raster is
     /// uniform over the unit square: `1 / (A_1 cos^3)`; 0 behind the camera, not clipped to the
     /// window. 1 for an orthographic camera, whose direction is Dirac.

@@ -84,13 +84,16 @@ impl Perspective {
     }
 
     pub(super) fn ray(&self, raster: DVec2, u: [f64; 2]) -> (DVec3, DVec3) {
+        let origin = self.lens.as_ref().map_or(DVec3::ZERO, |lens| lens.point(u));
+        self.ray_from(origin, raster)
+    }
+
+    /// From a point of the lens.
+    pub(super) fn ray_from(&self, origin: DVec3, raster: DVec2) -> (DVec3, DVec3) {
         let window = self.window_point(raster);
         match &self.lens {
             None => (DVec3::ZERO, window.normalize()),
-            Some(lens) => {
-                let origin = lens.point(u);
-                (origin, (window * lens.focus - origin).normalize())
-            }
+            Some(lens) => (origin, (window * lens.focus - origin).normalize()),
         }
     }
 

@@ -8,6 +8,7 @@
 
 mod alias;
 mod density;
+mod point;
 mod punctual;
 mod sample;
 mod triangle;
@@ -28,6 +29,7 @@ pub(crate) use punctual::Punctual;
 use triangle::{Plane, TriangleEmitter, interiors_around};
 
 pub use density::EmissionPdf;
+pub use point::{EmitterPoint, PunctualView};
 pub use sample::{AreaSample, DirectSample, EmissionSample, Reach};
 
 /// Marks an instance that emits nothing.

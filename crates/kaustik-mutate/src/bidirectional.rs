@@ -1,0 +1,374 @@
+//! Bidirectional mutation (Veach 1997, 11.4.2; spec: path-space-mlt.md 2).
+
+use kaustik_geometry::Ray;
+use kaustik_mcmc::{Draws, Kernel, Move};
+use kaustik_scene::EmitterPoint;
+use kaustik_spectrum::Wavelengths;
+
+use crate::lens::ratio;
+use crate::vertex::Place;
+use crate::{Path, PathSpace};
+
+/// Deletes a part of the path and makes it anew, longer or shorter, by walks from both its ends. Moves
+/// between all paths: the whole path may be made anew, with its wavelengths.
+#[derive(Clone, Copy, Debug)]
+pub struct BidirectionalMutation<'a> {
+    /// Where the paths run.
+    pub space: &'a PathSpace<'a>,
+}
+
+/// More edges are deleted only with the whole path.
+const MOST_DELETED: usize = 16;
+/// A part grows or shrinks by no more edges.
+const MOST_CHANGE: usize = 12;
+/// Weight of making the whole path anew, beside the 1 or so of all other deletions of one length.
+const WHOLE: f64 = 0.25;
+
+/// `p_d1` of (3).
+fn deletion_weight(edges: usize) -> f64 {
+    match edges {
+        1 => 0.25,
+        2 => 0.5,
+        n if n <= MOST_DELETED => power_of_half(n),
+        _ => 0.0,
+    }
+}
+
+/// `p_a1` of (4) for a part that grows or shrinks by so many edges.
+fn change_weight(change: usize) -> f64 {
+    match change {
+        0 => 0.5,
+        1 => 0.15,
+        n if n <= MOST_CHANGE => 0.2 * power_of_half(n),
+        _ => 0.0,
+    }
+}
+
+fn power_of_half(n: usize) -> f64 {
+    1.0 / (1u64 << n) as f64
+}
+
+/// What is deleted: vertices `first..end`; those before and behind are kept. `end - first + 1` edges go,
+/// virtual ones beyond the ends of the path included.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Cut {
+    first: usize,
+    end: usize,
+}
+
+impl Cut {
+    fn edges(self) -> usize {
+        self.end + 1 - self.first
+    }
+
+    /// Everything that can go: a lens that is one point stays.
+    fn whole(path: &Path, aperture: bool) -> Self {
+        Self {
+            first: 0,
+            end: path.edges() + usize::from(aperture),
+        }
+    }
+
+    fn weight(self, path: &Path, aperture: bool) -> f64 {
+        let whole = if self == Self::whole(path, aperture) {
+            WHOLE
+        } else {
+            0.0
+        };
+        whole + deletion_weight(self.edges())
+    }
+
+    /// Are both ends kept vertices that can be joined, or beyond the path?
+    fn is_open(self, path: &Path) -> bool {
+        let first = self.first == 0 || !path.is_specular(self.first - 1);
+        first && (self.end == path.len() || !path.is_specular(self.end))
+    }
+}
+
+/// All cuts of a path that have a weight.
+fn cuts(path: &Path, aperture: bool) -> impl Iterator<Item = (Cut, f64)> {
+    let top = Cut::whole(path, aperture).end;
+    let firsts = 0..path.len();
+    firsts
+        .flat_map(move |first| (first..=top).map(move |end| Cut { first, end }))
+        .filter(move |cut| cut.is_open(path))
+        .map(move |cut| (cut, cut.weight(path, aperture)))
+        .filter(|(_, weight)| *weight > 0.0)
+}
+
+/// Weights of the numbers of edges to add after a cut, from 1 on.
+struct Additions {
+    weights: [f64; MOST_DELETED + MOST_CHANGE + 1],
+    /// Edges of the first.
+    from: usize,
+    sum: f64,
+}
+
+impl Additions {
+    /// To a path of so many edges that has lost so many, up to the longest path.
+    fn new(edges: usize, lost: usize, most: usize) -> Self {
+        let from = lost.saturating_sub(MOST_CHANGE).max(1);
+        let mut weights = [0.0; MOST_DELETED + MOST_CHANGE + 1];
+        for (i, weight) in weights.iter_mut().enumerate() {
+            let added = from + i;
+            let length = edges + added;
+            let idle = lost == 1 && added == 1;
+            if !idle && length > lost && length - lost <= most {
+                *weight = change_weight(added.abs_diff(lost));
+            }
+        }
+        let sum = weights.iter().sum();
+        Self { weights, from, sum }
+    }
+
+    /// Probability of so many edges.
+    fn probability(&self, added: usize) -> f64 {
+        let weight = added
+            .checked_sub(self.from)
+            .and_then(|i| self.weights.get(i));
+        // The longest path cannot grow: then nothing has a weight.
+        weight
+            .filter(|weight| **weight > 0.0)
+            .map_or(0.0, |weight| weight / self.sum)
+    }
+}
+
+impl BidirectionalMutation<'_> {
+    fn mutate<D: Draws + ?Sized>(&self, x: &Path, y: &mut Path, draws: &mut D) -> Option<f64> {
+        if x.edges() == 0 {
+            return None;
+        }
+        let space = self.space;
+        let aperture = space.has_aperture();
+        let cut = choose(x, aperture, draws)?;
+        let most = space.settings.max_edges as usize;
+        let additions = Additions::new(x.edges(), cut.edges(), most);
+        let added = additions.from + draws.index(&additions.weights);
+        if additions.probability(added) <= 0.0 {
+            return None;
+        }
+        let new = Cut {
+            first: cut.first,
+            end: cut.first + added - 1,
+        };
+        let by_light = ((added as f64 * draws.uniform()) as usize).min(added - 1);
+        self.keep(x, y, cut, new);
+        if cut == Cut::whole(x, aperture) {
+            y.wavelength = draws.uniform();
+            y.wavelengths = Wavelengths::sample(y.wavelength, space.settings.wavelengths);
+        }
+        if !(convert(space, y, new) && space.generate(y, new.first..new.end, by_light, draws)) {
+            return None;
+        }
+        if !new.is_open(y) {
+            return None;
+        }
+        keep_rest(x, y, cut, new);
+        if !space.evaluate(y) {
+            return None;
+        }
+        Some(self.density(y, new, x, cut) / self.density(x, cut, y, new))
+    }
+
+    /// T(x -> y): (5).
+    fn density(&self, x: &Path, cut: Cut, y: &Path, new: Cut) -> f64 {
+        let aperture = self.space.has_aperture();
+        let sum: f64 = cuts(x, aperture).map(|(_, weight)| weight).sum();
+        let most = self.space.settings.max_edges as usize;
+        let additions = Additions::new(x.edges(), cut.edges(), most);
+        let (cut_pdf, added) = (cut.weight(x, aperture) / sum, new.edges());
+        let each = additions.probability(added) / added as f64;
+        cut_pdf * each * self.space.all_ways(y, new.first, new.end)
+    }
+
+    /// Copies the vertices next to the cut.
+    fn keep(&self, x: &Path, y: &mut Path, cut: Cut, new: Cut) {
+        y.resize(x.len() - (cut.end - cut.first) + (new.end - new.first));
+        y.tune(x);
+        if cut.first > 0 {
+            y.copy(cut.first - 1, x, cut.first - 1..cut.first);
+        }
+        if cut.end < x.len() {
+            y.copy(new.end, x, cut.end..cut.end + 1);
+            (y.raster, y.importance) = (x.raster, x.importance);
+        }
+    }
+}
+
+/// Copies the vertices further from the cut.
+fn keep_rest(x: &Path, y: &mut Path, cut: Cut, new: Cut) {
+    if cut.first > 1 {
+        y.copy(0, x, 0..cut.first - 1);
+    }
+    if cut.end + 1 < x.len() {
+        y.copy(new.end + 1, x, cut.end + 1..x.len());
+    }
+}
+
+/// Chooses a cut.
+fn choose<D: Draws + ?Sized>(path: &Path, aperture: bool, draws: &mut D) -> Option<Cut> {
+    let sum: f64 = cuts(path, aperture).map(|(_, weight)| weight).sum();
+    let mut rest = draws.uniform() * sum;
+    let mut last = None;
+    for (cut, weight) in cuts(path, aperture) {
+        last = Some(cut);
+        if rest < weight {
+            break;
+        }
+        rest -= weight;
+    }
+    last
+}
+
+/// The kept vertex nearer the eye may become the first of the path, or cease to be it. `false` where it
+/// cannot.
+fn convert(space: &PathSpace<'_>, y: &mut Path, new: Cut) -> bool {
+    if new.end + 1 >= y.len() {
+        return new.end > 0;
+    }
+    let wavelengths = y.wavelengths;
+    let vertex = y.at_mut(new.end);
+    match (vertex.place, new.end) {
+        (Place::Surface, 0) => {
+            vertex.place = Place::Emitter(EmitterPoint::Surface);
+            vertex.dispersive = false;
+            space.scene.is_emitter(&vertex.vertex)
+        }
+        (Place::Emitter(EmitterPoint::Surface), 1..) => {
+            vertex.interior = space.beyond(vertex, vertex.toward_eye);
+            vertex.back = vertex.toward_eye;
+            vertex.place = Place::Surface;
+            vertex.ng = vertex.vertex.local_normal();
+            vertex.bsdf = (space.scene).bsdf(&vertex.vertex, &wavelengths, &vertex.interior);
+            true
+        }
+        (Place::Emitter(_), 1..) => false,
+        _ => true,
+    }
+}
+
+impl PathSpace<'_> {
+    /// Makes vertices `part`, the first `by_light` of them by a walk with the light, the others by one from
+    /// the eye, and joins the two. `false` if that fails, or no light passes.
+    pub(crate) fn generate<D: Draws + ?Sized>(
+        &self,
+        y: &mut Path,
+        part: std::ops::Range<usize>,
+        by_light: usize,
+        draws: &mut D,
+    ) -> bool {
+        let joint = part.start + by_light;
+        if part.end == y.len() && joint == part.end {
+            return false; // no walk is stopped by the lens
+        }
+        for i in part.start..joint {
+            let made = match i {
+                0 => self.begin_at_light(y, draws),
+                _ => self.scatter_to_eye(y, i - 1, draws),
+            };
+            if !made {
+                return false;
+            }
+        }
+        for i in (joint..part.end).rev() {
+            let made = match y.len() - 1 - i {
+                0 => self.begin_at_lens(y, draws),
+                1 => self.leave_lens(y, draws),
+                _ => self.scatter_to_light(y, i + 1, draws),
+            };
+            if !made {
+                return false;
+            }
+        }
+        match joint {
+            0 => self.refresh(y, 0),
+            _ => self.join(y, joint - 1),
+        }
+    }
+
+    /// Vertex 0 by emission sampling.
+    pub(crate) fn begin_at_light<D: Draws + ?Sized>(&self, y: &mut Path, draws: &mut D) -> bool {
+        let vertex = y.at_mut(0);
+        let draw = |_| draws.uniform();
+        let Some(point) = self.scene.sample_emitter_point(draw, &mut vertex.vertex) else {
+            return false;
+        };
+        vertex.place = Place::Emitter(point);
+        vertex.specular = false;
+        vertex.dispersive = false;
+        vertex.opacity = match point {
+            EmitterPoint::Surface if self.scene.has_alpha() => {
+                f64::from(self.scene.opacity(&vertex.vertex))
+            }
+            _ => 1.0,
+        };
+        true
+    }
+
+    /// The last vertex by a fresh point of the lens.
+    pub(crate) fn begin_at_lens<D: Draws + ?Sized>(&self, y: &mut Path, draws: &mut D) -> bool {
+        let lens = y.at_mut(y.len() - 1);
+        lens.place = Place::Lens;
+        lens.specular = false;
+        let u = [draws.uniform(), draws.uniform()];
+        let ray = self.scene.camera().sample_ray(glam::DVec2::splat(0.5), u);
+        lens.vertex.position = ray.origin;
+        true
+    }
+
+    /// From the lens through a fresh raster point to the next vertex.
+    pub(crate) fn leave_lens<D: Draws + ?Sized>(&self, y: &mut Path, draws: &mut D) -> bool {
+        let n = y.len();
+        let lens = y.at_mut(n - 1);
+        let (min, max) = (self.settings.window_min, self.settings.window_max);
+        let u = glam::DVec2::new(draws.uniform(), draws.uniform());
+        let raster = min + u * (max - min);
+        let ray = self.scene.camera().ray_from(lens.vertex.position, raster);
+        lens.vertex.position = ray.origin;
+        lens.toward_light = ray.direction;
+        let ray = Ray::new(ray.origin.as_vec3(), ray.direction.as_vec3());
+        self.refresh(y, n - 1) && self.step_to_light(y, n - 2, &ray, draws)
+    }
+}
+
+impl Kernel<()> for BidirectionalMutation<'_> {
+    type Value = Path;
+
+    fn propose<D: Draws + ?Sized>(
+        &self,
+        (): &mut (),
+        current: &Path,
+        proposed: &mut Path,
+        draws: &mut D,
+    ) -> Move {
+        Move::new(0, ratio(self.mutate(current, proposed, draws)))
+    }
+}
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::*;
+
+    /// What the probability of a cut is divided by.
+    pub(crate) fn cuts_sum(space: &PathSpace<'_>, path: &Path) -> f64 {
+        cuts(path, space.has_aperture())
+            .map(|(_, weight)| weight)
+            .sum()
+    }
+
+    #[test]
+    fn lengths_stay_within_bounds() {
+        for edges in 1..9 {
+            for lost in 1..=edges + 2 {
+                let additions = Additions::new(edges, lost, 8);
+                let sum: f64 = (1..40).map(|added| additions.probability(added)).sum();
+                let all = if (edges, lost) == (8, 1) { 0.0 } else { 1.0 };
+                assert!((sum - all).abs() < 1e-12, "{edges} {lost}: {sum}");
+                for added in (1..40).filter(|&added| additions.probability(added) > 0.0) {
+                    let after = edges + added - lost;
+                    assert!((1..=8).contains(&after) && (lost, added) != (1, 1));
+                }
+            }
+        }
+    }
+}

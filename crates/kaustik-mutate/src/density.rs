@@ -1,0 +1,140 @@
+//! With which density a step of a walk makes a vertex: see the crate's page on the measure.
+
+use kaustik_bsdf::{Lobe, Mode, shading};
+use kaustik_scene::{EmissionPdf, EmitterPoint};
+
+use crate::vertex::{PathVertex, Place};
+use crate::{Path, PathSpace};
+
+/// What of a step with the light is geometry: vertex `i` from vertex `i - 1`, per solid angle of the
+/// direction taken.
+#[inline]
+pub(crate) fn geometry_to_eye(path: &Path, i: usize) -> f64 {
+    let (from, to) = (path.at(i - 1), path.at(i));
+    let measure = match (from.specular, to.specular) {
+        (true, _) => 1.0,
+        (false, true) => 1.0 / from.cos_eye,
+        (false, false) => to.cos_light / from.edge.squared,
+    };
+    measure * from.edge.passed * to.opacity
+}
+
+/// What of a step against the light is geometry: vertex `i` from vertex `i + 1`.
+#[inline]
+pub(crate) fn geometry_to_light(path: &Path, i: usize) -> f64 {
+    let (to, from) = (path.at(i), path.at(i + 1));
+    let measure = match (from.specular, to.specular) {
+        (true, _) => 1.0,
+        (false, true) => 1.0 / from.cos_light,
+        (false, false) => to.cos_eye / to.edge.squared,
+    };
+    measure * to.edge.passed * to.opacity
+}
+
+/// `s / S`: what a walk with the light has in its density at a Dirac scattering, beside the probability.
+#[inline]
+pub(crate) fn bending(vertex: &PathVertex) -> f64 {
+    let PathVertex { wi, wo, ng, .. } = *vertex;
+    let particles = shading::walk_factor(wi, wo, ng, Mode::Importance);
+    if !vertex.transmitted {
+        return 1.0 / particles;
+    }
+    let share = |mode| {
+        let delta = vertex.bsdf.delta(wo, true, mode);
+        delta.map_or(0.0, |delta| f64::from(delta.share.max()))
+    };
+    share(Mode::Radiance) / share(Mode::Importance) / particles
+}
+
+impl PathSpace<'_> {
+    /// Density of the lens point, 1 where it is Dirac.
+    #[inline]
+    pub(crate) fn start_at_lens(&self) -> f64 {
+        self.scene.camera().pdf_lens()
+    }
+
+    /// Densities with which emission sampling makes vertex 0 and leaves it.
+    #[inline]
+    pub(crate) fn emission(&self, path: &Path) -> EmissionPdf {
+        let vertex = path.at(0);
+        match vertex.place {
+            Place::Emitter(EmitterPoint::Punctual(index)) => {
+                let next = path.at(1).vertex.position;
+                self.scene.punctual_view(index, next, &path.wavelengths).pdf
+            }
+            Place::Emitter(EmitterPoint::Environment(toward)) => {
+                self.scene.environment_emission_pdf(toward)
+            }
+            _ => self.scene.emission_pdf(&vertex.vertex, vertex.toward_eye),
+        }
+    }
+
+    /// Density with which a walk with the light makes vertex `i > 0` from the one before.
+    #[inline]
+    pub(crate) fn step_to_eye_pdf(&self, path: &Path, i: usize) -> f64 {
+        if i + 1 == path.len() {
+            return 0.0; // no walk is stopped by the lens here
+        }
+        let from = path.at(i - 1);
+        let direction = if i == 1 {
+            self.emission(path).direction
+        } else if from.specular {
+            let delta = from.bsdf.delta(from.wi, from.transmitted, Mode::Importance);
+            delta.map_or(0.0, |delta| delta.probability) * bending(from)
+        } else {
+            from.bsdf.pdf(from.wi, from.wo, Mode::Importance)
+        };
+        direction * geometry_to_eye(path, i)
+    }
+
+    /// Density with which a walk from the eye makes vertex `i` from the one after it.
+    #[inline]
+    pub(crate) fn step_to_light_pdf(&self, path: &Path, i: usize) -> f64 {
+        if i == 0 && !path.at(0).is_hittable() {
+            return 0.0;
+        }
+        let from = path.at(i + 1);
+        let direction = if from.place == Place::Lens {
+            let lens = from.vertex.position;
+            self.raster_per_direction(lens, from.toward_light) * self.raster_pdf()
+        } else if from.specular {
+            let delta = from.bsdf.delta(from.wo, from.transmitted, Mode::Radiance);
+            delta.map_or(0.0, |delta| delta.probability)
+        } else {
+            from.bsdf.pdf(from.wo, from.wi, Mode::Radiance)
+        };
+        direction * geometry_to_light(path, i)
+    }
+
+    /// The sum over all ways to make the vertices `first..end` between those that are kept: the first
+    /// `i` of them by a walk with the light, the others by one from the eye, for all `i` up to their
+    /// number. A way whose joining edge touches a Dirac scattering is none. At the ends of the path
+    /// walks begin with a point of an emitter and of the lens.
+    pub(crate) fn all_ways(&self, path: &Path, first: usize, end: usize) -> f64 {
+        let by_eye = |i: usize| {
+            if i + 1 == path.len() {
+                self.start_at_lens()
+            } else {
+                self.step_to_light_pdf(path, i)
+            }
+        };
+        let by_light = |i: usize| match i {
+            0 => self.emission(path).position,
+            _ => self.step_to_eye_pdf(path, i),
+        };
+        // Horner's scheme: sum_i (L_0 .. L_{i-1}) J_i (E_i .. E_{n-1}), from the light.
+        let mut light = 1.0;
+        let mut sum = f64::from(u8::from(joins(path, first)));
+        for i in first..end {
+            light *= by_light(i);
+            sum = sum * by_eye(i) + light * f64::from(u8::from(joins(path, i + 1)));
+        }
+        sum
+    }
+}
+
+/// May vertices `i - 1` and `i` have been joined? Beyond the ends of the path nothing needs to be.
+#[inline]
+fn joins(path: &Path, i: usize) -> bool {
+    i == 0 || i == path.len() || !(path.at(i - 1).specular || path.at(i).specular)
+}

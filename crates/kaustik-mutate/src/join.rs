@@ -1,0 +1,98 @@
+//! Joining two vertices of a path that were not neighbours before.
+
+use glam::DVec3;
+use kaustik_scene::EmitterPoint;
+
+use crate::vertex::{Edge, Place};
+use crate::{Path, PathSpace};
+
+impl PathSpace<'_> {
+    /// Makes vertices `i` and `i + 1`, of which everything else is known, neighbours. `false` if no
+    /// light passes between them.
+    pub(crate) fn join(&self, path: &mut Path, i: usize) -> bool {
+        let Some((direction, squared)) = self.between(path, i) else {
+            return false;
+        };
+        let (light, eye) = path.pair(i);
+        light.toward_eye = -direction;
+        eye.toward_light = direction;
+        light.edge.squared = squared;
+        light.specular = false;
+        eye.specular = false;
+        self.refresh(path, i) && self.refresh(path, i + 1) && self.see(path, i)
+    }
+
+    /// Unit direction from vertex `i + 1` to vertex `i`, and the square of the distance. Puts a lens of
+    /// parallel rays where it sees vertex `i`.
+    fn between(&self, path: &mut Path, i: usize) -> Option<(DVec3, f64)> {
+        let wavelengths = path.wavelengths;
+        let last = i + 2 == path.len();
+        let (light, eye) = path.pair(i);
+        let camera = self.scene.camera();
+        match light.place {
+            // No walk from the eye finds such a light, and it has no size in the picture.
+            Place::Emitter(EmitterPoint::Punctual(_)) if last => None,
+            Place::Emitter(EmitterPoint::Punctual(index)) => {
+                let view = self
+                    .scene
+                    .punctual_view(index, eye.vertex.position, &wavelengths);
+                (view.squared > 0.0).then_some((view.toward, view.squared))
+            }
+            Place::Emitter(EmitterPoint::Environment(_)) if last && camera.is_dirac_direction() => {
+                None
+            }
+            Place::Emitter(EmitterPoint::Environment(toward)) => Some((toward, 1.0)),
+            _ if last && camera.is_dirac_direction() => {
+                let sample = camera.sample_lens(light.vertex.position, [0.5; 2])?;
+                eye.vertex.position = sample.position;
+                Some((-sample.direction, 1.0))
+            }
+            _ => {
+                let along = light.vertex.position - eye.vertex.position;
+                let squared = along.length_squared();
+                (squared > 0.0).then(|| (along / squared.sqrt(), squared))
+            }
+        }
+    }
+
+    /// Looks along the edge from vertex `i` to vertex `i + 1`.
+    fn see(&self, path: &mut Path, i: usize) -> bool {
+        let wavelengths = path.wavelengths;
+        let (light, eye) = path.pair(i);
+        let interior = match (eye.place, light.place) {
+            (Place::Lens, Place::Emitter(EmitterPoint::Environment(_))) => {
+                self.scene.camera_interior()
+            }
+            (Place::Lens, _) => self.beyond(light, light.toward_eye),
+            _ => self.beyond(eye, eye.toward_light),
+        };
+        let passed = self.passed(light, eye, &interior);
+        let endless = self.is_endless(light);
+        let distance = if eye.place == Place::Lens && !endless {
+            (light.vertex.position - eye.vertex.position).length()
+        } else {
+            light.edge.squared.sqrt()
+        };
+        light.edge = Edge {
+            squared: light.edge.squared,
+            passed,
+            absorption: if endless {
+                kaustik_spectrum::Spectrum::ONE
+            } else {
+                self.scene.absorption(&interior, &wavelengths, distance)
+            },
+        };
+        passed > 0.0
+    }
+
+    /// Does the edge from here to the eye come from infinitely far away?
+    pub(crate) fn is_endless(&self, light: &crate::vertex::PathVertex) -> bool {
+        match light.place {
+            Place::Emitter(EmitterPoint::Environment(_)) => true,
+            Place::Emitter(EmitterPoint::Punctual(index)) => {
+                self.scene.punctual_position(index).is_none()
+            }
+            _ => false,
+        }
+    }
+}

@@ -1,0 +1,159 @@
+//! Lens and multi-chain perturbations (spec: erpt.md 4.1, path-space-mlt.md 3).
+
+use glam::DVec2;
+use kaustik_bsdf::{Lobe, Mode};
+use kaustik_geometry::Ray;
+use kaustik_mcmc::{Draws, Kernel, Move};
+
+use crate::density::geometry_to_light;
+use crate::{Path, PathSpace, Radii};
+
+/// Which paths a perturbation from the lens moves.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Run {
+    /// `(L or D) D S* E`, and `L S* E`: the raster point moves.
+    Single,
+    /// With at least one more `D` that is followed by `S`: the direction there moves as well.
+    Multiple,
+}
+
+/// Moves the raster point, traces the same string of scatterings again, and joins the first vertex
+/// that can be joined to the next one of the path.
+#[derive(Clone, Copy, Debug)]
+pub struct LensPerturbation<'a> {
+    /// Where the paths run.
+    pub space: &'a PathSpace<'a>,
+    /// Jitter of the raster point, in pixels.
+    pub radii: Radii,
+    /// Jitter of directions, in radians ([`Run::Multiple`]).
+    pub angles: Radii,
+    /// Which paths it moves.
+    pub run: Run,
+}
+
+/// What is traced again.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Part {
+    /// The last vertex traced.
+    last: usize,
+    /// Vertices where the direction moves.
+    turns: u32,
+}
+
+/// Of any path that a walk from the eye could have made as far as it is traced.
+fn part(path: &Path) -> Option<Part> {
+    let mut turns = 0;
+    for i in (1..path.edges()).rev() {
+        if path.is_specular(i) {
+            continue;
+        }
+        if i == 1 || !path.is_specular(i - 1) {
+            return Some(Part { last: i, turns });
+        }
+        turns += 1;
+    }
+    (path.edges() > 0 && path.at(0).is_hittable()).then_some(Part { last: 0, turns })
+}
+
+impl LensPerturbation<'_> {
+    /// Is the path of the kind that this perturbation moves?
+    pub fn suits(&self, path: &Path) -> bool {
+        part(path).is_some_and(|part| (part.turns > 0) == (self.run == Run::Multiple))
+    }
+
+    fn perturb<D: Draws + ?Sized>(&self, x: &Path, y: &mut Path, draws: &mut D) -> Option<f64> {
+        let space = self.space;
+        let part = part(x).filter(|_| self.suits(x))?;
+        let n = x.len();
+        y.resize(n);
+        y.tune(x);
+        y.copy(n - 1, x, n - 1..n);
+        let (step, _) = self.radii.step(draws);
+        let raster: DVec2 = x.raster + step / space.pixels;
+        if !space.serves(raster) {
+            return None;
+        }
+        let lens = y.at_mut(n - 1);
+        let ray = space.scene.camera().ray_from(lens.vertex.position, raster);
+        lens.vertex.position = ray.origin;
+        lens.toward_light = ray.direction;
+        let ray = Ray::new(ray.origin.as_vec3(), ray.direction.as_vec3());
+        if !(space.refresh(y, n - 1) && space.step_to_light(y, n - 2, &ray, draws)) {
+            return None;
+        }
+        for i in (part.last + 1..n - 1).rev() {
+            self.scatter_alike(x, y, i, draws)?;
+        }
+        self.conclude(x, y, part.last)
+    }
+
+    /// Scatters at vertex `i` as the other path does.
+    fn scatter_alike<D: Draws + ?Sized>(
+        &self,
+        x: &Path,
+        y: &mut Path,
+        i: usize,
+        draws: &mut D,
+    ) -> Option<()> {
+        let old = x.at(i);
+        let vertex = y.at_mut(i);
+        vertex.specular = old.specular;
+        vertex.transmitted = old.specular && old.transmitted;
+        if old.specular {
+            let wo = vertex.vertex.frame.to_local(vertex.toward_eye);
+            let delta = (vertex.bsdf).delta(wo, vertex.transmitted, Mode::Radiance)?;
+            vertex.toward_light = vertex.vertex.frame.to_world(delta.wi);
+        } else {
+            vertex.toward_light = self.angles.turn(old.toward_light, draws)?.0;
+        }
+        self.space.follow_to_light(y, i, draws).then_some(())
+    }
+
+    /// Joins what was traced to what is kept; the ratio of the densities back and there.
+    fn conclude(&self, x: &Path, y: &mut Path, last: usize) -> Option<f64> {
+        let space = self.space;
+        if last == 0 {
+            if !space.refresh(y, 0) {
+                return None;
+            }
+        } else {
+            if !y.at(last).bsdf.is_connectable() {
+                return None;
+            }
+            y.copy(0, x, 0..last);
+            if !space.join(y, last - 1) {
+                return None;
+            }
+        }
+        if !space.evaluate(y) {
+            return None;
+        }
+        Some(density(space, x, last) / density(space, y, last))
+    }
+}
+
+/// Density of the traced part, but for the jitters, which are symmetric.
+fn density(space: &PathSpace<'_>, path: &Path, last: usize) -> f64 {
+    let lens = path.at(path.edges());
+    let start = space.raster_per_direction(lens.vertex.position, lens.toward_light);
+    (last..path.edges()).fold(start, |product, i| product * geometry_to_light(path, i))
+}
+
+impl Kernel<()> for LensPerturbation<'_> {
+    type Value = Path;
+
+    fn propose<D: Draws + ?Sized>(
+        &self,
+        (): &mut (),
+        current: &Path,
+        proposed: &mut Path,
+        draws: &mut D,
+    ) -> Move {
+        Move::new(0, ratio(self.perturb(current, proposed, draws)))
+    }
+}
+
+/// A ratio that is infinite or not a number belongs to a step that rounding made impossible.
+pub(crate) fn ratio(found: Option<f64>) -> f64 {
+    found.filter(|ratio| ratio.is_finite()).unwrap_or(0.0)
+}

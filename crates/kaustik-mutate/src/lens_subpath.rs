@@ -1,0 +1,89 @@
+//! Lens mutation (Veach 1997, 11.4.5; spec: path-space-mlt.md 3).
+
+use kaustik_bsdf::Lobe;
+use kaustik_mcmc::{Draws, Kernel, Move};
+
+use crate::lens::ratio;
+use crate::{Path, PathSpace};
+
+/// Makes the part `D S* E` of `.. (L or D) D S* E` anew from a fresh raster point anywhere in the image: a
+/// walk through smooth surfaces to the first one that can be joined. The number of smooth ones may change.
+#[derive(Clone, Copy, Debug)]
+pub struct LensMutation<'a> {
+    /// Where the paths run.
+    pub space: &'a PathSpace<'a>,
+}
+
+/// The vertex that is joined, or nothing where the path has another form. Surfaces that scatter in other ways as
+/// well must not be passed as smooth ones.
+fn joined(path: &Path) -> Option<usize> {
+    for i in (1..path.edges()).rev() {
+        if !path.is_specular(i) {
+            return (!path.is_specular(i - 1)).then_some(i);
+        }
+        if path.at(i).bsdf.is_connectable() {
+            return None;
+        }
+    }
+    None
+}
+
+impl LensMutation<'_> {
+    /// Is the path of the kind that this mutation changes?
+    pub fn suits(&self, path: &Path) -> bool {
+        joined(path).is_some()
+    }
+
+    fn mutate<D: Draws + ?Sized>(&self, x: &Path, y: &mut Path, draws: &mut D) -> Option<f64> {
+        let space = self.space;
+        let kept = joined(x)?;
+        let longest = space.settings.max_edges as usize + 1;
+        // Vertices are made at the end of the longest path that there may be, and moved when their number is known.
+        y.resize(longest);
+        y.tune(x);
+        space.begin_at_lens(y, draws);
+        if !space.leave_lens(y, draws) {
+            return None;
+        }
+        let mut at = longest - 2;
+        while !y.at(at).bsdf.is_connectable() {
+            if at <= kept {
+                return None;
+            }
+            if !space.scatter_to_light(y, at, draws) {
+                return None;
+            }
+            at -= 1;
+        }
+        if at < kept {
+            return None;
+        }
+        y.shift(at, kept);
+        y.copy(0, x, 0..kept);
+        if !(space.join(y, kept - 1) && space.evaluate(y)) {
+            return None;
+        }
+        Some(self.density(x, kept) / self.density(y, kept))
+    }
+
+    fn density(&self, path: &Path, kept: usize) -> f64 {
+        let start = self.space.start_at_lens();
+        (kept..path.edges()).fold(start, |product, i| {
+            product * self.space.step_to_light_pdf(path, i)
+        })
+    }
+}
+
+impl Kernel<()> for LensMutation<'_> {
+    type Value = Path;
+
+    fn propose<D: Draws + ?Sized>(
+        &self,
+        (): &mut (),
+        current: &Path,
+        proposed: &mut Path,
+        draws: &mut D,
+    ) -> Move {
+        Move::new(0, ratio(self.mutate(current, proposed, draws)))
+    }
+}

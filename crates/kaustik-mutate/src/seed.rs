@@ -1,0 +1,192 @@
+//! Starts of chains: independent paths by walks from both sides.
+
+use kaustik_bsdf::Lobe;
+use kaustik_mcmc::Draws;
+use kaustik_scene::EmitterPoint;
+use kaustik_spectrum::Wavelengths;
+
+use crate::vertex::Place;
+use crate::{Path, PathSpace};
+
+/// Independent paths: a walk from an emitter and one from the eye, joined in every way (Veach 1997 ch. 10).
+///
+/// Of one sample's paths, each weighted with f over the sum of the densities of all strategies that
+/// make it (the balance heuristic), one is kept, chosen by its weight. The sum is an unbiased estimate of
+/// the integral of f, and a path chosen from a pool of samples by their sums is, over all
+/// pools of a given sum, distributed as f (spec: path-space-mlt.md 1).
+#[derive(Clone, Debug)]
+pub struct Seeds<'a> {
+    space: &'a PathSpace<'a>,
+    /// Vertices from the light are at its front, those from the eye at its end.
+    light: Path,
+    eye: Path,
+    joined: Path,
+    /// Chance with which the walk from the light made so many vertices.
+    light_odds: Vec<f64>,
+    eye_odds: Vec<f64>,
+}
+
+/// Walks of fewer vertices always go on.
+const FIRST: usize = 4;
+/// Largest probability of going on.
+const MOST: f64 = 0.95;
+
+impl<'a> Seeds<'a> {
+    /// In a scene; holds the memory of the walks.
+    pub fn new(space: &'a PathSpace<'a>) -> Self {
+        Self {
+            space,
+            light: Path::default(),
+            eye: Path::default(),
+            joined: Path::default(),
+            light_odds: Vec::new(),
+            eye_odds: Vec::new(),
+        }
+    }
+
+    /// Makes a sample and writes one of its paths into `path`; returns the sum of the weighted densities of
+    /// all. 0 if there is none. A path whose density is not a number makes the result not a number.
+    pub fn sample<D: Draws + ?Sized>(&mut self, path: &mut Path, draws: &mut D) -> f64 {
+        let wavelength = draws.uniform();
+        for walk in [&mut self.light, &mut self.eye] {
+            walk.wavelength = wavelength;
+            walk.wavelengths = Wavelengths::sample(wavelength, self.space.settings.wavelengths);
+        }
+        path.resize(0);
+        path.density = 0.0;
+        self.walk_from_light(draws);
+        let escaped = self.walk_from_eye(draws);
+        let mut sum = 0.0;
+        for t in 1..=self.eye_odds.len() {
+            let ends = (t > 1 && self.emits(t)) || (escaped && t == self.eye_odds.len());
+            if ends {
+                self.add(0, t, &mut sum, path, draws);
+            }
+            if !(escaped && t == self.eye_odds.len()) {
+                for s in 1..=self.light_odds.len() {
+                    self.add(s, t, &mut sum, path, draws);
+                }
+            }
+        }
+        sum
+    }
+
+    fn most(&self) -> usize {
+        self.space.settings.max_edges as usize
+    }
+
+    fn walk_from_light<D: Draws + ?Sized>(&mut self, draws: &mut D) {
+        let most = self.most();
+        self.light_odds.clear();
+        self.light.resize(most + 2);
+        if !self.space.begin_at_light(&mut self.light, draws) {
+            return;
+        }
+        let mut odds = 1.0;
+        self.light_odds.push(odds);
+        for i in 1..most {
+            let Some(survival) = survives(&self.light, i - 1, i, draws) else {
+                return;
+            };
+            odds *= survival;
+            if !self.space.scatter_to_eye(&mut self.light, i - 1, draws) {
+                return;
+            }
+            self.light_odds.push(odds);
+        }
+    }
+
+    /// Tells whether the last vertex is an emitter infinitely far away.
+    fn walk_from_eye<D: Draws + ?Sized>(&mut self, draws: &mut D) -> bool {
+        // Slot 0 stays free: what is written there is an emitter, and here it is not known yet.
+        let last = self.most() + 1;
+        self.eye_odds.clear();
+        self.eye.resize(last + 1);
+        self.space.begin_at_lens(&mut self.eye, draws);
+        let mut odds = 1.0;
+        self.eye_odds.push(odds);
+        for i in (1..last).rev() {
+            let vertices = last - i;
+            let Some(survival) = survives(&self.eye, i + 1, vertices, draws) else {
+                return false;
+            };
+            odds *= survival;
+            let made = match vertices {
+                1 => self.space.leave_lens(&mut self.eye, draws),
+                _ => self.space.scatter_to_light(&mut self.eye, i + 1, draws),
+            };
+            if !made {
+                return false;
+            }
+            self.eye_odds.push(odds);
+            if self.eye.at(i).is_environment() {
+                return true;
+            }
+        }
+        false
+    }
+
+    /// Does the last of so many vertices from the eye emit?
+    fn emits(&self, t: usize) -> bool {
+        let vertex = self.eye.at(self.eye.len() - t);
+        vertex.place == Place::Surface && self.space.scene.is_emitter(&vertex.vertex)
+    }
+
+    /// Tries the path of `s` vertices from the light and `t` from the eye.
+    fn add<D: Draws + ?Sized>(
+        &mut self,
+        s: usize,
+        t: usize,
+        sum: &mut f64,
+        path: &mut Path,
+        draws: &mut D,
+    ) {
+        let (space, n) = (self.space, s + t);
+        if n < 2 || n > self.most() + 1 {
+            return;
+        }
+        let joined = &mut self.joined;
+        joined.resize(n);
+        joined.tune(&self.eye);
+        joined.raster = self.eye.raster;
+        joined.importance = self.eye.importance;
+        joined.copy(0, &self.light, 0..s);
+        joined.copy(s, &self.eye, self.eye.len() - t..self.eye.len());
+        let lit = if s == 0 {
+            let first = joined.at_mut(0);
+            first.specular = false;
+            if first.place == Place::Surface {
+                first.place = Place::Emitter(EmitterPoint::Surface);
+            }
+            space.refresh(joined, 0)
+        } else {
+            space.join(joined, s - 1)
+        };
+        if !(lit && space.evaluate(joined)) {
+            return;
+        }
+        let odds = self.eye_odds[t - 1] * s.checked_sub(1).map_or(1.0, |s| self.light_odds[s]);
+        let weight = joined.density / (space.all_ways(joined, 0, n) * odds);
+        let before = *sum;
+        *sum += weight;
+        if weight.is_finite() && draws.index(&[before, weight]) == 1 {
+            std::mem::swap(path, joined);
+        }
+    }
+}
+
+/// Roulette at vertex `i` of a walk of so many vertices: `None` if it ends, else the chance of going on.
+fn survives<D: Draws + ?Sized>(
+    walk: &Path,
+    i: usize,
+    vertices: usize,
+    draws: &mut D,
+) -> Option<f64> {
+    let vertex = walk.at(i);
+    if vertices < FIRST || vertex.place != Place::Surface {
+        return Some(1.0);
+    }
+    let albedo = f64::from(vertex.bsdf.albedo(glam::DVec3::Z).max());
+    let survival = albedo.clamp(0.05, MOST);
+    (draws.index(&[survival, 1.0 - survival]) == 0).then_some(survival)
+}

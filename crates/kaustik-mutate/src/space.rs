@@ -1,0 +1,61 @@
+use glam::{DVec2, DVec3};
+use kaustik_path::{BuilderSettings, ScalarTarget};
+use kaustik_scene::Scene;
+
+/// The light paths of a scene: what kernels move in.
+#[derive(Clone, Copy, Debug)]
+pub struct PathSpace<'a> {
+    /// Where the paths run.
+    pub scene: &'a Scene,
+    /// Longest path, law of the wavelengths, window of the raster.
+    pub settings: BuilderSettings,
+    /// The scalar of a path's colour that is its density.
+    pub target: ScalarTarget,
+    /// Columns and rows of the image: the unit of raster jitter.
+    pub pixels: DVec2,
+}
+
+impl PathSpace<'_> {
+    /// Density of a raster point: uniform over the window.
+    #[inline]
+    pub(crate) fn raster_pdf(&self) -> f64 {
+        1.0 / self.settings.window_area()
+    }
+
+    /// Does the window hold this raster point?
+    #[inline]
+    pub(crate) fn serves(&self, raster: DVec2) -> bool {
+        raster.cmpge(self.settings.window_min).all() && raster.cmplt(self.settings.window_max).all()
+    }
+
+    /// Has the lens area, so that a path may be given another point of it?
+    #[inline]
+    pub(crate) fn has_aperture(&self) -> bool {
+        self.scene.camera().has_aperture()
+    }
+
+    /// Raster area per solid angle of a direction from the lens; of parallel rays per area across them.
+    #[inline]
+    pub(crate) fn raster_per_direction(&self, lens: DVec3, direction: DVec3) -> f64 {
+        let camera = self.scene.camera();
+        if camera.is_dirac_direction() {
+            camera.raster_density(lens, lens + direction)
+        } else {
+            camera.pdf_direction(direction)
+        }
+    }
+
+    /// Size of a pixel in the middle of the image, seen at a distance.
+    pub(crate) fn footprint(&self, distance: f64) -> f64 {
+        let camera = self.scene.camera();
+        let (position, forward) = (camera.position(), camera.forward());
+        let per_pixel =
+            self.raster_per_direction(position, forward) * self.pixels.element_product();
+        let distance = if camera.is_dirac_direction() {
+            1.0
+        } else {
+            distance
+        };
+        distance / per_pixel.sqrt()
+    }
+}

@@ -1,0 +1,76 @@
+//! The sum of a sample's paths has the mean that a path tracer has.
+
+use kaustik_mcmc::{Draws, Mean, generator};
+use kaustik_path::{Contributions, PathBuilder, ScalarTarget, Unidirectional};
+use kaustik_pss::{Coordinates, Stream};
+use kaustik_scene::Scene;
+
+use super::space;
+use super::stage::scene;
+use crate::{Path, Seeds};
+
+/// Every coordinate from a generator; a builder asks for each once.
+struct Fresh<'a, D>(&'a mut D);
+
+impl<D: Draws> Coordinates for Fresh<'_, D> {
+    fn get(&mut self, _: Stream, _: u32) -> f64 {
+        self.0.uniform()
+    }
+}
+
+fn traced(scene: &Scene, edges: u32, samples: u64) -> Mean {
+    let builder = Unidirectional {
+        settings: space(scene, edges).settings,
+        next_event: true,
+    };
+    let mut out = Contributions::default();
+    let mut rng = generator(7, 1);
+    (0..samples)
+        .map(|_| {
+            builder.build(scene, &mut Fresh(&mut rng), &mut out);
+            out.by_class(ScalarTarget::Xyz).iter().sum()
+        })
+        .collect()
+}
+
+fn seeded(scene: &Scene, edges: u32, samples: u64) -> Mean {
+    let space = space(scene, edges);
+    let mut seeds = Seeds::new(&space);
+    let mut path = Path::default();
+    let mut rng = generator(7, 2);
+    (0..samples)
+        .map(|_| seeds.sample(&mut path, &mut rng))
+        .collect()
+}
+
+#[test]
+fn seeds_are_as_bright_as_traced_paths() {
+    for name in [
+        "diffuse",
+        "glossy",
+        "mirror",
+        "varnish",
+        "glass",
+        "inlay",
+        "frosted",
+        "rainbow",
+        "point",
+        "sun",
+        "sky",
+        "lens",
+        "orthographic",
+        "veil",
+    ] {
+        let scene = scene(name);
+        let (a, b) = (traced(&scene, 5, 60_000), seeded(&scene, 5, 40_000));
+        let error = a.standard_error().hypot(b.standard_error());
+        let z = (a.mean() - b.mean()) / error;
+        assert!(
+            z.abs() < 4.5,
+            "{name}: {} and {}, z = {z}",
+            a.mean(),
+            b.mean()
+        );
+        assert!(error < 0.03 * a.mean(), "{name}: {error} of {}", a.mean());
+    }
+}

@@ -1,0 +1,251 @@
+//! Steps along a ray, from one vertex of a path to the next.
+
+use glam::DVec3;
+use kaustik_bsdf::{Lobe, Mode};
+use kaustik_geometry::Ray;
+use kaustik_mcmc::Draws;
+use kaustik_scene::{EmitterPoint, Interior};
+use kaustik_spectrum::Spectrum;
+
+use crate::vertex::{Edge, PathVertex, Place};
+use crate::{Path, PathSpace};
+
+impl PathSpace<'_> {
+    /// The solids beyond a vertex toward `direction` (world).
+    #[inline]
+    pub(crate) fn beyond(&self, vertex: &PathVertex, direction: DVec3) -> Interior {
+        match vertex.place {
+            Place::Surface => {
+                let PathVertex { interior, back, .. } = vertex;
+                (self.scene).interior_toward(&vertex.vertex, interior, *back, direction)
+            }
+            Place::Emitter(point) => self
+                .scene
+                .emitter_interior(point, &vertex.vertex, direction),
+            Place::Lens => self.scene.camera_interior(),
+        }
+    }
+
+    /// From vertex `i + 1` along its `toward_light` to what `ray` meets, which becomes vertex `i`: a
+    /// surface, which must emit if `i` is 0, or the environment. `false` where there is none.
+    pub(crate) fn step_to_light<D: Draws + ?Sized>(
+        &self,
+        path: &mut Path,
+        i: usize,
+        ray: &Ray,
+        draws: &mut D,
+    ) -> bool {
+        let wavelengths = path.wavelengths;
+        let (slot, from) = path.pair(i);
+        let direction = from.toward_light;
+        let mut interior = self.beyond(from, direction);
+        let start = interior;
+        let draw = || draws.uniform();
+        let segment =
+            (self.scene).advance(ray, &mut interior, &wavelengths, draw, &mut slot.vertex);
+        slot.toward_eye = -direction;
+        slot.specular = false;
+        slot.transmitted = false;
+        slot.dispersive = false;
+        let Some(segment) = segment else {
+            let seen = !self.scene.environment(direction, &wavelengths).is_zero();
+            slot.place = Place::Emitter(EmitterPoint::Environment(direction));
+            slot.opacity = 1.0;
+            slot.edge = Edge::default();
+            if seen && self.scene.has_alpha() {
+                slot.edge.passed = f64::from(self.scene.transmittance(ray, &start));
+            }
+            return seen;
+        };
+        let squared = (slot.vertex.position - from.vertex.position).length_squared();
+        let parallel = from.place == Place::Lens && self.scene.camera().is_dirac_direction();
+        slot.edge = Edge {
+            squared: if parallel { 1.0 } else { squared },
+            passed: 1.0,
+            absorption: segment.absorption,
+        };
+        self.arrive(slot, interior, -direction);
+        if self.scene.has_alpha() {
+            slot.edge.passed = self.passed(slot, from, &start);
+        }
+        if i == 0 {
+            slot.place = Place::Emitter(EmitterPoint::Surface);
+            return self.scene.is_emitter(&slot.vertex);
+        }
+        slot.bsdf = self.scene.bsdf(&slot.vertex, &wavelengths, &interior);
+        true
+    }
+
+    /// From vertex `i` along its `toward_eye` to the surface that `ray` meets, which becomes vertex
+    /// `i + 1`. `false` where there is none.
+    pub(crate) fn step_to_eye<D: Draws + ?Sized>(
+        &self,
+        path: &mut Path,
+        i: usize,
+        ray: &Ray,
+        draws: &mut D,
+    ) -> bool {
+        let wavelengths = path.wavelengths;
+        let (from, slot) = path.pair(i);
+        let direction = from.toward_eye;
+        let mut interior = self.beyond(from, direction);
+        let start = interior;
+        let draw = || draws.uniform();
+        let segment =
+            (self.scene).advance(ray, &mut interior, &wavelengths, draw, &mut slot.vertex);
+        let Some(segment) = segment else {
+            return false;
+        };
+        slot.toward_light = -direction;
+        slot.specular = false;
+        slot.transmitted = false;
+        slot.dispersive = false;
+        self.arrive(slot, interior, -direction);
+        slot.bsdf = self.scene.bsdf(&slot.vertex, &wavelengths, &interior);
+        from.edge = self.edge_from(from, slot, segment.absorption);
+        if self.scene.has_alpha() {
+            from.edge.passed = self.passed(from, slot, &start);
+        }
+        true
+    }
+
+    /// The edge from a vertex to the next toward the eye, a surface.
+    fn edge_from(&self, from: &PathVertex, to: &PathVertex, absorption: Spectrum) -> Edge {
+        let origin = match from.place {
+            Place::Emitter(EmitterPoint::Environment(_)) => None,
+            Place::Emitter(EmitterPoint::Punctual(index)) => self.scene.punctual_position(index),
+            _ => Some(from.vertex.position),
+        };
+        match origin {
+            // What comes from infinitely far away is not dimmed.
+            None => Edge::default(),
+            Some(origin) => Edge {
+                squared: (to.vertex.position - origin).length_squared(),
+                passed: 1.0,
+                absorption,
+            },
+        }
+    }
+
+    /// What is the same for every surface that a walk finds.
+    #[inline]
+    fn arrive(&self, slot: &mut PathVertex, interior: Interior, back: DVec3) {
+        slot.place = Place::Surface;
+        slot.interior = interior;
+        slot.back = back;
+        slot.ng = slot.vertex.local_normal();
+        slot.opacity = if self.scene.has_alpha() {
+            f64::from(self.scene.opacity(&slot.vertex))
+        } else {
+            1.0
+        };
+    }
+
+    /// Share of light that passes between two neighbours; 0 where they do not see each other.
+    pub(crate) fn passed(&self, light: &PathVertex, eye: &PathVertex, interior: &Interior) -> f64 {
+        f64::from(self.scene.transmittance(&self.sight(light, eye), interior))
+    }
+
+    /// The ray between two neighbours, from the eye's side where that is a surface.
+    fn sight(&self, light: &PathVertex, eye: &PathVertex) -> Ray {
+        let toward = eye.toward_light.as_vec3();
+        let at_lens = eye.place == Place::Lens;
+        match light.place {
+            Place::Emitter(EmitterPoint::Environment(_)) if at_lens => {
+                Ray::new(eye.vertex.position.as_vec3(), toward)
+            }
+            Place::Emitter(EmitterPoint::Environment(_)) => Ray::spawn(&eye.vertex.surface, toward),
+            Place::Emitter(EmitterPoint::Punctual(index)) => {
+                match self.scene.punctual_position(index) {
+                    Some(point) => Ray::towards(&eye.vertex.surface, point.as_vec3()),
+                    None => Ray::spawn(&eye.vertex.surface, toward),
+                }
+            }
+            _ if at_lens => Ray::towards(&light.vertex.surface, eye.vertex.position.as_vec3()),
+            _ => Ray::between(&eye.vertex.surface, &light.vertex.surface),
+        }
+    }
+
+    /// Draws how a walk from the eye goes on from vertex `i`, and follows it to vertex `i - 1`.
+    pub(crate) fn scatter_to_light<D: Draws + ?Sized>(
+        &self,
+        path: &mut Path,
+        i: usize,
+        draws: &mut D,
+    ) -> bool {
+        let from = path.at_mut(i);
+        from.wo = from.vertex.frame.to_local(from.toward_eye);
+        let (choice, u) = (draws.uniform(), [draws.uniform(), draws.uniform()]);
+        let Some(sample) = from.bsdf.sample(from.wo, choice, u, Mode::Radiance) else {
+            return false;
+        };
+        from.specular = sample.delta;
+        from.transmitted = sample.transmitted;
+        from.toward_light = from.vertex.frame.to_world(sample.wi);
+        self.follow_to_light(path, i, draws)
+    }
+
+    /// Follows `toward_light` of the surface vertex `i` to vertex `i - 1`.
+    pub(crate) fn follow_to_light<D: Draws + ?Sized>(
+        &self,
+        path: &mut Path,
+        i: usize,
+        draws: &mut D,
+    ) -> bool {
+        if !self.refresh(path, i) {
+            return false;
+        }
+        let from = path.at(i);
+        let ray = Ray::spawn(&from.vertex.surface, from.toward_light.as_vec3());
+        self.step_to_light(path, i - 1, &ray, draws)
+    }
+
+    /// Draws how a walk from the light goes on from vertex `i`, and follows it to vertex `i + 1`.
+    pub(crate) fn scatter_to_eye<D: Draws + ?Sized>(
+        &self,
+        path: &mut Path,
+        i: usize,
+        draws: &mut D,
+    ) -> bool {
+        let from = path.at_mut(i);
+        let (choice, u) = (draws.uniform(), [draws.uniform(), draws.uniform()]);
+        if let Place::Emitter(point) = from.place {
+            let (ray, direction) = self.scene.sample_departure(point, &from.vertex, u);
+            from.toward_eye = direction;
+            return self.leave_emitter(path, &ray, draws);
+        }
+        from.wi = from.vertex.frame.to_local(from.toward_light);
+        let Some(sample) = from.bsdf.sample(from.wi, choice, u, Mode::Importance) else {
+            return false;
+        };
+        from.specular = sample.delta;
+        from.transmitted = sample.transmitted;
+        from.toward_eye = from.vertex.frame.to_world(sample.wi);
+        self.follow_to_eye(path, i, draws)
+    }
+
+    /// Follows `toward_eye` of the surface vertex `i` to vertex `i + 1`.
+    pub(crate) fn follow_to_eye<D: Draws + ?Sized>(
+        &self,
+        path: &mut Path,
+        i: usize,
+        draws: &mut D,
+    ) -> bool {
+        if !self.refresh(path, i) {
+            return false;
+        }
+        let from = path.at(i);
+        let ray = Ray::spawn(&from.vertex.surface, from.toward_eye.as_vec3());
+        self.step_to_eye(path, i, &ray, draws)
+    }
+
+    /// The first edge of a walk from the light, along `toward_eye` of vertex 0.
+    pub(crate) fn leave_emitter<D: Draws + ?Sized>(
+        &self,
+        path: &mut Path,
+        ray: &Ray,
+        draws: &mut D,
+    ) -> bool {
+        self.step_to_eye(path, 0, ray, draws) && self.refresh(path, 0)
+    }
+}

@@ -1,0 +1,101 @@
+use kaustik_bsdf::{Lobe, Mode};
+use kaustik_mcmc::{Draws, Kernel, Move};
+use kaustik_spectrum::{Spectrum, Wavelengths};
+
+use crate::vertex::Place;
+use crate::{Path, PathSpace};
+
+/// Draws the wavelengths anew and keeps the vertices: no ray is traced. Symmetric.
+///
+/// A path that refracts where the index depends on the wavelength would run elsewhere: such a
+/// proposal is impossible.
+#[derive(Clone, Copy, Debug)]
+pub struct WavelengthMutation<'a> {
+    /// Where the paths run.
+    pub space: &'a PathSpace<'a>,
+}
+
+/// Directions that differ by less are the same.
+const SAME: f64 = 1e-6;
+
+impl WavelengthMutation<'_> {
+    /// Is the path of the kind that this mutation can change?
+    pub fn suits(&self, path: &Path) -> bool {
+        path.edges() > 0
+            && (1..path.edges()).all(|i| !(path.is_specular(i) && path.at(i).dispersive))
+    }
+
+    fn redraw<D: Draws + ?Sized>(&self, x: &Path, y: &mut Path, draws: &mut D) -> bool {
+        let space = self.space;
+        let n = x.len();
+        if !self.suits(x) {
+            return false;
+        }
+        y.resize(n);
+        y.copy(0, x, 0..n);
+        y.raster = x.raster;
+        y.importance = x.importance;
+        y.wavelength = draws.uniform();
+        y.wavelengths = Wavelengths::sample(y.wavelength, space.settings.wavelengths);
+        let wavelengths = y.wavelengths;
+        for i in 1..n - 1 {
+            let vertex = y.at_mut(i);
+            vertex.bsdf = space
+                .scene
+                .bsdf(&vertex.vertex, &wavelengths, &vertex.interior);
+            if vertex.specular && vertex.transmitted {
+                let delta = vertex.bsdf.delta(vertex.wo, true, Mode::Radiance);
+                if !delta.is_some_and(|delta| (delta.wi - vertex.wi).length() < SAME) {
+                    return false;
+                }
+            }
+        }
+        for i in 0..n - 1 {
+            self.tint(y, i);
+            if !space.refresh(y, i) {
+                return false;
+            }
+        }
+        space.evaluate(y)
+    }
+
+    /// Absorption along the edge of vertex `i`.
+    fn tint(&self, y: &mut Path, i: usize) {
+        let wavelengths = y.wavelengths;
+        let space = self.space;
+        let (light, eye) = y.pair(i);
+        if space.is_endless(light) {
+            return;
+        }
+        let interior = if eye.place == Place::Lens {
+            space.beyond(light, light.toward_eye)
+        } else {
+            space.beyond(eye, eye.toward_light)
+        };
+        light.edge.absorption = if interior.is_vacuum() {
+            Spectrum::ONE
+        } else {
+            let distance = if eye.place == Place::Lens {
+                (light.vertex.position - eye.vertex.position).length()
+            } else {
+                light.edge.squared.sqrt()
+            };
+            space.scene.absorption(&interior, &wavelengths, distance)
+        };
+    }
+}
+
+impl Kernel<()> for WavelengthMutation<'_> {
+    type Value = Path;
+
+    fn propose<D: Draws + ?Sized>(
+        &self,
+        (): &mut (),
+        current: &Path,
+        proposed: &mut Path,
+        draws: &mut D,
+    ) -> Move {
+        let possible = self.redraw(current, proposed, draws);
+        Move::new(0, f64::from(u8::from(possible)))
+    }
+}

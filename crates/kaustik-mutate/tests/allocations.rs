@@ -1,0 +1,98 @@
+//! After warm-up a mutation allocates nothing. (A binary of its own: it owns the allocator.)
+
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::cell::Cell;
+
+use glam::DVec2;
+use kaustik_mcmc::{Ignore, Metropolis, Mixture, generator};
+use kaustik_mutate::{
+    BidirectionalMutation, CausticPerturbation, LensMutation, LensPerturbation, Path, PathSpace,
+    Radii, Run, Seeds, WavelengthMutation,
+};
+use kaustik_path::{BuilderSettings, ScalarTarget};
+use kaustik_scene::{Scene, SceneOptions, builtin};
+
+/// The system's allocator, counting what each thread asks for.
+struct Counting;
+
+thread_local! {
+    static COUNT: Cell<u64> = const { Cell::new(0) };
+}
+
+#[expect(
+    unsafe_code,
+    reason = "an allocator can only be written so; it forwards to System"
+)]
+// SAFETY: every call is passed on to `System` unchanged; the counter neither allocates nor
+// unwinds (a const-initialised Cell without a destructor).
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        COUNT.with(|count| count.set(count.get() + 1));
+        // SAFETY: the caller's promise is passed on
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn dealloc(&self, memory: *mut u8, layout: Layout) {
+        // SAFETY: the caller's promise is passed on
+        unsafe { System.dealloc(memory, layout) }
+    }
+}
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
+fn allocations() -> u64 {
+    COUNT.with(Cell::get)
+}
+
+#[test]
+fn a_mutation_allocates_nothing_after_warm_up() {
+    let description = builtin::load("ring-and-sphere").expect("a built-in scene");
+    let options = SceneOptions {
+        width: 32,
+        height: 32,
+        ..SceneOptions::default()
+    };
+    let scene = Scene::new(&description, &options).expect("a sound scene");
+    let space = PathSpace {
+        scene: &scene,
+        settings: BuilderSettings {
+            max_edges: 11,
+            ..BuilderSettings::default()
+        },
+        target: ScalarTarget::Xyz,
+        pixels: DVec2::splat(32.0),
+    };
+    let space = &space;
+    let radii = Radii::raster(space.pixels);
+    let lens = |run| LensPerturbation {
+        space,
+        radii,
+        angles: Radii::angles(),
+        run,
+    };
+    let kernels = (
+        BidirectionalMutation { space },
+        lens(Run::Single),
+        lens(Run::Multiple),
+        CausticPerturbation { space, radii },
+        LensMutation { space },
+        WavelengthMutation { space },
+    );
+    let kernel = Mixture::<_, _, 6>::new(kernels, [1.0; 6]);
+    let density = |path: &Path| [path.density()];
+    let (mut rng, mut seeds) = (generator(1, 0), Seeds::new(space));
+    let mut path = Path::default();
+    while seeds.sample(&mut path, &mut rng) <= 0.0 {}
+    let mut chain = Metropolis::at((), path, &density, 0);
+    for _ in 0..20_000 {
+        chain.step(&kernel, &density, &mut rng, &mut Ignore);
+    }
+    let before = allocations();
+    for _ in 0..20_000 {
+        chain.step(&kernel, &density, &mut rng, &mut Ignore);
+    }
+    assert_eq!(allocations(), before);
+    let moves = chain.statistics().moves;
+    assert!(moves[..6].iter().all(|kind| kind.accepted > 0), "{moves:?}");
+}

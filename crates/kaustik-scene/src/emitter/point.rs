@@ -1,0 +1,180 @@
+//! A point of an emitter as the first vertex of a light path: what it sends anywhere.
+
+use glam::DVec3;
+use kaustik_bsdf::{Frame, warp};
+use kaustik_geometry::Ray;
+use kaustik_spectrum::{Spectrum, Wavelengths};
+
+use super::{DARK, EmissionPdf, Emitter, Emitters};
+use crate::matter::Matter;
+use crate::{Interior, Vertex};
+
+/// Where a light path begins.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum EmitterPoint {
+    /// On an emissive triangle.
+    Surface,
+    /// A punctual light, by number.
+    Punctual(u32),
+    /// Infinitely far away, in the direction (unit) from which the environment shines.
+    Environment(DVec3),
+}
+
+/// A punctual light as a point of the scene receives it.
+#[derive(Clone, Copy, Debug)]
+pub struct PunctualView {
+    /// Unit, from the point to the light.
+    pub toward: DVec3,
+    /// Square of the distance; 1 if the light is infinitely far away.
+    pub squared: f64,
+    /// Intensity, faded; irradiance on a surface that faces it if it is infinitely far away.
+    pub intensity: Spectrum,
+    /// Densities of emission: the position's is the probability of the light.
+    pub pdf: EmissionPdf,
+}
+
+impl Emitters {
+    /// A point by the choice and the law of all techniques; one on a triangle is written into
+    /// `vertex`. `u(i)` gives coordinate `i` of three.
+    pub(crate) fn sample_point(
+        &self,
+        matter: &Matter,
+        mut u: impl FnMut(u32) -> f64,
+        vertex: &mut Vertex,
+    ) -> Option<EmitterPoint> {
+        let (emitter, _) = self.choose(|| u(0))?;
+        Some(match emitter {
+            Emitter::Triangle(triangle) => {
+                let weights = warp::uniform_triangle([u(1), u(2)]);
+                vertex.surface = triangle.surface(matter, weights);
+                vertex.position = vertex.surface.position.as_dvec3();
+                vertex.normal = vertex.surface.geometric_normal.as_dvec3();
+                vertex.frame = Frame::from_z(vertex.normal);
+                vertex.instance = triangle.instance;
+                vertex.primitive = triangle.primitive;
+                vertex.material = triangle.material;
+                EmitterPoint::Surface
+            }
+            Emitter::Punctual(index) => EmitterPoint::Punctual(*index),
+            Emitter::Environment => {
+                let (toward, pdf) = self.environment.as_ref()?.sample([u(1), u(2)]);
+                if pdf <= 0.0 {
+                    return None;
+                }
+                EmitterPoint::Environment(toward)
+            }
+        })
+    }
+
+    /// A direction of emission and where its ray begins, by the law of light walks.
+    pub(crate) fn sample_departure(
+        &self,
+        matter: &Matter,
+        point: EmitterPoint,
+        vertex: &Vertex,
+        u: [f64; 2],
+    ) -> (Ray, DVec3) {
+        match point {
+            EmitterPoint::Surface => {
+                let (mut side, mut v) = (1.0, u[1]);
+                if matter.material(vertex.material).emits_on_both_sides() {
+                    side = if v < 0.5 { -1.0 } else { 1.0 };
+                    v = (2.0 * v).fract();
+                }
+                let local = warp::cosine_hemisphere([u[0], v]);
+                let direction = Frame::from_z(vertex.normal * side).to_world(local);
+                (Ray::spawn(&vertex.surface, direction.as_vec3()), direction)
+            }
+            EmitterPoint::Punctual(index) => {
+                let light = &self.punctual[index as usize];
+                if light.is_directional() {
+                    (self.ray_from_disc(light.axis(), u), light.axis())
+                } else {
+                    let (direction, _) = light.sample_direction(u);
+                    let ray = Ray::new(light.position.as_vec3(), direction.as_vec3());
+                    (ray, direction)
+                }
+            }
+            EmitterPoint::Environment(toward) => (self.ray_from_disc(-toward, u), -toward),
+        }
+    }
+
+    /// Index of the emitter that a triangle is.
+    fn triangle_index(&self, vertex: &Vertex) -> Option<usize> {
+        let first = self.first_of_instance[vertex.instance as usize];
+        (first != DARK).then(|| (first + vertex.primitive) as usize)
+    }
+
+    /// The solids around a point, on the side of `direction`.
+    pub(crate) fn point_interior(
+        &self,
+        point: EmitterPoint,
+        vertex: &Vertex,
+        direction: DVec3,
+    ) -> Interior {
+        match point {
+            EmitterPoint::Surface => {
+                let index = self.triangle_index(vertex);
+                match index.map(|index| self.list[index]) {
+                    Some(Emitter::Triangle(triangle)) => {
+                        let behind = usize::from(vertex.normal.dot(direction) < 0.0);
+                        self.interiors[triangle.interior as usize][behind]
+                    }
+                    _ => Interior::VACUUM,
+                }
+            }
+            EmitterPoint::Punctual(index) => self.punctual_interior[index as usize],
+            EmitterPoint::Environment(_) => Interior::VACUUM,
+        }
+    }
+
+    /// A punctual light as `position` receives it.
+    pub(crate) fn punctual_view(
+        &self,
+        index: u32,
+        position: DVec3,
+        wavelengths: &Wavelengths,
+    ) -> PunctualView {
+        let light = &self.punctual[index as usize];
+        let probability = self.choice.probability(self.punctual_index(index));
+        let mut pdf = EmissionPdf {
+            position: probability,
+            direction: self.disc_pdf(),
+            cos: 1.0,
+            infinite: true,
+            hittable: false,
+        };
+        if light.is_directional() {
+            return PunctualView {
+                toward: -light.axis(),
+                squared: 1.0,
+                intensity: light.intensity(light.axis(), wavelengths),
+                pdf,
+            };
+        }
+        let to = light.position - position;
+        let squared = to.length_squared();
+        let distance = squared.sqrt();
+        let toward = to / distance;
+        pdf.infinite = false;
+        pdf.direction = light.direction_pdf(-toward);
+        PunctualView {
+            toward,
+            squared,
+            intensity: light.intensity(-toward, wavelengths) * light.window(distance) as f32,
+            pdf,
+        }
+    }
+
+    /// Where a punctual light is; `None` if infinitely far away.
+    pub(crate) fn punctual_position(&self, index: u32) -> Option<DVec3> {
+        let light = &self.punctual[index as usize];
+        (!light.is_directional()).then_some(light.position)
+    }
+
+    /// Its place in the list: triangles come first, then punctual lights in order.
+    fn punctual_index(&self, index: u32) -> usize {
+        let environment = usize::from(self.environment.is_some());
+        self.list.len() - environment - self.punctual.len() + index as usize
+    }
+}

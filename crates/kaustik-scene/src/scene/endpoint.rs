@@ -1,0 +1,74 @@
+//! The first vertex of a light path, and what a path that is kept must know of the scene.
+
+use glam::DVec3;
+use kaustik_geometry::Ray;
+use kaustik_spectrum::Wavelengths;
+
+use super::Scene;
+use crate::emitter::{EmitterPoint, PunctualView};
+use crate::{Interior, Vertex};
+
+impl Scene {
+    /// A point of an emitter, by the choice and the law of [`Scene::sample_direct`] and
+    /// [`Scene::sample_emission`]: its density is [`EmissionPdf::position`](crate::EmissionPdf). One on
+    /// a surface is written into `vertex`. `u(i)` gives coordinate `i` of three.
+    pub fn sample_emitter_point(
+        &self,
+        u: impl FnMut(u32) -> f64,
+        vertex: &mut Vertex,
+    ) -> Option<EmitterPoint> {
+        self.emitters.sample_point(&self.matter, u, vertex)
+    }
+
+    /// A direction of emission from a point, with the ray to follow: its density is
+    /// [`EmissionPdf::direction`](crate::EmissionPdf).
+    pub fn sample_departure(
+        &self,
+        point: EmitterPoint,
+        vertex: &Vertex,
+        u: [f64; 2],
+    ) -> (Ray, DVec3) {
+        self.emitters
+            .sample_departure(&self.matter, point, vertex, u)
+    }
+
+    /// The solids around a point of an emitter, on the side of `direction` (world).
+    pub fn emitter_interior(
+        &self,
+        point: EmitterPoint,
+        vertex: &Vertex,
+        direction: DVec3,
+    ) -> Interior {
+        self.emitters.point_interior(point, vertex, direction)
+    }
+
+    /// A punctual light as `position` receives it.
+    pub fn punctual_view(
+        &self,
+        index: u32,
+        position: DVec3,
+        wavelengths: &Wavelengths,
+    ) -> PunctualView {
+        self.emitters.punctual_view(index, position, wavelengths)
+    }
+
+    /// Where a punctual light is; `None` if infinitely far away.
+    pub fn punctual_position(&self, index: u32) -> Option<DVec3> {
+        self.emitters.punctual_position(index)
+    }
+
+    /// Can any ray pass any surface because of its alpha?
+    pub fn has_alpha(&self) -> bool {
+        self.matter.has_alpha
+    }
+
+    /// Probability that a ray that comes to this point meets the surface: its alpha.
+    pub fn opacity(&self, vertex: &Vertex) -> f32 {
+        self.matter.coverage(vertex.material, &vertex.surface)
+    }
+
+    /// Does the surface emit toward any side?
+    pub fn is_emitter(&self, vertex: &Vertex) -> bool {
+        self.matter.material(vertex.material).is_emissive()
+    }
+}

@@ -1,0 +1,274 @@
+//! Metropolis light transport on paths (Veach and Guibas 1997; spec: path-space-mlt.md).
+//!
+//! A pool of independent samples, each a pair of walks joined in every way, estimates b, the integral of the
+//! paths' density; each chain starts at a path chosen from the pool in proportion to its weight, so
+//! that b / M times the visits of M mutations are an unbiased picture from the first step on.
+
+use std::sync::atomic::AtomicBool;
+
+use glam::DVec2;
+use kaustik_film::{Counters, Film, Image, Quantum, develop};
+use kaustik_mcmc::{
+    Mean, Metropolis, Mixture, Move, Pcg64Dxsm, Pool, SampleGenerators, Statistics, Visit,
+    generator, sample_generator,
+};
+use kaustik_mutate::{
+    BidirectionalMutation, CausticPerturbation, LensMutation, LensPerturbation, Path, PathSpace,
+    Radii, Run, Seeds, WavelengthMutation,
+};
+use kaustik_scene::Scene;
+use rayon::prelude::*;
+
+use crate::control::is_stopped;
+use crate::engine::{Engine, STRIDE};
+use crate::render::builder_settings;
+use crate::{
+    ChainStatistics, MutationStatistics, Mutations, Options, Place, RenderError, RenderSettings,
+};
+
+/// The pool's samples come from a ladder that no render has.
+const POOL_LADDER: u64 = u64::MAX;
+/// So does the choice of the starts.
+const CHOICE_LADDER: u64 = u64::MAX - 1;
+
+/// How many kinds of mutations there are.
+const KINDS: usize = Mutations::NAMES.len();
+
+/// How often each is made where it suits, in the order of their names: the two that trace no part that a
+/// perturbation keeps, and the one that traces nothing, need to come by only now and then.
+const SHARES: [f64; KINDS] = [1.0, 1.0, 1.0, 1.0, 0.25, 0.25];
+
+/// Chains on a film.
+pub(crate) struct MltEngine<'a> {
+    space: PathSpace<'a>,
+    options: Options,
+    chains: Vec<Chain>,
+    film: Film,
+    pool: Mean,
+    size: DVec2,
+}
+
+/// One ladder.
+struct Chain {
+    ladder: u32,
+    draws: Pcg64Dxsm,
+    metropolis: Metropolis<(), Path, 1>,
+}
+
+/// The family of one density.
+fn density(path: &Path) -> [f64; 1] {
+    [path.density()]
+}
+
+impl<'a> MltEngine<'a> {
+    /// Fills the pool and starts the chains.
+    pub(crate) fn new(scene: &'a Scene, settings: &RenderSettings) -> Result<Self, RenderError> {
+        let options = settings.options;
+        let size = DVec2::new(f64::from(settings.width), f64::from(settings.height));
+        let space = PathSpace {
+            scene,
+            settings: builder_settings(settings),
+            target: options.target,
+            pixels: size,
+        };
+        let pool = Pool::new(pool(&space, settings));
+        let b = pool.normaliser().mean();
+        Ok(Self {
+            chains: start_chains(&space, &pool, settings),
+            film: Film::with_layout(&settings.layout(), Quantum::from_mean(b / 3.0))?,
+            pool: *pool.normaliser(),
+            space,
+            options,
+            size,
+        })
+    }
+
+    fn jitter(&self) -> Radii {
+        match self.options.jitter {
+            None => Radii::raster(self.size),
+            Some([least, most]) => Radii { least, most },
+        }
+    }
+
+    fn drive(&self, chain: &mut Chain, steps: u64, stop: Option<&AtomicBool>) {
+        let space = &self.space;
+        let (radii, [least, most]) = (self.jitter(), self.options.angles);
+        let angles = Radii { least, most };
+        let lens = |run| LensPerturbation {
+            space,
+            radii,
+            angles,
+            run,
+        };
+        let (single, multiple) = (lens(Run::Single), lens(Run::Multiple));
+        let caustic = CausticPerturbation { space, radii };
+        let (subpath, wavelengths) = (LensMutation { space }, WavelengthMutation { space });
+        let made = self.options.mutations;
+        let suits = |path: &Path| {
+            let suited = [
+                true,
+                made.holds(1) && single.suits(path),
+                made.holds(2) && multiple.suits(path),
+                made.holds(3) && caustic.suits(path),
+                made.holds(4) && subpath.suits(path),
+                made.holds(5) && wavelengths.suits(path),
+            ];
+            std::array::from_fn(|i| {
+                if suited[i] && made.holds(i) {
+                    SHARES[i]
+                } else {
+                    0.0
+                }
+            })
+        };
+        let kernels = (
+            BidirectionalMutation { space },
+            single,
+            multiple,
+            caustic,
+            subpath,
+            wavelengths,
+        );
+        let kernel = Mixture::<_, _, KINDS>::new(kernels, suits);
+        let mut record = |visit: Visit<'_, Path, 1>| self.deposit(&visit);
+        for done in 0..steps {
+            if done % STRIDE == 0 && is_stopped(stop) {
+                return;
+            }
+            (chain.metropolis).step(&kernel, &density, &mut chain.draws, &mut record);
+        }
+    }
+
+    /// Adds `b` times the path's colour, whose scalar is 1, at its raster point.
+    fn deposit(&self, visit: &Visit<'_, Path, 1>) {
+        let at = visit.value.raster() * self.size;
+        let weight = visit.weight * self.pool.mean();
+        if weight > 0.0 {
+            (self.film).splat_weighted(at.x, at.y, visit.value.colour(), weight);
+        }
+    }
+
+    /// All chains' statistics, in the order of the ladders.
+    fn statistics(&self) -> Statistics<1> {
+        let mut all = Statistics::new();
+        for chain in &self.chains {
+            all.merge(chain.metropolis.statistics());
+        }
+        all
+    }
+}
+
+/// Weights of independent samples, in parallel, in the order of their indices.
+fn pool(space: &PathSpace<'_>, settings: &RenderSettings) -> Vec<f64> {
+    let generators = SampleGenerators::new(settings.seed, POOL_LADDER);
+    (0..settings.options.pilot as usize)
+        .into_par_iter()
+        .with_min_len(256)
+        .map_init(
+            || (Seeds::new(space), Path::default()),
+            |(seeds, path), index| seeds.sample(path, &mut generators.at(index as u64)),
+        )
+        .collect()
+}
+
+/// A chain for every ladder of this process; none if the pool saw nothing. All ladders choose, so that a
+/// share of them starts as it would among all.
+fn start_chains(space: &PathSpace<'_>, pool: &Pool, settings: &RenderSettings) -> Vec<Chain> {
+    let mut choice = generator(settings.seed, CHOICE_LADDER);
+    let range = settings.ladder_range();
+    let mut seeds = Seeds::new(space);
+    let mut chains = Vec::new();
+    for ladder in 0..settings.options.ladders {
+        let Some(start) = pool.choose(&mut choice) else {
+            break;
+        };
+        if !range.contains(&ladder) {
+            continue;
+        }
+        let mut path = Path::default();
+        let mut draws = sample_generator(settings.seed, POOL_LADDER, start.index);
+        seeds.sample(&mut path, &mut draws);
+        chains.push(Chain {
+            ladder,
+            draws: generator(settings.seed, u64::from(ladder)),
+            metropolis: Metropolis::at((), path, &density, 0),
+        });
+    }
+    chains
+}
+
+impl Engine for MltEngine<'_> {
+    fn advance(&mut self, plan: &[u64], stop: Option<&AtomicBool>) -> u64 {
+        let before = self.statistics().steps;
+        let mut chains = std::mem::take(&mut self.chains);
+        chains
+            .par_iter_mut()
+            .zip(plan)
+            .with_max_len(1)
+            .for_each(|(chain, &steps)| self.drive(chain, steps, stop));
+        self.chains = chains;
+        self.statistics().steps - before
+    }
+
+    fn develop(&mut self) -> Result<Image, RenderError> {
+        let mut chains = std::mem::take(&mut self.chains);
+        for chain in &mut chains {
+            let mut record = |visit: Visit<'_, Path, 1>| self.deposit(&visit);
+            chain.metropolis.flush(&mut record);
+        }
+        self.chains = chains;
+        let steps = self.statistics().steps.max(1);
+        let per_step = self.size.element_product() / steps as f64;
+        Ok(develop(&[(&self.film, per_step)])?)
+    }
+
+    fn chain_statistics(&self) -> Option<ChainStatistics> {
+        let statistics = self.statistics();
+        let (b, error) = (self.pool.mean(), self.pool.standard_error());
+        Some(ChainStatistics {
+            // What keeps most of a path, and what may make all of it anew.
+            small_acceptance: rate(&statistics, &[1, 2, 3]),
+            large_acceptance: rate(&statistics, &[0]),
+            ..ChainStatistics::new(&statistics, [b, error], b)
+        })
+    }
+
+    fn mutation_statistics(&self) -> Vec<MutationStatistics> {
+        let statistics = self.statistics();
+        let kinds = Mutations::NAMES.iter().zip(&statistics.moves);
+        kinds
+            .map(|(name, moves)| MutationStatistics {
+                name,
+                proposed: moves.proposed,
+                acceptance: moves.rate(),
+            })
+            .collect()
+    }
+
+    fn nonfinite(&self) -> (u64, Option<Place>) {
+        let mut places = self.chains.iter().filter_map(|chain| {
+            let step = chain.metropolis.statistics().first_defect?;
+            let ladder = chain.ladder;
+            Some(Place { ladder, step })
+        });
+        (self.statistics().defects, places.next())
+    }
+
+    fn film_counters(&self) -> Counters {
+        self.film.counters()
+    }
+
+    fn is_lit(&self) -> bool {
+        self.pool.mean() > 0.0
+    }
+}
+
+/// Mean acceptance of several kinds.
+fn rate(statistics: &Statistics<1>, kinds: &[usize]) -> f64 {
+    let sum = |of: fn(&kaustik_mcmc::Acceptance) -> f64| -> f64 {
+        kinds.iter().map(|&kind| of(&statistics.moves[kind])).sum()
+    };
+    sum(|moves| moves.expected) / sum(|moves| moves.proposed as f64).max(1.0)
+}
+
+const _: () = assert!(KINDS <= Move::KINDS);
