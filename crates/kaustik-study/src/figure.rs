@@ -176,6 +176,7 @@ impl Group {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use kaustik::film::metrics::{Errors, Measured, Shares};
 
     #[test]
     fn quartiles_by_hand() {
@@ -186,6 +187,39 @@ mod tests {
         let q = Quartiles::of([7.0]);
         assert_eq!((q.lower, q.median, q.upper), (7.0, 7.0, 7.0));
         assert!(Quartiles::of([]).median.is_nan());
+    }
+
+    #[test]
+    fn every_figure_is_what_its_name_says() {
+        let errors = |rmse_xyz, relative_mse| Errors {
+            rmse_xyz,
+            relative_mse,
+            ..Errors::default()
+        };
+        let measured = Measured {
+            raw: errors(0.0, 1.0),
+            trimmed: errors(2.0, 3.0),
+            shares: Shares {
+                over_5_percent: 5.0,
+                over_10_percent: 6.0,
+                over_20_percent: 7.0,
+            },
+            non_finite: 0,
+        };
+        let matched = Measured {
+            raw: errors(-1.0, 4.0),
+            ..measured
+        };
+        let cell = Cell {
+            seed: 0,
+            seconds: -1.0,
+            per_pixel: -1.0,
+            measured,
+            matched,
+            statistics: serde_json::Value::Null,
+        };
+        let all = Figure::ALL.map(|figure| figure.of(&cell));
+        assert_eq!(all, [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0]);
     }
 
     #[test]

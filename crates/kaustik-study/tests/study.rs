@@ -7,8 +7,10 @@
 
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU64, Ordering};
 
+use kaustik::film::metrics::{matched, measure};
 use kaustik_study::{
     Clock, Figure, Results, Runner, Section, Study, StudyError, StudyProgress, WallClock, write,
 };
@@ -73,7 +75,7 @@ fn report(results: &Results, folder: &Path) -> BTreeMap<String, Vec<u8>> {
         .collect()
 }
 
-fn cells(folder: &Path) -> Vec<std::path::PathBuf> {
+fn cells(folder: &Path) -> Vec<PathBuf> {
     let files = std::fs::read_dir(folder.join("cells")).unwrap();
     let mut files: Vec<_> = files.map(|file| file.unwrap().path()).collect();
     files.sort();
@@ -149,7 +151,10 @@ fn what_is_spoilt_is_rendered_again() {
         let bytes = std::fs::read(&path).unwrap();
         let mut changed = bytes.clone();
         changed[bytes.len() / 2] ^= 1;
-        for spoilt in [&bytes[..bytes.len() / 2], &changed, &[]] {
+        // still a good record, of another render; nothing of the kind stands in a picture
+        let text = String::from_utf8_lossy(&bytes);
+        let forged = text.replace("\"per_pixel\":", "\"per_pixel\":1");
+        for spoilt in [&bytes[..bytes.len() / 2], &changed, &[], forged.as_bytes()] {
             std::fs::write(&path, spoilt).unwrap();
             let after = report(&go(&mut found), folder.path());
             assert!(after == before, "{}", path.display());
@@ -206,6 +211,64 @@ fn a_study_by_time_looks_at_one_render() {
         let at = |budget| results.scenes[0].group(method, budget).unwrap();
         assert!(at(1).per_pixel() > at(0).per_pixel());
         assert!(at(0).quartiles(Figure::RelativeMse).median > 0.0);
+    }
+}
+
+/// Time that passes with every question of the runner's, and much faster while a picture is written.
+struct Slow<'a> {
+    folder: &'a Path,
+    questions: &'a AtomicU64,
+}
+
+impl Clock for Slow<'_> {
+    fn seconds(&self) -> f64 {
+        let written = cells(self.folder).len();
+        0.1 * self.questions.load(Ordering::Relaxed) as f64 + 100.0 * written as f64
+    }
+}
+
+/// A look is taken at its time, and what looking costs is not the method's.
+#[test]
+fn looks_are_taken_in_time_and_cost_nothing() {
+    let study = study("wall = [0.25, 0.65]");
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::create_dir(folder.path().join("cells")).unwrap();
+    let questions = AtomicU64::new(0);
+    let clock = Slow {
+        folder: folder.path(),
+        questions: &questions,
+    };
+    let runner = Runner::new(&study, folder.path()).with_clock(&clock);
+    let results = runner.run(&mut |_| {
+        questions.fetch_add(1, Ordering::Relaxed);
+        ControlFlow::Continue(())
+    });
+    for group in &results.unwrap().scenes[0].groups {
+        let wanted = study.budgets.amounts[group.budget];
+        for cell in &group.cells {
+            let late = cell.seconds - wanted;
+            assert!((0.0..0.1).contains(&late), "{} for {wanted}", cell.seconds);
+        }
+    }
+}
+
+/// The page shows the first seed's picture at the last budget, and it is the one that was measured.
+#[test]
+fn pictures_shown_are_those_measured() {
+    let study = study("per_pixel = [1, 8]");
+    let folder = tempfile::tempdir().unwrap();
+    let results = run(&study, folder.path(), &mut |_| ControlFlow::Continue(())).unwrap();
+    let scene = &results.scenes[0];
+    let reference = scene.reference.reference();
+    assert!(reference.half().is_some(), "its own noise cancels");
+    for shown in &scene.shown {
+        let cell = &scene.group(shown.method, 1).unwrap().cells[0];
+        assert_eq!(shown.seed, cell.seed);
+        let again = measure(&shown.image, &reference).unwrap();
+        assert_eq!(again, cell.measured);
+        let again = matched(&shown.image, &reference).unwrap();
+        assert_eq!(again, cell.matched);
+        assert!(cell.matched != cell.measured);
     }
 }
 
