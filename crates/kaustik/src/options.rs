@@ -9,7 +9,10 @@ mod assign;
 mod value;
 
 use crate::Mutations;
-use crate::choices::{Builder, Direct, Normaliser, SmallStep, Steps, Strategies};
+use crate::choices::{
+    Builder, Caustics, Colours, Direct, Energy, Jitter, Normaliser, SmallStep, Starts, Steps,
+    Strategies,
+};
 use crate::method::{KEYS, Method};
 
 /// All settings; a method reads those that [`Method::keys`] lists.
@@ -42,9 +45,15 @@ pub struct Options {
     pub chains: f64,
     /// `None`: no filter.
     pub consecutive: Option<u64>,
+    /// `None`: no filter.
+    pub proposed: Option<f64>,
+    pub seeds: Starts,
+    pub energy: Energy,
+    pub perturbations: Mutations,
+    pub deposit: Colours,
+    pub caustic: Caustics,
     pub mutations: Mutations,
-    /// Pixels, least and most; `None`: Veach's.
-    pub jitter: Option<[f64; 2]>,
+    pub jitter: Jitter,
     /// Radians, least and most.
     pub angles: [f64; 2],
 }
@@ -76,8 +85,14 @@ impl Default for Options {
             length: 100,
             chains: 1.0,
             consecutive: None,
+            proposed: None,
+            seeds: Starts::default(),
+            energy: Energy::default(),
+            perturbations: Mutations::PERTURBATIONS,
+            deposit: Colours::default(),
+            caustic: Caustics::default(),
             mutations: Mutations::ALL,
-            jitter: None,
+            jitter: Jitter::default(),
             angles: [1e-4, 0.1],
         }
     }

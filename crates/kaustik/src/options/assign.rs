@@ -7,7 +7,10 @@ use kaustik_spectrum::WavelengthSampling;
 
 use super::Options;
 use crate::Mutations;
-use crate::choices::{Builder, Direct, Normaliser, SmallStep, Steps, Strategies};
+use crate::choices::{
+    Builder, Caustics, Colours, Direct, Energy, Jitter, Normaliser, SmallStep, Starts, Steps,
+    Strategies,
+};
 
 impl Options {
     /// `None` if the value is out of range.
@@ -94,9 +97,40 @@ impl Options {
             "chains" => self.chains = number(value).filter(|n| (0.01..=100.0).contains(n))?,
             "consecutive" if value == "off" => self.consecutive = None,
             "consecutive" => self.consecutive = Some(integer(value, 1, 100_000)?),
+            "proposed" if value == "off" => self.proposed = None,
+            "proposed" => {
+                self.proposed = Some(number(value).filter(|k| (1.0..=1e6).contains(k))?);
+            }
+            "seeds" => {
+                let (path, both) = (Starts::Path, Starts::Bidirectional);
+                self.seeds = word(value, &[("path", path), ("bidirectional", both)])?;
+            }
+            "energy" => {
+                let (pilot, passes) = (Energy::Pilot, Energy::Passes);
+                self.energy = word(value, &[("pilot", pilot), ("passes", passes)])?;
+            }
+            "perturbations" => {
+                let made = Mutations::parse(value)?;
+                self.perturbations = Some(made).filter(|m| m.within(Mutations::PERTURBATIONS))?;
+            }
+            "deposit" => {
+                let (current, printed) = (Colours::Current, Colours::Printed);
+                self.deposit = word(value, &[("current", current), ("printed", printed)])?;
+            }
+            "caustic" => {
+                let (exact, printed) = (Caustics::Exact, Caustics::Printed);
+                self.caustic = word(value, &[("exact", exact), ("printed", printed)])?;
+            }
             "mutations" => self.mutations = Mutations::parse(value)?,
-            "jitter" if value == "veach" => self.jitter = None,
-            "jitter" => self.jitter = Some(range(value, 1e6)?),
+            "jitter" => {
+                let words = [
+                    ("standard", Jitter::Standard),
+                    ("veach", Jitter::Veach),
+                    ("local", Jitter::Local),
+                ];
+                let between = || range(value, 1e6).map(Jitter::Between);
+                self.jitter = word(value, &words).or_else(between)?;
+            }
             "angles" => self.angles = range(value, 3.0)?,
             _ => return None,
         }

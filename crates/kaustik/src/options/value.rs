@@ -6,7 +6,9 @@ use kaustik_spectrum::WavelengthSampling;
 
 use super::Options;
 use super::assign::EXCHANGES;
-use crate::choices::{Builder, Direct, SmallStep, Steps, Strategies};
+use crate::choices::{
+    Builder, Caustics, Colours, Direct, Energy, Jitter, SmallStep, Starts, Steps, Strategies,
+};
 
 impl Options {
     /// The value of a key, in the words that [`set`](Self::set) takes.
@@ -85,8 +87,35 @@ impl Options {
             "length" => self.length.to_string(),
             "chains" => self.chains.to_string(),
             "consecutive" => (self.consecutive).map_or("off".to_owned(), |n| n.to_string()),
+            "proposed" => (self.proposed).map_or("off".to_owned(), |kappa| kappa.to_string()),
+            "seeds" => match self.seeds {
+                Starts::Path => "path",
+                Starts::Bidirectional => "bidirectional",
+            }
+            .to_owned(),
+            "energy" => match self.energy {
+                Energy::Pilot => "pilot",
+                Energy::Passes => "passes",
+            }
+            .to_owned(),
+            "perturbations" => self.perturbations.to_string(),
+            "deposit" => match self.deposit {
+                Colours::Current => "current",
+                Colours::Printed => "printed",
+            }
+            .to_owned(),
+            "caustic" => match self.caustic {
+                Caustics::Exact => "exact",
+                Caustics::Printed => "printed",
+            }
+            .to_owned(),
             "mutations" => self.mutations.to_string(),
-            "jitter" => (self.jitter).map_or("veach".to_owned(), |[a, b]| format!("{a}:{b}")),
+            "jitter" => match self.jitter {
+                Jitter::Standard => "standard".to_owned(),
+                Jitter::Veach => "veach".to_owned(),
+                Jitter::Local => "local".to_owned(),
+                Jitter::Between([a, b]) => format!("{a}:{b}"),
+            },
             "angles" => format!("{}:{}", self.angles[0], self.angles[1]),
             _ => String::new(),
         }
