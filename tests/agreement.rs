@@ -132,6 +132,7 @@ fn methods_agree_roughly() {
         Rival::new(Method::Mmlt, 64),
         Rival::new(Method::ErptPss, 16),
         Rival::new(Method::Mlt, 64),
+        Rival::new(Method::Erpt, 16),
     ];
     assert_agreement("cornell", 16, &rivals.map(|r| r.within(0.2)), 8, 1.0);
 }
