@@ -208,7 +208,9 @@ fn mirror_before_the_void() -> Description {
         metallic: 0.0,
         specular: Specular {
             factor: 0.0,
-            ..Specular::default()
+            texture: None,
+            color: [1.0; 3],
+            color_texture: None,
         },
         base_color: [0.7, 0.6, 0.5, 1.0],
         ..MaterialDescription::default()
