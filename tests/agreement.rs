@@ -157,11 +157,11 @@ agreement_on! {
     methods_agree_on_cornell: "cornell", 400, [
         Rival::new(Method::Light, 600), Rival::new(Method::Pssmlt, 5_000), Rival::new(Method::Bdpt, 300),
         Rival::new(Method::Mmlt, 10_000),
-        Rival::new(Method::Mlt, 5_000),
+        Rival::new(Method::Mlt, 5_000), Rival::new(Method::Erpt, 400),
     ];
     methods_agree_on_direct_light: "cornell-direct", 200, [
         Rival::new(Method::Light, 600), Rival::new(Method::Pssmlt, 4_000), Rival::new(Method::Bdpt, 200),
-        Rival::new(Method::Mmlt, 8_000),
+        Rival::new(Method::Mmlt, 8_000), Rival::new(Method::Erpt, 400),
     ];
     methods_agree_on_indirect_light: "cornell-indirect", 12_000, [
         Rival::new(Method::Light, 1_000),
@@ -169,6 +169,7 @@ agreement_on! {
         Rival::new(Method::Pssmlt, 3_500).within(0.03),
         Rival::new(Method::Bdpt, 300),
         Rival::new(Method::Mmlt, 7_000).within(0.03),
+        Rival::new(Method::Erpt, 1_000).within(0.03),
     ];
     methods_agree_on_ring_and_sphere: "ring-and-sphere?light=0.8", 4_500, [
         Rival::new(Method::Light, 600),
@@ -177,6 +178,7 @@ agreement_on! {
         Rival::new(Method::Bdpt, 1_200),
         Rival::new(Method::Mmlt, 7_000).within(0.03),
         Rival::new(Method::Mlt, 5_000).within(0.03),
+        Rival::new(Method::Erpt, 1_500).within(0.03),
     ];
     methods_agree_on_glass_cube: "glass-cube?light=0.8", 14_000, [
         Rival::new(Method::Light, 1_000),
@@ -184,6 +186,7 @@ agreement_on! {
         Rival::new(Method::Pssmlt, 3_500).within(0.03),
         Rival::new(Method::Bdpt, 3_000),
         Rival::new(Method::Mmlt, 7_000).within(0.03),
+        Rival::new(Method::Erpt, 1_500).within(0.03),
     ];
     methods_agree_on_water: "water-cornell?light=0.8", 17_000, [
         Rival::new(Method::Light, 1_000),
@@ -191,6 +194,7 @@ agreement_on! {
         Rival::new(Method::Pssmlt, 3_500).within(0.03),
         Rival::new(Method::Bdpt, 12_000),
         Rival::new(Method::Mmlt, 7_000).within(0.03),
+        Rival::new(Method::Erpt, 1_500).within(0.03),
     ];
 }
 
