@@ -133,7 +133,7 @@ fn filters_say_what_they_take() {
         let settings = changed(4, |o| {
             base(o);
             match name {
-                "consecutive" => o.consecutive = Some(10),
+                "consecutive" => o.consecutive = Some(2),
                 _ => o.proposed = Some(1.0),
             }
         });
