@@ -11,11 +11,11 @@ use kaustik::scene::description::{
 };
 use kaustik::scene::{Description, Scene};
 use kaustik::{
-    Colours, Control, Direct, Energy, EnergyStatistics, Method, Options, RenderSettings, Rendered,
-    Starts, render,
+    Colours, Control, Direct, Energy, EnergyStatistics, Jitter, Method, Options, RenderSettings,
+    Rendered, Starts, render,
 };
 
-use crate::support::{Verdict, agree, compile, picture, scene, settings, tiles_of_seeds};
+use crate::support::{Runs, Verdict, agree, compile, picture, scene, settings, tiles_of_seeds};
 
 const SIDE: u32 = 16;
 
@@ -53,7 +53,7 @@ fn what_is_deposited_is_what_was_seeded() {
             let mean = all.iter().map(ratio).sum::<f64>() / n;
             let squares: f64 = all.iter().map(|e| (ratio(e) - mean).powi(2)).sum();
             let error = (squares / (n - 1.0) / n).sqrt();
-            assert!(error < 0.01, "{chains} chains, channel {c}: {error}");
+            assert!(error < 0.03, "{chains} chains, channel {c}: {error}");
             assert!(
                 mean.abs() < 4.5 * error,
                 "{chains} chains, channel {c}: {mean} of {error}"
@@ -109,7 +109,9 @@ fn no_setting_shows_in_the_mean() {
 #[test]
 fn printed_colours_are_found() {
     let verdict = assert_agree("printed colours", "cornell", 64, |o| {
+        // far enough to carry the red of one wall to the others
         (o.deposit, o.length) = (Colours::Printed, 40);
+        o.jitter = Jitter::Between([2.0, 12.0]);
     });
     assert!(!verdict.rejected.is_empty(), "{verdict:?}");
 }
@@ -273,18 +275,24 @@ fn the_void_in_a_mirror_is_black() {
         height: SIDE,
         ..settings(method, SIDE, spp)
     };
-    let mut long = of(Method::Erpt, 64);
-    long.options.length = 50;
-    let (erpt, path) = (
-        picture(&scene, &long),
-        picture(&scene, &of(Method::Path, 512)),
-    );
+    let mut short = of(Method::Erpt, 32);
+    short.options.length = 50;
+    let erpt: Vec<Image> = (0..8)
+        .map(|seed| {
+            let settings = RenderSettings {
+                seed,
+                ..short.clone()
+            };
+            picture(&scene, &settings)
+        })
+        .collect();
+    let path = picture(&scene, &of(Method::Path, 1024));
     // Heights on the mirror, 5 units away, that a pixel's upper and lower edge see.
     let half = 5.0 * f64::from(FIELD / 2.0).tan();
     let height = |row: f64| 1.0 + half * (1.0 - 2.0 * row / f64::from(SIDE));
     let across = |column: f64| half * (2.0 * column / f64::from(SIDE) - 1.0);
-    let (mut black, mut lit, mut sums) = (0, 0, [0.0; 2]);
-    for pixel in 0..erpt.pixels() {
+    let (mut black, mut lit) = (0, Vec::new());
+    for pixel in 0..path.pixels() {
         let (column, row) = ((pixel as u32 % SIDE) as f64, (pixel as u32 / SIDE) as f64);
         let [top, bottom] = [height(row), height(row + 1.0)];
         if !(across(column) > -1.0 && across(column + 1.0) < 1.0) {
@@ -293,15 +301,23 @@ fn the_void_in_a_mirror_is_black() {
         // The floor ends 4.5 before the mirror: 5 h / (1 - h) = 4.5.
         if bottom > 0.48 && top < 2.0 {
             black += 1;
-            for plane in erpt.rgb() {
+            for plane in erpt.iter().flat_map(Image::rgb) {
                 assert!(plane[pixel] == 0.0, "{column} {row}: {}", plane[pixel]);
             }
         } else if bottom > 0.0 && top < 0.46 {
-            lit += 1;
-            sums[0] += f64::from(erpt.rgb()[1][pixel]);
-            sums[1] += f64::from(path.rgb()[1][pixel]);
+            lit.push(pixel);
         }
     }
-    assert!(black > 200 && lit > 30, "{black} {lit}");
-    assert!((sums[0] / sums[1] - 1.0).abs() < 0.03, "{sums:?}");
+    assert!(black > 200 && lit.len() > 30, "{black} {}", lit.len());
+    let sum = |image: &Image| -> f64 {
+        let [_, green, _] = image.rgb();
+        lit.iter().map(|&pixel| f64::from(green[pixel])).sum()
+    };
+    let found = Runs::of(&erpt.iter().map(sum).collect::<Vec<f64>>());
+    let error = found.variance.sqrt() / found.mean;
+    let off = found.mean / sum(&path) - 1.0;
+    assert!(
+        error < 0.02 && off.abs() < 4.5 * error + 0.01,
+        "{off} of {error}"
+    );
 }
