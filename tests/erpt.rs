@@ -100,7 +100,7 @@ fn no_setting_shows_in_the_mean() {
         }),
     ];
     for (name, words, change) in variants {
-        let verdict = assert_agree(name, words, 64, change);
+        let verdict = assert_agree(name, words, 32, change);
         assert!(verdict.rejected.is_empty(), "{name}: {verdict:?}");
     }
 }
@@ -302,7 +302,11 @@ fn the_void_in_a_mirror_is_black() {
         if bottom > 0.48 && top < 2.0 {
             black += 1;
             for plane in erpt.iter().flat_map(Image::rgb) {
-                assert!(plane[pixel].abs() <= 0.0, "{column} {row}: {}", plane[pixel]);
+                assert!(
+                    plane[pixel].abs() <= 0.0,
+                    "{column} {row}: {}",
+                    plane[pixel]
+                );
             }
         } else if bottom > 0.0 && top < 0.46 {
             lit.push(pixel);
