@@ -60,7 +60,8 @@ fn what_is_deposited_is_what_was_seeded() {
             );
         }
         let found = all.iter().map(|e| e.chains_per_sample).sum::<f64>() / n;
-        assert!((found / chains - 1.0).abs() < 0.1, "{found}");
+        // the brightest starts have a thousand chains at the most
+        assert!((found / chains - 1.0).abs() < 0.2, "{found}");
         assert!(
             all.iter()
                 .all(|e| e.unperturbed.iter().all(|&light| light > 0.0))
