@@ -132,6 +132,7 @@ fn methods_agree_roughly() {
         Rival::new(Method::Mmlt, 64),
         Rival::new(Method::ErptPss, 16),
         Rival::new(Method::Mlt, 64),
+        Rival::new(Method::Erpt, 16),
     ];
     assert_agreement("cornell", 16, &rivals.map(|r| r.within(0.2)), 8, 1.0);
 }
@@ -156,11 +157,11 @@ agreement_on! {
     methods_agree_on_cornell: "cornell", 400, [
         Rival::new(Method::Light, 600), Rival::new(Method::Pssmlt, 5_000), Rival::new(Method::Bdpt, 300),
         Rival::new(Method::Mmlt, 10_000),
-        Rival::new(Method::Mlt, 5_000),
+        Rival::new(Method::Mlt, 5_000), Rival::new(Method::Erpt, 400),
     ];
     methods_agree_on_direct_light: "cornell-direct", 200, [
         Rival::new(Method::Light, 600), Rival::new(Method::Pssmlt, 4_000), Rival::new(Method::Bdpt, 200),
-        Rival::new(Method::Mmlt, 8_000),
+        Rival::new(Method::Mmlt, 8_000), Rival::new(Method::Erpt, 400),
     ];
     methods_agree_on_indirect_light: "cornell-indirect", 12_000, [
         Rival::new(Method::Light, 1_000),
@@ -168,6 +169,7 @@ agreement_on! {
         Rival::new(Method::Pssmlt, 3_500).within(0.03),
         Rival::new(Method::Bdpt, 300),
         Rival::new(Method::Mmlt, 7_000).within(0.03),
+        Rival::new(Method::Erpt, 1_000).within(0.03),
     ];
     methods_agree_on_ring_and_sphere: "ring-and-sphere?light=0.8", 4_500, [
         Rival::new(Method::Light, 600),
@@ -176,6 +178,7 @@ agreement_on! {
         Rival::new(Method::Bdpt, 1_200),
         Rival::new(Method::Mmlt, 7_000).within(0.03),
         Rival::new(Method::Mlt, 5_000).within(0.03),
+        Rival::new(Method::Erpt, 1_500).within(0.03),
     ];
     methods_agree_on_glass_cube: "glass-cube?light=0.8", 14_000, [
         Rival::new(Method::Light, 1_000),
@@ -183,6 +186,7 @@ agreement_on! {
         Rival::new(Method::Pssmlt, 3_500).within(0.03),
         Rival::new(Method::Bdpt, 3_000),
         Rival::new(Method::Mmlt, 7_000).within(0.03),
+        Rival::new(Method::Erpt, 1_500).within(0.03),
     ];
     methods_agree_on_water: "water-cornell?light=0.8", 17_000, [
         Rival::new(Method::Light, 1_000),
@@ -190,6 +194,7 @@ agreement_on! {
         Rival::new(Method::Pssmlt, 3_500).within(0.03),
         Rival::new(Method::Bdpt, 12_000),
         Rival::new(Method::Mmlt, 7_000).within(0.03),
+        Rival::new(Method::Erpt, 1_500).within(0.03),
     ];
 }
 

@@ -27,6 +27,8 @@ mod brightness;
 mod by_the_book;
 /// Direct light beside chains.
 mod direct;
+/// Energy redistribution on paths.
+mod erpt;
 /// Pictures known in closed form.
 mod furnace;
 /// Replica exchange: variants, parts, replicas that do not run.

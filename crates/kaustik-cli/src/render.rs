@@ -142,6 +142,11 @@ fn write(
             output::note(&notice);
         }
     }
+    if let Some(energy) = &statistics.energy {
+        for notice in energy.notices() {
+            output::note(&notice);
+        }
+    }
     let lost = statistics.nonfinite + statistics.film.non_finite + statistics.film.too_large;
     if lost > 0 {
         let place = statistics.first_nonfinite.map_or(String::new(), |place| {

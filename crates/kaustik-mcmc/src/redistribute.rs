@@ -188,6 +188,11 @@ pub struct Deposit<'a, V> {
     pub proposed: f64,
     /// The weight that it got because the chain stayed there, at least 0.
     pub stayed: f64,
+    /// The weight for staying that the filter kept back, at least 0: not part of
+    /// [`weight`](Self::weight).
+    pub held: f64,
+    /// What a step of this chain deposits in all.
+    pub unit: f64,
     /// Whether it was proposed by this chain: false for the start alone. Counts the
     /// proposals for a filter by proposals (section 5.2), which is up to the listener.
     pub is_proposal: bool,
@@ -276,6 +281,8 @@ struct Place {
     density: f64,
     proposed: f64,
     stayed: f64,
+    held: f64,
+    unit: f64,
     is_proposal: bool,
     rejections: u64,
 }
@@ -368,7 +375,7 @@ impl<S: Clone, V: Clone + Default> Redistributor<S, V> {
         let Some((state, value)) = &mut self.current else {
             return;
         };
-        let mut place = Place::new(density, 0.0, false);
+        let mut place = Place::new(density, (0.0, unit), false);
         for _ in 0..plan.steps {
             let proposal = kernel.propose(state, value, &mut self.proposed, draws);
             let statistics = &mut self.statistics.chain;
@@ -379,11 +386,12 @@ impl<S: Clone, V: Clone + Default> Redistributor<S, V> {
 
             let (there, here) = plan.split(a, accepted, unit);
             if plan.patience.is_some_and(|most| place.rejections > most) {
+                place.held += here;
                 self.statistics.dropped += here;
             } else {
                 place.stayed += here;
             }
-            let next = densities.map(|[density]| Place::new(density, there, true));
+            let next = densities.map(|[density]| Place::new(density, (there, unit), true));
             if let (true, Some(next)) = (accepted, next) {
                 std::mem::replace(&mut place, next).leave(value, depositor);
                 std::mem::swap(value, &mut self.proposed);
@@ -443,11 +451,13 @@ impl Redistribution {
 }
 
 impl Place {
-    fn new(density: f64, proposed: f64, is_proposal: bool) -> Self {
+    fn new(density: f64, (proposed, unit): (f64, f64), is_proposal: bool) -> Self {
         Self {
             density,
             proposed,
             stayed: 0.0,
+            held: 0.0,
+            unit,
             is_proposal,
             rejections: 0,
         }
@@ -455,13 +465,15 @@ impl Place {
 
     /// Reports what was gathered here.
     fn leave<V, R: Depositor<V> + ?Sized>(self, value: &V, depositor: &mut R) {
-        let light = self.proposed + self.stayed > 0.0 || self.is_proposal;
+        let light = self.proposed + self.stayed + self.held > 0.0 || self.is_proposal;
         if self.density > 0.0 && light {
             depositor.deposit(Deposit {
                 value,
                 density: self.density,
                 proposed: self.proposed,
                 stayed: self.stayed,
+                held: self.held,
+                unit: self.unit,
                 is_proposal: self.is_proposal,
             });
         }

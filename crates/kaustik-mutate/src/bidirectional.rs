@@ -318,11 +318,20 @@ impl PathSpace<'_> {
 
     /// From the lens through a fresh raster point to the next vertex.
     pub(crate) fn leave_lens<D: Draws + ?Sized>(&self, y: &mut Path, draws: &mut D) -> bool {
-        let n = y.len();
-        let lens = y.at_mut(n - 1);
         let (min, max) = (self.settings.window_min, self.settings.window_max);
         let u = glam::DVec2::new(draws.uniform(), draws.uniform());
-        let raster = min + u * (max - min);
+        self.look_through(y, min + u * (max - min), draws)
+    }
+
+    /// From the lens through a raster point to the next vertex.
+    pub(crate) fn look_through<D: Draws + ?Sized>(
+        &self,
+        y: &mut Path,
+        raster: glam::DVec2,
+        draws: &mut D,
+    ) -> bool {
+        let n = y.len();
+        let lens = y.at_mut(n - 1);
         let ray = self.scene.camera().ray_from(lens.vertex.position, raster);
         lens.vertex.position = ray.origin;
         lens.toward_light = ray.direction;

@@ -24,7 +24,7 @@ pub struct CausticPerturbation<'a> {
 }
 
 /// Where the direction moves: the vertex that the traced part leaves.
-fn pivot(path: &Path) -> Option<usize> {
+pub(crate) fn pivot(path: &Path) -> Option<usize> {
     if path.edges() < 2 || path.is_specular(path.edges() - 1) {
         return None;
     }

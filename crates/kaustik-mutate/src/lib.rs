@@ -30,8 +30,10 @@ mod join;
 mod lens;
 mod lens_subpath;
 mod path;
+mod printed;
 mod seed;
 mod space;
+mod tracer;
 mod vertex;
 mod walk;
 mod wavelength;
@@ -42,8 +44,10 @@ pub use jitter::Radii;
 pub use lens::{LensPerturbation, Run};
 pub use lens_subpath::LensMutation;
 pub use path::Path;
+pub use printed::RuleFive;
 pub use seed::Seeds;
 pub use space::PathSpace;
+pub use tracer::Tracer;
 pub use wavelength::WavelengthMutation;
 
 #[cfg(test)]

@@ -7,7 +7,7 @@ use crate::vertex::{PathVertex, Place};
 /// A light path, from the emitter to the lens, with what it brings to the image.
 ///
 /// The memory is reused from mutation to mutation: behind the vertices lie slots used before.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub struct Path {
     slots: Vec<PathVertex>,
     len: usize,
@@ -19,6 +19,23 @@ pub struct Path {
     pub(crate) importance: f64,
     pub(crate) density: f64,
     pub(crate) colour: Xyz,
+}
+
+impl Clone for Path {
+    fn clone(&self) -> Self {
+        Self {
+            slots: self.slots[..self.len].to_vec(),
+            ..*self
+        }
+    }
+
+    /// Into the memory that is there: a chain returns to its start without asking for more.
+    fn clone_from(&mut self, other: &Self) {
+        self.resize(other.len);
+        self.copy(0, other, 0..other.len);
+        let slots = std::mem::take(&mut self.slots);
+        *self = Self { slots, ..*other };
+    }
 }
 
 impl Default for Path {

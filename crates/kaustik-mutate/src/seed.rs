@@ -176,7 +176,7 @@ impl<'a> Seeds<'a> {
 }
 
 /// Roulette at vertex `i` of a walk of so many vertices: `None` if it ends, else the chance of going on.
-fn survives<D: Draws + ?Sized>(
+pub(crate) fn survives<D: Draws + ?Sized>(
     walk: &Path,
     i: usize,
     vertices: usize,

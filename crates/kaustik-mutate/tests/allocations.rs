@@ -4,10 +4,12 @@ use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 
 use glam::DVec2;
-use kaustik_mcmc::{Ignore, Metropolis, Mixture, generator};
+use kaustik_mcmc::{
+    Deposit, Draws, Ignore, Metropolis, Mixture, Redistribution, Redistributor, generator,
+};
 use kaustik_mutate::{
     BidirectionalMutation, CausticPerturbation, LensMutation, LensPerturbation, Path, PathSpace,
-    Radii, Run, Seeds, WavelengthMutation,
+    Radii, Run, Seeds, Tracer, WavelengthMutation,
 };
 use kaustik_path::{BuilderSettings, ScalarTarget};
 use kaustik_scene::{Scene, SceneOptions, builtin};
@@ -45,25 +47,32 @@ fn allocations() -> u64 {
     COUNT.with(Cell::get)
 }
 
-#[test]
-fn a_mutation_allocates_nothing_after_warm_up() {
+fn scene() -> Scene {
     let description = builtin::load("ring-and-sphere").expect("a built-in scene");
     let options = SceneOptions {
         width: 32,
         height: 32,
         ..SceneOptions::default()
     };
-    let scene = Scene::new(&description, &options).expect("a sound scene");
-    let space = PathSpace {
-        scene: &scene,
+    Scene::new(&description, &options).expect("a sound scene")
+}
+
+fn space(scene: &Scene) -> PathSpace<'_> {
+    PathSpace {
+        scene,
         settings: BuilderSettings {
             max_edges: 11,
             ..BuilderSettings::default()
         },
         target: ScalarTarget::Xyz,
         pixels: DVec2::splat(32.0),
-    };
-    let space = &space;
+    }
+}
+
+#[test]
+fn a_mutation_allocates_nothing_after_warm_up() {
+    let scene = scene();
+    let space = &space(&scene);
     let radii = Radii::raster(space.pixels);
     let lens = |run| LensPerturbation {
         space,
@@ -95,4 +104,56 @@ fn a_mutation_allocates_nothing_after_warm_up() {
     assert_eq!(allocations(), before);
     let moves = chain.statistics().moves;
     assert!(moves[..6].iter().all(|kind| kind.accepted > 0), "{moves:?}");
+}
+
+/// A path tracer's samples with all their chains.
+#[test]
+fn a_start_and_its_chains_allocate_nothing_after_warm_up() {
+    let scene = scene();
+    let space = &space(&scene);
+    let radii = Radii::raster(space.pixels);
+    let lens = |run| LensPerturbation {
+        space,
+        radii,
+        angles: Radii::angles(),
+        run,
+    };
+    let kernels = (
+        lens(Run::Single),
+        lens(Run::Multiple),
+        CausticPerturbation { space, radii },
+        WavelengthMutation { space },
+    );
+    let suits = |path: &Path| {
+        let (single, multiple, caustic, _) = &kernels;
+        let weight = |suits: bool| f64::from(u8::from(suits));
+        [
+            weight(single.suits(path)),
+            weight(multiple.suits(path)),
+            weight(caustic.suits(path)),
+            0.25,
+        ]
+    };
+    let kernel = Mixture::<_, _, 4>::new(kernels, suits);
+    let density = |path: &Path| [path.density()];
+    let plan = Redistribution::new(20, 0.01).expect("a plan");
+    let (mut rng, mut tracer, mut chains) = (generator(1, 0), Tracer::new(), Redistributor::new());
+    let (mut draws, mut light) = (generator(1, 1), 0.0);
+    let mut samples = |count: usize| {
+        for _ in 0..count {
+            let start = (DVec2::new(rng.uniform(), rng.uniform()), rng.uniform());
+            tracer.sample(space, start, true, &mut rng, &mut |path, weight| {
+                let mut deposit = |deposit: Deposit<'_, Path>| light += deposit.weight();
+                let start = (&(), path, weight);
+                chains.run(&plan, start, &kernel, &density, &mut draws, &mut deposit);
+            });
+        }
+        chains.statistics().chain.moves
+    };
+    samples(2_000);
+    let before = allocations();
+    let moves = samples(2_000);
+    assert_eq!(allocations(), before);
+    assert!(moves[..4].iter().all(|kind| kind.accepted > 0), "{moves:?}");
+    assert!(light > 0.0);
 }

@@ -5,6 +5,7 @@
 //! stands in for it.
 
 mod checks;
+mod erpt;
 mod pssmlt;
 mod relt;
 
@@ -50,7 +51,7 @@ pub struct Named {
 }
 
 /// All of them.
-pub const ALL: [Named; 2] = [
+pub const ALL: [Named; 3] = [
     Named {
         name: "pssmlt",
         title: "Kelemen, Szirmay-Kalos 2002: a simple and robust mutation strategy for the Metropolis \
@@ -61,6 +62,11 @@ pub const ALL: [Named; 2] = [
         name: "relt",
         title: "Kitaoka, Kitamura, Kishino 2009: replica exchange light transport",
         figures: relt::figures,
+    },
+    Named {
+        name: "erpt",
+        title: "Batty: implementing energy redistribution path tracing (Cline, Talbot, Egbert 2005)",
+        figures: erpt::figures,
     },
 ];
 
@@ -250,6 +256,9 @@ mod tests {
         };
         for (number, mutations) in [(6, 25.0), (7, 256.0), (8, 25.0), (9, 100.0)] {
             assert_eq!(of("pssmlt", number).budgets, per_pixel(&[mutations]));
+        }
+        for (number, samples) in [(2, 1400.0), (3, 24.0), (4, 5625.0), (5, 24.0), (6, 24.0)] {
+            assert_eq!(of("erpt", number).budgets, per_pixel(&[samples]));
         }
         for (number, side, minutes) in [
             (4, 400, 10.0),

@@ -1,5 +1,8 @@
 //! What settings can be chosen from.
 
+use glam::DVec2;
+use kaustik_mutate::Radii;
+
 /// How small steps are made.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum SmallStep {
@@ -80,4 +83,73 @@ pub enum Steps {
     Paper,
     /// Adapted by each ladder.
     Adapted,
+}
+
+/// Where the chains of `erpt` start.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Starts {
+    /// At the paths of a path tracer, from every pixel.
+    #[default]
+    Path,
+    /// At paths of walks from both sides, joined in every way, one of each sample.
+    Bidirectional,
+}
+
+/// What fixes the light of a deposit of `erpt`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Energy {
+    /// Samples of a pilot (Batty's Algorithm 1).
+    #[default]
+    Pilot,
+    /// The pilot first, and for each pass over the image all the passes of the same ladder before it.
+    Passes,
+}
+
+/// In which colour chains of `erpt` deposit.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Colours {
+    /// That of the path deposited on.
+    #[default]
+    Current,
+    /// That of the chain's start, as Batty's Algorithm 2 prints: wrong.
+    Printed,
+}
+
+/// By which density change `erpt` judges caustic perturbations.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Caustics {
+    /// Cline's rules 2 and 5.
+    #[default]
+    Exact,
+    /// Rule 5 alone, as Batty's section 4.2 prints: wrong.
+    Printed,
+}
+
+/// How far perturbations move what is seen.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Jitter {
+    /// `mlt`: as Veach; `erpt`: local.
+    #[default]
+    Standard,
+    /// A tenth of a pixel up to the radius of a twentieth of the image.
+    Veach,
+    /// A tenth of a pixel up to a twentieth of the shorter side.
+    Local,
+    /// Pixels, least and most.
+    Between([f64; 2]),
+}
+
+impl Jitter {
+    /// In pixels, in an image of this size; `standard` is what the word of this name stands for.
+    pub(crate) fn radii(self, size: DVec2, standard: Self) -> Radii {
+        match self {
+            Self::Standard if standard == Self::Local => Self::Local.radii(size, Self::Veach),
+            Self::Standard | Self::Veach => Radii::raster(size),
+            Self::Local => Radii {
+                least: 0.1,
+                most: (0.05 * size.min_element()).max(1.0),
+            },
+            Self::Between([least, most]) => Radii { least, most },
+        }
+    }
 }

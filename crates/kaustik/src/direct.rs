@@ -9,8 +9,8 @@ use kaustik_scene::Scene;
 use crate::engine::{Engine, add_counters};
 use crate::independent::IndependentEngine;
 use crate::{
-    Budget, ChainStatistics, Direct, DirectStatistics, Method, Place, RenderError, RenderSettings,
-    ReplicaStatistics,
+    Budget, ChainStatistics, Direct, DirectStatistics, EnergyStatistics, Method,
+    MutationStatistics, Place, RenderError, RenderSettings, ReplicaStatistics,
 };
 
 /// The longest paths that are rendered apart, in edges: emitters seen directly, and light that was scattered
@@ -27,7 +27,7 @@ const SEED: u64 = 0xD1EC_7A9A_2750_CE11;
 pub(crate) fn is_apart(settings: &RenderSettings) -> bool {
     let chains = matches!(
         settings.method,
-        Method::Pssmlt | Method::Mmlt | Method::Relt | Method::ErptPss
+        Method::Pssmlt | Method::Mmlt | Method::Relt | Method::ErptPss | Method::Erpt
     );
     chains && settings.options.direct == Direct::Apart
 }
@@ -140,6 +140,14 @@ impl Engine for DirectApart<'_> {
 
     fn replica_statistics(&self) -> Option<ReplicaStatistics> {
         self.chains.replica_statistics()
+    }
+
+    fn mutation_statistics(&self) -> Vec<MutationStatistics> {
+        self.chains.mutation_statistics()
+    }
+
+    fn energy_statistics(&self) -> Option<EnergyStatistics> {
+        self.chains.energy_statistics()
     }
 
     fn direct_statistics(&self) -> Option<DirectStatistics> {

@@ -11,12 +11,13 @@ use kaustik_pss::Coordinates;
 use kaustik_scene::Scene;
 use rayon::prelude::*;
 
+use crate::cells::{Cells, Tour};
 use crate::control::is_stopped;
 use crate::engine::{Engine, Nonfinite, STRIDE};
 use crate::erpt_pss::{Chains, Paths, PssRedistribution};
 use crate::pssmlt::builder;
 use crate::render::builder_settings;
-use crate::stratified::{Stratified, mix};
+use crate::stratified::mix;
 use crate::{Budget, ChainStatistics, Place, RenderError, RenderSettings};
 
 /// The pilot needs only the order of magnitude.
@@ -41,14 +42,6 @@ pub(crate) struct IndependentEngine<'a> {
     single_pixel: bool,
     lit: bool,
     redistribution: Option<PssRedistribution>,
-}
-
-/// A grid over the window, one cell a pixel (nearly so where a filter reaches over the edge).
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Cells {
-    columns: u64,
-    rows: u64,
-    ladders: u64,
 }
 
 /// One ladder: sample `step` is made from (seed, ladder, step) alone.
@@ -375,97 +368,4 @@ fn all_equal(passes: &[Option<u64>]) -> Option<u64> {
         }
     }
     common
-}
-
-impl Cells {
-    pub(crate) fn new(settings: &RenderSettings) -> Self {
-        let bounds = settings.layout().extended_bounds();
-        let side = |axis: usize| ((bounds.max[axis] - bounds.min[axis]).round() as u64).max(1);
-        Self {
-            columns: side(0),
-            rows: side(1),
-            ladders: u64::from(settings.options.ladders),
-        }
-    }
-
-    pub(crate) fn count(&self) -> u64 {
-        self.columns * self.rows
-    }
-
-    pub(crate) fn columns(&self) -> u64 {
-        self.columns
-    }
-
-    pub(crate) fn rows(&self) -> u64 {
-        self.rows
-    }
-
-    /// First cell of a ladder and the one after its last: ladders own bands of the image.
-    fn of_ladder(&self, ladder: u32) -> [u64; 2] {
-        [u64::from(ladder), u64::from(ladder) + 1].map(|l| self.count() * l / self.ladders)
-    }
-
-    /// The part of `n` samples (fewer than there are cells) that falls to a ladder's cells.
-    fn share(&self, n: u64, [first, end]: [u64; 2]) -> u64 {
-        let up_to =
-            |cell: u64| (u128::from(n) * u128::from(cell) / u128::from(self.count())) as u64;
-        up_to(end) - up_to(first)
-    }
-}
-
-/// The way of a ladder's steps through its cells, again and again.
-struct Tour {
-    /// First cell of the ladder and the one after its last.
-    bounds: [u64; 2],
-    columns: u64,
-    /// Size of a cell as a share of the window.
-    size: [f64; 2],
-    pass: u64,
-    cell: u64,
-    /// Column and row of the cell.
-    corner: [u64; 2],
-}
-
-impl Tour {
-    /// As it stands before a step of a ladder that has cells.
-    fn new(cells: &Cells, ladder: u32, step: u64) -> Self {
-        let [first, end] = cells.of_ladder(ladder);
-        let count = (end - first).max(1);
-        let mut tour = Self {
-            bounds: [first, end],
-            columns: cells.columns,
-            size: [1.0 / cells.columns as f64, 1.0 / cells.rows as f64],
-            pass: step / count,
-            cell: 0,
-            corner: [0; 2],
-        };
-        tour.go_to(first + step % count);
-        tour
-    }
-
-    fn go_to(&mut self, cell: u64) {
-        self.cell = cell;
-        self.corner = [cell % self.columns, cell / self.columns];
-    }
-
-    /// To the next step's cell.
-    #[inline]
-    fn go_on(&mut self) {
-        let [first, end] = self.bounds;
-        self.cell += 1;
-        self.corner[0] += 1;
-        if self.cell == end {
-            self.pass += 1;
-            self.go_to(first);
-        } else if self.corner[0] == self.columns {
-            self.corner = [0, self.corner[1] + 1];
-        }
-    }
-
-    /// The coordinates of a step, whose raster point lies in the step's cell.
-    #[inline]
-    fn confine<C: Coordinates>(&self, seed: u64, inner: C) -> Stratified<C> {
-        let corner = self.corner.map(|at| at as f64);
-        Stratified::new(inner, corner, self.size, self.pass, seed ^ self.cell)
-    }
 }

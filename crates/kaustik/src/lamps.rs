@@ -14,7 +14,7 @@ use kaustik_path::{BuilderSettings, Contributions, PathBuilder, Unidirectional};
 use kaustik_scene::Scene;
 use rayon::prelude::*;
 
-use crate::independent::Cells;
+use crate::cells::Cells;
 use crate::render::builder_settings;
 use crate::stratified::{Stratified, mix};
 use crate::{Place, RenderError, RenderSettings, direct};

@@ -23,10 +23,13 @@
 //! ```
 
 mod annealing;
+mod cells;
 mod choices;
 mod control;
 mod direct;
+mod energy_statistics;
 mod engine;
+mod erpt;
 mod erpt_pss;
 mod error;
 mod features;
@@ -46,8 +49,12 @@ mod sobol;
 mod statistics;
 mod stratified;
 
-pub use choices::{Builder, Direct, Normaliser, SmallStep, Steps, Strategies};
+pub use choices::{
+    Builder, Caustics, Colours, Direct, Energy, Jitter, Normaliser, SmallStep, Starts, Steps,
+    Strategies,
+};
 pub use control::{Control, Progress};
+pub use energy_statistics::EnergyStatistics;
 pub use error::RenderError;
 pub use method::{KEYS, Key, Method, UnknownMethod};
 pub use mutations::Mutations;

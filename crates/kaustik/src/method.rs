@@ -25,11 +25,13 @@ pub enum Method {
     Annealing,
     /// Metropolis light transport on paths (Veach and Guibas 1997).
     Mlt,
+    /// Energy redistribution on paths (Cline 2005; spec: erpt.md).
+    Erpt,
 }
 
 impl Method {
     /// All methods.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 10] = [
         Self::Path,
         Self::Light,
         Self::Bdpt,
@@ -39,6 +41,7 @@ impl Method {
         Self::ErptPss,
         Self::Annealing,
         Self::Mlt,
+        Self::Erpt,
     ];
 
     /// The name on the command line.
@@ -53,6 +56,7 @@ impl Method {
             Self::ErptPss => "erpt-pss",
             Self::Annealing => "annealing",
             Self::Mlt => "mlt",
+            Self::Erpt => "erpt",
         }
     }
 
@@ -85,6 +89,9 @@ impl Method {
             }
             Self::Mlt => {
                 "Metropolis light transport on paths: mutations trace what they change alone (Veach, Guibas 1997)"
+            }
+            Self::Erpt => {
+                "energy redistribution on paths: path tracing whose light short chains of perturbations spread (Cline et al. 2005)"
             }
         }
     }
@@ -140,9 +147,16 @@ pub struct Key {
 const EVERY: &[Method] = &Method::ALL;
 const WALKS: &[Method] = &[Method::Pssmlt, Method::ErptPss];
 const SMALL_STEPS: &[Method] = &[Method::Pssmlt, Method::Mmlt, Method::ErptPss];
-const REDISTRIBUTION: &[Method] = &[Method::ErptPss];
+const REDISTRIBUTION: &[Method] = &[Method::ErptPss, Method::Erpt];
+const ENERGY: &[Method] = &[Method::Erpt];
 const CHAINS: &[Method] = &[Method::Pssmlt, Method::Mmlt];
-const DIRECT: &[Method] = &[Method::Pssmlt, Method::Mmlt, Method::Relt, Method::ErptPss];
+const DIRECT: &[Method] = &[
+    Method::Pssmlt,
+    Method::Mmlt,
+    Method::Relt,
+    Method::ErptPss,
+    Method::Erpt,
+];
 const METROPOLIS: &[Method] = &[
     Method::Pssmlt,
     Method::Mmlt,
@@ -150,11 +164,13 @@ const METROPOLIS: &[Method] = &[
     Method::ErptPss,
     Method::Annealing,
     Method::Mlt,
+    Method::Erpt,
 ];
 const MULTIPLEXED: &[Method] = &[Method::Mmlt];
 const EXCHANGE: &[Method] = &[Method::Relt];
 const REPLICAS: &[Method] = &[Method::Relt, Method::Annealing];
-const PATHS: &[Method] = &[Method::Mlt];
+const VEACH: &[Method] = &[Method::Mlt];
+const PATHS: &[Method] = &[Method::Mlt, Method::Erpt];
 
 /// All keys.
 pub const KEYS: &[Key] = &[
@@ -194,6 +210,7 @@ pub const KEYS: &[Key] = &[
             Method::Mmlt,
             Method::ErptPss,
             Method::Mlt,
+            Method::Erpt,
         ],
     },
     Key {
@@ -201,7 +218,7 @@ pub const KEYS: &[Key] = &[
         default: "on",
         range: "on|off",
         meaning: "join every vertex to an emitter; off: emitters are found by running into them",
-        methods: &[Method::Path, Method::Pssmlt, Method::ErptPss],
+        methods: &[Method::Path, Method::Pssmlt, Method::ErptPss, Method::Erpt],
     },
     Key {
         name: "builder",
@@ -284,7 +301,8 @@ pub const KEYS: &[Key] = &[
         default: "lamps",
         range: "lamps|together|apart",
         meaning: "what independent samples beside the chains see to: emitters and surroundings seen directly \
-                  (erpt-pss: nothing), nothing, or all paths of at most two edges",
+                  (erpt-pss: nothing; erpt: also by mirrors and glass, by its own samples), nothing, or all \
+                  paths of at most two edges",
         methods: DIRECT,
     },
     Key {
@@ -366,18 +384,66 @@ pub const KEYS: &[Key] = &[
         methods: REDISTRIBUTION,
     },
     Key {
+        name: "proposed",
+        default: "off",
+        range: "off|1 <= kappa <= 1000000",
+        meaning: "Cline's other filter: a pixel holds at most kappa times the light of as many deposits as there \
+                  were proposals into it. Biased: light is lost",
+        methods: ENERGY,
+    },
+    Key {
+        name: "seeds",
+        default: "path",
+        range: "path|bidirectional",
+        meaning: "where chains start: at all the paths of a path tracer's samples in every pixel, or at one path of \
+                  each sample of walks from both sides",
+        methods: ENERGY,
+    },
+    Key {
+        name: "energy",
+        default: "pilot",
+        range: "pilot|passes",
+        meaning: "what fixes the light of a deposit: a pilot (Batty's Algorithm 1), or for each pass over the image \
+                  the passes of the same ladder before it",
+        methods: ENERGY,
+    },
+    Key {
+        name: "perturbations",
+        default: "lens,multichain,caustic,wavelengths",
+        range: "a list of lens|multichain|caustic|wavelengths",
+        meaning: "what moves a path along its chain; what none of them can move stays where it was sampled",
+        methods: ENERGY,
+    },
+    Key {
+        name: "deposit",
+        default: "current",
+        range: "current|printed",
+        meaning: "the colour of a deposit: that of the path it falls on, or that of the chain's start (Batty's \
+                  Algorithm 2 as printed: wrong, for comparison)",
+        methods: ENERGY,
+    },
+    Key {
+        name: "caustic",
+        default: "exact",
+        range: "exact|printed",
+        meaning: "the density change of caustic perturbations: Cline's rules 2 and 5, or 5 alone (Batty 4.2 as \
+                  printed: wrong, for comparison)",
+        methods: ENERGY,
+    },
+    Key {
         name: "mutations",
         default: "bidirectional,lens,multichain,caustic,subpath,wavelengths",
         range: "a list of bidirectional|lens|multichain|caustic|subpath|wavelengths",
         meaning: "what may change a path; bidirectional alone reaches every path",
-        methods: PATHS,
+        methods: VEACH,
     },
     Key {
         name: "jitter",
-        default: "veach",
-        range: "veach|R1:R2",
+        default: "standard",
+        range: "standard|veach|local|R1:R2",
         meaning: "pixels by which lens, multichain and caustic move what is seen: a tenth up to the radius of a \
-                  twentieth of the image, or 0 < R1 < R2",
+                  twentieth of the image (veach; standard of mlt), up to a twentieth of the shorter side (local; \
+                  standard of erpt), or 0 < R1 < R2",
         methods: PATHS,
     },
     Key {

@@ -23,7 +23,8 @@ use crate::control::is_stopped;
 use crate::engine::{Engine, STRIDE};
 use crate::render::builder_settings;
 use crate::{
-    ChainStatistics, MutationStatistics, Mutations, Options, Place, RenderError, RenderSettings,
+    ChainStatistics, Jitter, MutationStatistics, Mutations, Options, Place, RenderError,
+    RenderSettings,
 };
 
 /// The pool's samples come from a ladder that no render has.
@@ -83,16 +84,10 @@ impl<'a> MltEngine<'a> {
         })
     }
 
-    fn jitter(&self) -> Radii {
-        match self.options.jitter {
-            None => Radii::raster(self.size),
-            Some([least, most]) => Radii { least, most },
-        }
-    }
-
     fn drive(&self, chain: &mut Chain, steps: u64, stop: Option<&AtomicBool>) {
         let space = &self.space;
-        let (radii, [least, most]) = (self.jitter(), self.options.angles);
+        let radii = self.options.jitter.radii(self.size, Jitter::Veach);
+        let [least, most] = self.options.angles;
         let angles = Radii { least, most };
         let lens = |run| LensPerturbation {
             space,

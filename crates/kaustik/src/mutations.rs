@@ -1,4 +1,4 @@
-/// Which mutations `mlt` makes, by their number in [`Mutations::NAMES`].
+/// Which mutations `mlt` or `erpt` makes, by their number in [`Mutations::NAMES`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Mutations([bool; Mutations::NAMES.len()]);
 
@@ -12,12 +12,22 @@ impl Mutations {
         "subpath",
         "wavelengths",
     ];
+    /// Those that keep the string of scatterings, and the wavelengths: what `erpt` makes.
+    pub const PERTURBATIONS: Self = Self([false, true, true, true, false, true]);
     /// All of them.
     pub const ALL: Self = Self([true; Self::NAMES.len()]);
 
     /// Is it made?
     pub fn holds(self, index: usize) -> bool {
         self.0[index]
+    }
+
+    /// Does the other set hold all of this one?
+    pub(crate) fn within(self, other: Self) -> bool {
+        self.0
+            .iter()
+            .zip(other.0)
+            .all(|(here, there)| there || !here)
     }
 
     /// From a list of names, at least one.

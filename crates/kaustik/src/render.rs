@@ -10,6 +10,7 @@ use kaustik_scene::Scene;
 
 use crate::direct::{self, DirectApart};
 use crate::engine::Engine;
+use crate::erpt::ErptEngine;
 use crate::independent::IndependentEngine;
 use crate::mlt::MltEngine;
 use crate::pssmlt::PssmltEngine;
@@ -164,6 +165,7 @@ fn engine<'a>(
         Method::Pssmlt | Method::Mmlt => Box::new(PssmltEngine::new(scene, settings)?),
         Method::Relt => relt::engine(scene, settings)?,
         Method::Mlt => Box::new(MltEngine::new(scene, settings)?),
+        Method::Erpt => Box::new(ErptEngine::new(scene, settings)?),
         Method::Annealing => annealing::engine(scene, settings)?,
         Method::ErptPss => Box::new(IndependentEngine::erpt_pss(scene, settings)?),
     };
@@ -266,6 +268,7 @@ impl Work<'_> {
             direct: engine.direct_statistics(),
             replicas: engine.replica_statistics(),
             mutations: engine.mutation_statistics(),
+            energy: engine.energy_statistics(),
         };
         if settings.features {
             for layer in engine.layers()? {

@@ -2,7 +2,7 @@ use kaustik_film::Counters;
 use kaustik_mcmc::Statistics;
 use serde::Serialize;
 
-use crate::ReplicaStatistics;
+use crate::{EnergyStatistics, ReplicaStatistics};
 
 /// What a render tells about itself; goes into the image file and into `--stats`.
 #[derive(Clone, Debug, Serialize)]
@@ -36,6 +36,9 @@ pub struct RenderStatistics {
     /// Of each kind of mutation of paths.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub mutations: Vec<MutationStatistics>,
+    /// Of energy redistribution on paths.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub energy: Option<EnergyStatistics>,
 }
 
 /// What one kind of mutation of paths did.

@@ -216,11 +216,16 @@ fn dropped_weight_is_accounted_for() {
     let mut rng = crate::generator(3, 0);
     let mut redistributor = Redistributor::new();
     let plan = Redistribution::new(50, 0.1).unwrap().patience(0);
-    let mut sum = 0.0;
-    let mut deposit = |d: Deposit<'_, usize>| sum += d.weight();
+    let (mut sum, mut held) = (0.0, 0.0);
+    let mut deposit = |d: Deposit<'_, usize>| {
+        sum += d.weight();
+        held += d.held;
+        assert!((d.unit - 0.1).abs() < 1e-15);
+    };
     let begin = (&[0, 0], &0, 100.0);
     redistributor.run(&plan, begin, &Ring(4), &family, &mut rng, &mut deposit);
     let dropped = redistributor.statistics().dropped;
+    assert!((held - dropped).abs() < 1e-9, "{held} {dropped}");
     assert!(
         (sum + dropped - 100.0).abs() < 1e-9 && dropped > 10.0,
         "{sum} {dropped}"

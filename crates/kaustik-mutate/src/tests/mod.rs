@@ -2,6 +2,7 @@
 
 mod invariance;
 mod jacobian;
+mod printed;
 mod seeds;
 mod stage;
 

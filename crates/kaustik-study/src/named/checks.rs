@@ -267,3 +267,144 @@ pub(super) fn more_samples(results: &Results, place: &str, more: &str, less: &st
         _ => Finding::open("not rendered"),
     }
 }
+
+/// Mean colours of a method and of the reference over a scene's first close-up, or the whole picture.
+fn tints(results: &Results, place: &str, name: &str) -> Option<[[f64; 3]; 2]> {
+    let scene_of = scene(results, place)?;
+    let shown = (scene_of.shown.iter()).find(|s| Some(s.method) == method(results, name))?;
+    let entry = results.study.scenes.iter().find(|s| s.name == place)?;
+    let part = |image: &Image| match entry.close_ups.first() {
+        Some(window) => image.cropped(*window).ok(),
+        None => Some(image.clone()),
+    };
+    let mean = |image: &Image| {
+        let image = part(image)?;
+        Some(image.rgb().map(|plane| {
+            plane.iter().map(|&v| f64::from(v)).sum::<f64>() / plane.len().max(1) as f64
+        }))
+    };
+    Some([mean(&shown.image)?, mean(&scene_of.reference.image)?])
+}
+
+fn colour(rgb: [f64; 3]) -> String {
+    rgb.map(number).join(" ")
+}
+
+/// Two methods have the same mean colour within a share, where the scene's close-up is.
+pub(super) fn same_tint(results: &Results, place: &str, a: &str, b: &str, within: f64) -> Finding {
+    match (tints(results, place, a), tints(results, place, b)) {
+        (Some([ours, reference]), Some([theirs, _])) => {
+            let off = |(x, y): (&f64, &f64)| (x / y - 1.0).abs();
+            let most = ours.iter().zip(&theirs).map(off).fold(0.0, f64::max);
+            Finding::new(
+                format!(
+                    "{place}, mean linear red, green, blue of the close-up: {a} {}, {b} {}, the reference {}",
+                    colour(ours),
+                    colour(theirs),
+                    colour(reference)
+                ),
+                most <= within,
+            )
+        }
+        _ => Finding::open("not rendered"),
+    }
+}
+
+/// A method's colours are off against those of another: the mean colour by half a percent more, or the error.
+pub(super) fn tint_differs(results: &Results, place: &str, wrong: &str, right: &str) -> Finding {
+    let error = |name| {
+        Some(
+            last(results, place, name)?
+                .quartiles(Figure::RmseXyz)
+                .median,
+        )
+    };
+    let pairs = (tints(results, place, wrong), tints(results, place, right));
+    let errors = (error(wrong), error(right));
+    match (pairs, errors) {
+        ((Some([ours, _]), Some([theirs, reference])), (Some(bad), Some(good))) => {
+            let off = |(x, y): (&f64, &f64)| (x / y - 1.0).abs();
+            let most = ours.iter().zip(&theirs).map(off).fold(0.0, f64::max);
+            Finding::new(
+                format!(
+                    "{place}, mean linear red, green, blue: {wrong} {}, {right} {}, the reference {}; {} {} and {}",
+                    colour(ours),
+                    colour(theirs),
+                    colour(reference),
+                    Figure::RmseXyz.name(),
+                    number(bad),
+                    number(good)
+                ),
+                most > 0.005 || bad > 1.1 * good,
+            )
+        }
+        _ => Finding::open("not rendered"),
+    }
+}
+
+/// Seconds of sampling a step of the chains, in one scene over another.
+pub(super) fn cost_of_a_step(
+    results: &Results,
+    name: &str,
+    (dear, cheap): (&str, &str),
+    [least, most]: [f64; 2],
+) -> Finding {
+    let cost = |place: &str| {
+        let group = last(results, place, name)?;
+        let all = group.cells.first()?.statistics.pointer("/mutations")?;
+        let kinds = 0..all.as_array()?.len();
+        let steps: f64 = kinds
+            .filter_map(|kind| group.statistic(&format!("/mutations/{kind}/proposed")))
+            .sum();
+        Some(group.statistic("/seconds")? / steps).filter(|cost| cost.is_finite())
+    };
+    match (cost(dear), cost(cheap)) {
+        (Some(a), Some(b)) => Finding::new(
+            format!(
+                "{name}: a step costs {:.2} us on {dear}, {:.2} us on {cheap}: {:.2} times",
+                1e6 * a,
+                1e6 * b,
+                a / b
+            ),
+            (least..=most).contains(&(a / b)),
+        ),
+        _ => Finding::open("not rendered"),
+    }
+}
+
+/// The worst 0.1 % of the pixels do not make the error: it is at most so many times that of the others.
+pub(super) fn few_spikes(results: &Results, place: &str, name: &str, most: f64) -> Finding {
+    let Some(group) = last(results, place, name) else {
+        return Finding::open("not rendered");
+    };
+    let raw = group.quartiles(Figure::RelativeMse).median;
+    let trimmed = group.quartiles(Figure::RelativeMseTrimmed).median;
+    let stay = group.statistic("/chain/longest_stay").unwrap_or(f64::NAN);
+    let measured = format!(
+        "{place}, {name}: relative MSE {}, without the worst 0.1 % of the pixels {}; longest stay {stay} steps",
+        number(raw),
+        number(trimmed)
+    );
+    if trimmed > 0.0 {
+        Finding::new(measured, raw <= most * trimmed)
+    } else {
+        Finding::open(&(measured + "; too small for this reference"))
+    }
+}
+
+/// A number of a method's statistics is at least so large.
+pub(super) fn statistic_above(
+    results: &Results,
+    place: &str,
+    name: &str,
+    path: &str,
+    least: f64,
+) -> Finding {
+    match last(results, place, name).and_then(|group| group.statistic(path)) {
+        Some(found) => Finding::new(
+            format!("{place}, {name}: {}", number(found)),
+            found >= least,
+        ),
+        None => Finding::open("not rendered"),
+    }
+}

@@ -1,0 +1,32 @@
+//! What a report printed, to show what it does.
+
+use kaustik_mcmc::{Draws, Kernel, Move};
+
+use crate::caustic::pivot;
+use crate::{CausticPerturbation, Path};
+
+/// The caustic perturbation with the density change of Batty's report: rule 5 alone, which leaves out
+/// rule 2 where the light departs (spec: erpt.md 4.2).
+///
+/// **Wrong**: the ratio of the cosines there is missing, and light drifts to where it leaves at grazing
+/// angles. For comparison alone.
+#[derive(Clone, Copy, Debug)]
+pub struct RuleFive<'a>(pub CausticPerturbation<'a>);
+
+impl Kernel<()> for RuleFive<'_> {
+    type Value = Path;
+
+    fn propose<D: Draws + ?Sized>(
+        &self,
+        state: &mut (),
+        current: &Path,
+        proposed: &mut Path,
+        draws: &mut D,
+    ) -> Move {
+        let mut proposal = self.0.propose(state, current, proposed, draws);
+        if let (Some(pivot), true) = (pivot(current), proposal.ratio > 0.0) {
+            proposal.ratio *= current.at(pivot).cos_eye / proposed.at(pivot).cos_eye;
+        }
+        proposal
+    }
+}

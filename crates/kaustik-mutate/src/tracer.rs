@@ -1,0 +1,141 @@
+//! Starts of chains by path tracing: what a pixel's sample sees.
+
+use glam::DVec2;
+use kaustik_bsdf::Lobe;
+use kaustik_mcmc::Draws;
+use kaustik_scene::EmitterPoint;
+use kaustik_spectrum::Wavelengths;
+
+use crate::seed::survives;
+use crate::vertex::Place;
+use crate::{Path, PathSpace};
+
+/// A path tracer that keeps its paths: a walk from the eye, each of whose vertices is joined to a point of an
+/// emitter, and which may run into one.
+///
+/// Each complete path x of a sample comes with its own weight w f/p, w the balance heuristic between the
+/// two ways to make it, so that the sum over a sample's paths of weight times h(x) has the mean
+/// of f h (spec: erpt.md 2d). Holds the memory of the walk.
+#[derive(Clone, Debug, Default)]
+pub struct Tracer {
+    /// Vertices from the eye are at its end.
+    walk: Path,
+    path: Path,
+}
+
+impl Tracer {
+    /// That has traced nothing.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Traces a sample through a raster point (the unit square over the whole image) and tells `found` of each of its
+    /// paths, with the weighted density: that of a raster point uniform over the window. Weights are
+    /// positive; what is not a number is told as it is. `wavelength`: the number in [0, 1) that
+    /// the wavelengths are made of. Without `next_event` emitters are found by running into them.
+    ///
+    /// Tells nothing of paths of fewer than `min_edges`.
+    pub fn sample<D: Draws + ?Sized>(
+        &mut self,
+        space: &PathSpace<'_>,
+        (raster, wavelength): (DVec2, f64),
+        next_event: bool,
+        draws: &mut D,
+        found: &mut impl FnMut(&Path, f64),
+    ) {
+        let last = space.settings.max_edges as usize + 1;
+        self.walk.wavelength = wavelength;
+        self.walk.wavelengths = Wavelengths::sample(wavelength, space.settings.wavelengths);
+        // Slot 0 stays free: what is written there is an emitter, and here it is not known yet.
+        self.walk.resize(last + 1);
+        space.begin_at_lens(&mut self.walk, draws);
+        let mut odds = 1.0;
+        for i in (1..last).rev() {
+            let vertices = last - i;
+            let Some(survival) = survives(&self.walk, i + 1, vertices, draws) else {
+                return;
+            };
+            odds *= survival;
+            let made = match vertices {
+                1 => space.look_through(&mut self.walk, raster, draws),
+                _ => space.scatter_to_light(&mut self.walk, i + 1, draws),
+            };
+            if !made {
+                return;
+            }
+            let vertex = self.walk.at(i);
+            let escaped = vertex.is_environment();
+            if (escaped || space.scene.is_emitter(&vertex.vertex)) && self.hit(space, vertices) {
+                self.tell(space, (odds, next_event), found);
+            }
+            if escaped {
+                return;
+            }
+            let joins = next_event && i > 1 && self.walk.at(i).bsdf.is_connectable();
+            if joins && self.join(space, vertices, draws) {
+                self.tell(space, (odds, next_event), found);
+            }
+        }
+    }
+
+    /// The path whose emitter the walk has run into after so many edges.
+    fn hit(&mut self, space: &PathSpace<'_>, edges: usize) -> bool {
+        self.take(edges + 1, 0);
+        let first = self.path.at_mut(0);
+        first.specular = false;
+        if first.place == Place::Surface {
+            first.place = Place::Emitter(EmitterPoint::Surface);
+        }
+        space.refresh(&mut self.path, 0) && space.evaluate(&mut self.path)
+    }
+
+    /// The path of the walk of so many edges, and one more to an emitter.
+    fn join<D: Draws + ?Sized>(
+        &mut self,
+        space: &PathSpace<'_>,
+        edges: usize,
+        draws: &mut D,
+    ) -> bool {
+        self.take(edges + 1, 1);
+        let path = &mut self.path;
+        space.begin_at_light(path, draws) && space.join(path, 0) && space.evaluate(path)
+    }
+
+    /// Copies so many vertices from the eye behind `free` ones.
+    fn take(&mut self, vertices: usize, free: usize) {
+        let Self { walk, path } = self;
+        path.resize(vertices + free);
+        path.tune(walk);
+        (path.raster, path.importance) = (walk.raster, walk.importance);
+        path.copy(free, walk, walk.len() - vertices..walk.len());
+    }
+
+    fn tell(
+        &self,
+        space: &PathSpace<'_>,
+        (odds, next_event): (f64, bool),
+        found: &mut impl FnMut(&Path, f64),
+    ) {
+        let path = &self.path;
+        if path.edges() >= space.settings.min_edges as usize {
+            let weight = path.density() / (traced(space, path, next_event) * odds);
+            found(path, weight);
+        }
+    }
+}
+
+/// The sum of the densities of the two ways in which a path tracer makes a path.
+fn traced(space: &PathSpace<'_>, path: &Path, next_event: bool) -> f64 {
+    let steps = 1..path.edges();
+    let walk = steps.fold(space.start_at_lens(), |product, i| {
+        product * space.step_to_light_pdf(path, i)
+    });
+    // What is seen without a scattering between is never joined: that would be light tracing.
+    let joined = next_event && path.edges() > 1 && !path.is_specular(1);
+    let position = if joined {
+        space.emission(path).position
+    } else {
+        0.0
+    };
+    walk * (space.step_to_light_pdf(path, 0) + position)
+}

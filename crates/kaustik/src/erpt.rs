@@ -1,0 +1,217 @@
+//! Energy redistribution on paths (Cline, Talbot and Egbert 2005; spec: erpt.md).
+//!
+//! Every pixel is sampled by a path tracer. Each path that a sample finds brings light, its
+//! multiple-importance weight included; chains of perturbations carry equal parts of it to neighbouring paths,
+//! as many chains as it has parts, and every part falls in the colour of the path that it
+//! falls on. The mean is the path tracer's whatever the chains do.
+
+mod films;
+mod perturbations;
+mod starts;
+mod stream;
+
+use std::sync::atomic::AtomicBool;
+
+use glam::DVec2;
+use kaustik_film::{Counters, Image, Layer};
+use kaustik_mcmc::{Mean, RedistributionStatistics};
+use kaustik_mutate::PathSpace;
+use kaustik_scene::Scene;
+use rayon::prelude::*;
+
+use crate::cells::Cells;
+use crate::engine::{Engine, Nonfinite};
+use crate::render::builder_settings;
+use crate::{
+    Budget, ChainStatistics, EnergyStatistics, MutationStatistics, Options, Place, RenderError,
+    RenderSettings,
+};
+use films::{Films, Lost};
+use perturbations::{NAMES, Perturbations};
+use stream::{Job, Light, Stream};
+
+/// Ladders, each with a band of the image to sample, on one film.
+pub(crate) struct ErptEngine<'a> {
+    space: PathSpace<'a>,
+    options: Options,
+    size: DVec2,
+    seed: u64,
+    cells: Cells,
+    films: Films,
+    streams: Vec<Stream>,
+    /// Light to be spread of the pilot's samples.
+    pilot: Mean,
+    /// What the filters took away, as of the last picture.
+    lost: Vec<Lost>,
+}
+
+impl<'a> ErptEngine<'a> {
+    /// Draws the pilot that fixes the light of a deposit (Batty's Algorithm 1): samples of its own, so that the
+    /// light is a constant.
+    pub(crate) fn new(scene: &'a Scene, settings: &RenderSettings) -> Result<Self, RenderError> {
+        let options = settings.options;
+        let size = DVec2::new(f64::from(settings.width), f64::from(settings.height));
+        let space = PathSpace {
+            scene,
+            settings: builder_settings(settings),
+            target: options.target,
+            pixels: size,
+        };
+        let (mut pilot, mut all) = (Mean::new(), Mean::new());
+        for light in starts::pilot(
+            &space,
+            &Perturbations::new(&space, &options, size),
+            settings,
+        ) {
+            pilot.push(light[0]);
+            all.push(light[1]);
+        }
+        let stream = |ladder| Stream::new(settings.seed, ladder, &options, pilot.mean());
+        Ok(Self {
+            films: Films::new(settings, all.mean())?,
+            cells: Cells::new(settings),
+            streams: settings.ladder_range().map(stream).collect(),
+            seed: settings.seed,
+            space,
+            options,
+            size,
+            pilot,
+            lost: Vec::new(),
+        })
+    }
+
+    /// All ladders' chains and light, in their order.
+    fn all(&self) -> (RedistributionStatistics, Light) {
+        let (mut chains, mut light) = (RedistributionStatistics::default(), Light::default());
+        for stream in &self.streams {
+            chains.merge(stream.redistributor.statistics());
+            light.merge(&stream.light);
+        }
+        (chains, light)
+    }
+
+    fn steps(&self) -> u64 {
+        self.streams.iter().map(|stream| stream.step).sum()
+    }
+
+    /// Samples of the whole image that the passes so far amount to, in whatever part of it this process works.
+    fn samples(&self) -> f64 {
+        let passes = self.streams.iter().filter_map(|stream| {
+            let [first, end] = self.cells.of_ladder(stream.ladder);
+            stream.step.checked_div(end - first)
+        });
+        (passes.max().unwrap_or(0).max(1) * self.cells.count()) as f64
+    }
+
+    fn lost(&self, on: bool, place: usize) -> Option<f64> {
+        on.then(|| self.lost.get(place).map_or(0.0, |lost| lost.share))
+    }
+}
+
+impl Engine for ErptEngine<'_> {
+    fn advance(&mut self, plan: &[u64], _: Option<&AtomicBool>) -> u64 {
+        let before = self.steps();
+        let job = Job {
+            space: &self.space,
+            options: &self.options,
+            perturbations: Perturbations::new(&self.space, &self.options, self.size),
+            films: &self.films,
+            cells: self.cells,
+            seed: self.seed,
+            pilot: self.pilot.mean(),
+        };
+        // Chains leave their pixel: a pass that is broken off could not be made even again.
+        self.streams
+            .par_iter_mut()
+            .zip(plan)
+            .with_max_len(1)
+            .for_each(|(stream, &steps)| stream.run(&job, steps));
+        self.steps() - before
+    }
+
+    fn planned(&self, ladder: u32, settings: &RenderSettings) -> u64 {
+        let pass = self.grain(ladder);
+        match settings.budget {
+            Budget::PerPixel(n) => n.saturating_mul(pass),
+            Budget::Total(n) => (n / self.cells.count()).max(1) * pass,
+            Budget::Time(_) => u64::MAX,
+        }
+    }
+
+    fn grain(&self, ladder: u32) -> u64 {
+        let [first, end] = self.cells.of_ladder(ladder);
+        end - first
+    }
+
+    fn develop(&mut self) -> Result<Image, RenderError> {
+        let per_sample = self.size.element_product() / self.samples();
+        let (image, lost) = self.films.develop(per_sample)?;
+        self.lost = lost;
+        Ok(image)
+    }
+
+    fn chain_statistics(&self) -> Option<ChainStatistics> {
+        let (chains, light) = self.all();
+        let moves = &chains.chain.moves;
+        let proposed: u64 = moves.iter().map(|kind| kind.proposed).sum();
+        let expected: f64 = moves.iter().map(|kind| kind.expected).sum();
+        let b = [light.all.mean(), light.all.standard_error()];
+        Some(ChainStatistics {
+            small_acceptance: expected / proposed.max(1) as f64,
+            large_acceptance: 0.0,
+            ..ChainStatistics::new(&chains.chain, b, self.pilot.mean())
+        })
+    }
+
+    fn mutation_statistics(&self) -> Vec<MutationStatistics> {
+        let (chains, _) = self.all();
+        let kinds = NAMES.iter().zip(&chains.chain.moves);
+        kinds
+            .filter(|(_, moves)| moves.proposed > 0)
+            .map(|(name, moves)| MutationStatistics {
+                name,
+                proposed: moves.proposed,
+                acceptance: moves.rate(),
+            })
+            .collect()
+    }
+
+    fn energy_statistics(&self) -> Option<EnergyStatistics> {
+        let (chains, light) = self.all();
+        let samples = self.steps();
+        let mean = |sum: [f64; 3]| sum.map(|sum| sum / samples.max(1) as f64);
+        let (consecutive, proposed) = (
+            self.options.consecutive.is_some(),
+            self.options.proposed.is_some(),
+        );
+        Some(EnergyStatistics {
+            samples,
+            starts: chains.starts,
+            chains: chains.chains,
+            chains_per_sample: chains.chains as f64 / samples.max(1) as f64,
+            capped: chains.capped,
+            seeded: mean(light.seeded),
+            deposited: mean(light.deposited),
+            unperturbed: mean(light.unperturbed),
+            consecutive_loss: self.lost(consecutive, 0),
+            proposed_loss: self.lost(proposed, usize::from(consecutive)),
+        })
+    }
+
+    fn layers(&self) -> Result<Vec<Layer>, RenderError> {
+        Ok(self.lost.iter().map(Lost::layer).collect())
+    }
+
+    fn nonfinite(&self) -> (u64, Option<Place>) {
+        let ladders = self.streams.iter();
+        Nonfinite::all(ladders.map(|stream| (stream.ladder, stream.nonfinite)))
+    }
+
+    fn film_counters(&self) -> Counters {
+        self.films.picture.counters()
+    }
+
+    fn is_lit(&self) -> bool {
+        self.space.scene.has_light()
+    }
+}

@@ -1,0 +1,138 @@
+//! The picture, and what Cline's filters need beside it (spec: erpt.md 5).
+
+use glam::DVec2;
+use kaustik_film::{Film, Image, Layer, Quantum, develop, develop_xyz};
+use kaustik_mcmc::Deposit;
+use kaustik_mutate::Path;
+use kaustik_path::ScalarTarget;
+use kaustik_spectrum::Xyz;
+
+use crate::{RenderError, RenderSettings};
+
+/// One film; another for each filter that is asked for.
+pub(crate) struct Films {
+    pub(crate) picture: Film,
+    /// What the filter by consecutive samples kept back.
+    held: Option<Film>,
+    /// What the filter by proposals lets a pixel hold, in X: light of as many deposits as were proposed into it,
+    /// times kappa, and what was never to be spread.
+    allowed: Option<(Film, f64)>,
+    size: DVec2,
+    target: ScalarTarget,
+}
+
+/// What a filter took away.
+pub(crate) struct Lost {
+    name: &'static str,
+    /// Linear Rec.709 planes: the unfiltered picture less the filtered one.
+    difference: [Vec<f32>; 3],
+    /// The scalar of it, as a share of all light.
+    pub(crate) share: f64,
+}
+
+impl Lost {
+    pub(crate) fn layer(&self) -> Layer {
+        let channels = ["R", "G", "B"]
+            .into_iter()
+            .zip(self.difference.iter().cloned());
+        Layer::new(self.name, channels.collect())
+    }
+}
+
+impl Films {
+    /// `mean`: light of a sample.
+    pub(crate) fn new(settings: &RenderSettings, mean: f64) -> Result<Self, RenderError> {
+        let options = &settings.options;
+        let film = || Film::with_layout(&settings.layout(), Quantum::from_mean(mean / 3.0));
+        let allowed = |kappa| film().map(|film| (film, kappa));
+        Ok(Self {
+            picture: film()?,
+            held: options.consecutive.map(|_| film()).transpose()?,
+            allowed: options.proposed.map(allowed).transpose()?,
+            size: DVec2::new(f64::from(settings.width), f64::from(settings.height)),
+            target: options.target,
+        })
+    }
+
+    /// Light that is left where it was sampled.
+    pub(crate) fn leave(&self, path: &Path, weight: f64) {
+        let at = path.raster() * self.size;
+        (self.picture).splat_weighted(at.x, at.y, path.colour(), weight);
+        if let Some((allowed, _)) = &self.allowed {
+            allowed.splat_weighted(at.x, at.y, UNIT, weight);
+        }
+    }
+
+    /// A chain's deposit in a colour whose scalar is 1.
+    pub(crate) fn deposit(&self, deposit: &Deposit<'_, Path>, colour: Xyz) {
+        let at = deposit.value.raster() * self.size;
+        (self.picture).splat_weighted(at.x, at.y, colour, deposit.weight());
+        if let Some(held) = self.held.as_ref().filter(|_| deposit.held > 0.0) {
+            held.splat_weighted(at.x, at.y, colour, deposit.held);
+        }
+        if let Some((allowed, kappa)) = self.allowed.as_ref().filter(|_| deposit.is_proposal) {
+            allowed.splat_weighted(at.x, at.y, UNIT, kappa * deposit.unit);
+        }
+    }
+
+    /// The picture through the filters, and what each took away. `per_sample` turns sums into means.
+    pub(crate) fn develop(&self, per_sample: f64) -> Result<(Image, Vec<Lost>), RenderError> {
+        let mut image = develop(&[(&self.picture, per_sample)])?;
+        let mut lost = Vec::new();
+        let kept = self.scalars(&self.picture, per_sample)?;
+        let sum = |values: &[f64]| values.iter().sum::<f64>();
+        if let Some(held) = &self.held {
+            let away = sum(&self.scalars(held, per_sample)?);
+            let difference = develop(&[(held, per_sample)])?;
+            lost.push(Lost {
+                name: "consecutive",
+                difference: difference.rgb().map(<[f32]>::to_vec),
+                share: share(away, away + sum(&kept)),
+            });
+        }
+        if let Some((allowed, _)) = &self.allowed {
+            let most = self.scalars_of(allowed, per_sample, |xyz| f64::from(xyz.0[0]))?;
+            let shares: Vec<f64> = (kept.iter().zip(&most))
+                .map(|(&kept, &most)| if kept > most { most / kept } else { 1.0 })
+                .collect();
+            let unfiltered = image.rgb().map(<[f32]>::to_vec);
+            image.scale_pixels(|pixel| shares[pixel] as f32);
+            let mut difference = unfiltered;
+            for (plane, filtered) in difference.iter_mut().zip(image.rgb()) {
+                for (value, filtered) in plane.iter_mut().zip(filtered) {
+                    *value -= filtered;
+                }
+            }
+            let away: f64 = kept.iter().zip(&shares).map(|(k, s)| k * (1.0 - s)).sum();
+            lost.push(Lost {
+                name: "proposed",
+                difference,
+                share: share(away, sum(&kept)),
+            });
+        }
+        Ok((image, lost))
+    }
+
+    fn scalars(&self, film: &Film, per_sample: f64) -> Result<Vec<f64>, RenderError> {
+        self.scalars_of(film, per_sample, |xyz| self.target.of(xyz))
+    }
+
+    fn scalars_of(
+        &self,
+        film: &Film,
+        per_sample: f64,
+        of: impl Fn(Xyz) -> f64,
+    ) -> Result<Vec<f64>, RenderError> {
+        let image = develop_xyz(&[(film, per_sample)])?;
+        let [x, y, z] = image.rgb();
+        let pixels = x.iter().zip(y).zip(z);
+        Ok(pixels.map(|((&x, &y), &z)| of(Xyz([x, y, z]))).collect())
+    }
+}
+
+/// A scalar on a film of colours.
+const UNIT: Xyz = Xyz([1.0, 0.0, 0.0]);
+
+fn share(part: f64, whole: f64) -> f64 {
+    if whole > 0.0 { part / whole } else { 0.0 }
+}

@@ -1,0 +1,95 @@
+//! Where chains start.
+
+use glam::DVec2;
+use kaustik_mcmc::{Draws, SampleGenerators};
+use kaustik_mutate::{Path, PathSpace, Seeds, Tracer};
+use rayon::prelude::*;
+
+use super::perturbations::Perturbations;
+use crate::{Direct, Options, RenderSettings, Starts};
+
+/// The pilot's samples come from a ladder that no render has.
+const PILOT_LADDER: u64 = u64::MAX;
+
+/// Makes the starts of samples; holds their memory.
+pub(crate) struct Starter<'a> {
+    space: &'a PathSpace<'a>,
+    next_event: bool,
+    tracer: Tracer,
+    seeds: Option<Seeds<'a>>,
+    path: Path,
+}
+
+impl<'a> Starter<'a> {
+    pub(crate) fn new(space: &'a PathSpace<'a>, options: &Options) -> Self {
+        Self {
+            space,
+            next_event: options.next_event,
+            tracer: Tracer::new(),
+            seeds: (options.seeds == Starts::Bidirectional).then(|| Seeds::new(space)),
+            path: Path::default(),
+        }
+    }
+
+    /// A sample at a point of the window (its unit square) and of the wavelengths, which walks from
+    /// both sides choose for themselves. Tells `found` of its paths and their weights.
+    pub(crate) fn sample<D: Draws>(
+        &mut self,
+        (at, wavelength): (DVec2, f64),
+        draws: &mut D,
+        found: &mut impl FnMut(&Path, f64),
+    ) {
+        let settings = &self.space.settings;
+        match &mut self.seeds {
+            None => {
+                let raster = settings.window_min + at * (settings.window_max - settings.window_min);
+                let start = (raster, wavelength);
+                (self.tracer).sample(self.space, start, self.next_event, draws, found);
+            }
+            Some(seeds) => {
+                let weight = seeds.sample(&mut self.path, draws);
+                // The path was chosen from all: to leave it out with its weight leaves the others right.
+                if self.path.edges() >= settings.min_edges as usize {
+                    found(&self.path, weight);
+                }
+            }
+        }
+    }
+}
+
+/// Is light of the path spread, or left where it was sampled? Lamps seen directly and by mirrors and glass alone are
+/// left, unless they are wanted together with the rest.
+pub(crate) fn is_spread(perturbations: &Perturbations<'_>, options: &Options, path: &Path) -> bool {
+    let scattered = || (1..path.edges()).any(|i| !path.is_specular(i));
+    (options.direct == Direct::Together || scattered()) && perturbations.suit(path)
+}
+
+/// Light of the samples of a pilot: what is spread, and all.
+pub(crate) fn pilot(
+    space: &PathSpace<'_>,
+    perturbations: &Perturbations<'_>,
+    settings: &RenderSettings,
+) -> Vec<[f64; 2]> {
+    let options = &settings.options;
+    let generators = SampleGenerators::new(settings.seed, PILOT_LADDER);
+    let sample = |starter: &mut Starter<'_>, index: usize| {
+        let mut draws = generators.at(index as u64);
+        let at = DVec2::new(draws.uniform(), draws.uniform());
+        let wavelength = draws.uniform();
+        let mut light = [0.0; 2];
+        starter.sample((at, wavelength), &mut draws, &mut |path, weight| {
+            if weight.is_finite() {
+                light[1] += weight;
+                if is_spread(perturbations, options, path) {
+                    light[0] += weight;
+                }
+            }
+        });
+        light
+    };
+    (0..options.pilot as usize)
+        .into_par_iter()
+        .with_min_len(256)
+        .map_init(|| Starter::new(space, options), sample)
+        .collect()
+}

@@ -1,0 +1,208 @@
+//! The samples and chains of one ladder.
+
+use glam::DVec2;
+use kaustik_mcmc::{
+    Deposit, Draws, Independent, Kernel, Mean, Redistribution, Redistributor, SampleGenerators,
+};
+use kaustik_mutate::{Path, PathSpace};
+use kaustik_pss::{Coordinates, Stream as Axis};
+use kaustik_spectrum::Xyz;
+
+use super::films::Films;
+use super::perturbations::Perturbations;
+use super::starts::{Starter, is_spread};
+use crate::cells::{Cells, Tour};
+use crate::engine::Nonfinite;
+use crate::stratified::mix;
+use crate::{Colours, Energy, Options};
+
+/// The decisions of a ladder's chains come from streams beside those of its samples.
+const CHAIN_LADDERS: u64 = 1 << 32;
+
+/// What all ladders have in common.
+pub(crate) struct Job<'a> {
+    pub(crate) space: &'a PathSpace<'a>,
+    pub(crate) options: &'a Options,
+    pub(crate) perturbations: Perturbations<'a>,
+    pub(crate) films: &'a Films,
+    pub(crate) cells: Cells,
+    pub(crate) seed: u64,
+    /// Light to be spread of a pilot's samples.
+    pub(crate) pilot: f64,
+}
+
+/// One ladder: sample `step` and its chains are made from (seed, ladder, step), and with
+/// [`Energy::Passes`] from the samples of the passes before.
+pub(crate) struct Stream {
+    pub(crate) ladder: u32,
+    pub(crate) step: u64,
+    samples: SampleGenerators,
+    chains: SampleGenerators,
+    plan: Option<Redistribution>,
+    pub(crate) redistributor: Redistributor<(), Path>,
+    pub(crate) light: Light,
+    pub(crate) nonfinite: Nonfinite,
+}
+
+/// Sums of light over samples.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Light {
+    /// Scalar of each sample: what is to be spread, and all.
+    pub(crate) spread: Mean,
+    pub(crate) all: Mean,
+    pub(crate) seeded: [f64; 3],
+    pub(crate) deposited: [f64; 3],
+    pub(crate) unperturbed: [f64; 3],
+}
+
+impl Light {
+    pub(crate) fn merge(&mut self, other: &Self) {
+        self.spread.merge(&other.spread);
+        self.all.merge(&other.all);
+        for c in 0..3 {
+            self.seeded[c] += other.seeded[c];
+            self.deposited[c] += other.deposited[c];
+            self.unperturbed[c] += other.unperturbed[c];
+        }
+    }
+}
+
+#[inline]
+fn add(sum: &mut [f64; 3], colour: Xyz, weight: f64) {
+    for (sum, part) in sum.iter_mut().zip(colour.0) {
+        *sum += f64::from(part) * weight;
+    }
+}
+
+/// How samples of this mean light are spread; `None` where there is none to spread.
+fn plan(options: &Options, mean: f64) -> Option<Redistribution> {
+    let unit = mean / f64::from(options.length) / options.chains;
+    let plan = Redistribution::new(options.length, unit).ok()?;
+    Some(match options.consecutive {
+        Some(patience) => plan.patience(patience),
+        None => plan,
+    })
+}
+
+impl Stream {
+    pub(crate) fn new(seed: u64, ladder: u32, options: &Options, pilot: f64) -> Self {
+        Self {
+            ladder,
+            step: 0,
+            samples: SampleGenerators::new(seed, u64::from(ladder)),
+            chains: SampleGenerators::new(seed, CHAIN_LADDERS + u64::from(ladder)),
+            plan: plan(options, pilot),
+            redistributor: Redistributor::new(),
+            light: Light::default(),
+            nonfinite: Nonfinite::default(),
+        }
+    }
+
+    pub(crate) fn run(&mut self, job: &Job<'_>, steps: u64) {
+        if steps == 0 {
+            return;
+        }
+        let mut tour = Tour::new(&job.cells, self.ladder, self.step);
+        let seed = mix(job.seed);
+        let mut starter = Starter::new(job.space, job.options);
+        let kernel = job.perturbations.kernel();
+        for _ in 0..steps {
+            if tour.begins() && job.options.energy == Energy::Passes {
+                self.plan = plan(job.options, self.expected(job));
+            }
+            let mut draws = self.samples.at(self.step);
+            // All that is asked of these is stratified: nothing is drawn twice.
+            let mut at = tour.confine(seed, Independent::new(self.samples.at(self.step)));
+            let [x, y] = at.get2(Axis::Camera, 0);
+            let start = (DVec2::new(x, y), at.get(Axis::Wavelength, 0));
+            tour.go_on();
+            let mut spread = Spread {
+                job,
+                kernel: &kernel,
+                plan: self.plan.as_ref(),
+                redistributor: &mut self.redistributor,
+                light: &mut self.light,
+                draws: self.chains.at(self.step),
+                sample: [0.0; 2],
+                bad: 0,
+            };
+            let before = spread.redistributor.statistics().chain.defects;
+            starter.sample(start, &mut draws, &mut |path, weight| {
+                spread.start(path, weight);
+            });
+            let ([some, all], bad) = (spread.sample, spread.bad);
+            self.light.spread.push(some);
+            self.light.all.push(all);
+            let defects = self.redistributor.statistics().chain.defects - before;
+            self.nonfinite.count(bad + defects, self.step);
+            self.step += 1;
+        }
+    }
+
+    /// Light of a sample by all passes so far; the pilot counts as one of them.
+    fn expected(&self, job: &Job<'_>) -> f64 {
+        let [first, end] = job.cells.of_ladder(self.ladder);
+        let (pass, so_far) = ((end - first) as f64, self.light.spread);
+        let count = so_far.count() as f64;
+        (job.pilot * pass + so_far.mean() * count) / (pass + count)
+    }
+}
+
+/// One sample's light on its way.
+struct Spread<'a, K, D> {
+    job: &'a Job<'a>,
+    kernel: &'a K,
+    plan: Option<&'a Redistribution>,
+    redistributor: &'a mut Redistributor<(), Path>,
+    light: &'a mut Light,
+    draws: D,
+    /// Scalar of the light to be spread, and of all.
+    sample: [f64; 2],
+    /// Paths whose weight was no number.
+    bad: u64,
+}
+
+impl<K: Kernel<(), Value = Path>, D: Draws> Spread<'_, K, D> {
+    /// One of the sample's paths with its weight.
+    fn start(&mut self, path: &Path, weight: f64) {
+        if !weight.is_finite() {
+            self.bad += 1;
+            return;
+        }
+        if weight <= 0.0 {
+            return;
+        }
+        let (options, films) = (self.job.options, self.job.films);
+        self.sample[1] += weight;
+        let spread = is_spread(&self.job.perturbations, options, path);
+        if spread {
+            self.sample[0] += weight;
+        }
+        let Some(plan) = self.plan.filter(|_| spread) else {
+            add(&mut self.light.unperturbed, path.colour(), weight);
+            films.leave(path, weight);
+            return;
+        };
+        let light = &mut *self.light;
+        add(&mut light.seeded, path.colour(), weight);
+        let printed = options.deposit == Colours::Printed;
+        let mut deposit = |deposit: Deposit<'_, Path>| {
+            let of = if printed { path } else { deposit.value };
+            let colour = of.colour();
+            add(
+                &mut light.deposited,
+                colour,
+                deposit.weight() + deposit.held,
+            );
+            films.deposit(&deposit, colour);
+        };
+        self.redistributor.run(
+            plan,
+            (&(), path, weight),
+            self.kernel,
+            &|path: &Path| [path.density()],
+            &mut self.draws,
+            &mut deposit,
+        );
+    }
+}

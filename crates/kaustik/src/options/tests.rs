@@ -1,0 +1,111 @@
+use super::*;
+
+#[test]
+fn every_default_of_the_table_is_the_default() {
+    for method in Method::ALL {
+        for key in method.keys() {
+            let mut options = Options::default();
+            options
+                .set(method, &format!("{}={}", key.name, key.default))
+                .unwrap();
+            assert_eq!(options, Options::default(), "{}", key.name);
+        }
+    }
+}
+
+#[test]
+fn what_is_written_is_what_was_set() {
+    let mut options = Options::default();
+    for text in [
+        "mutation=uniform:0.05",
+        "mis=off",
+        "target=luminance",
+        "plarge=0.5",
+        "builder=simple",
+        "heuristic=maximum",
+    ] {
+        options.set(Method::Pssmlt, text).unwrap();
+    }
+    let mut again = Options::default();
+    for (key, value) in options.entries(Method::Pssmlt) {
+        again
+            .set(Method::Pssmlt, &format!("{key}={value}"))
+            .unwrap();
+    }
+    assert_eq!(again, options);
+}
+
+#[test]
+fn what_is_written_of_replicas_is_what_was_set() {
+    let mut options = Options::default();
+    for text in [
+        "replicas=uniform;1,0,1,1,1,1;0.5,0,0,1,1,1",
+        "beta=1.5",
+        "exchange=pair",
+        "steps=adapted",
+        "particles=2000",
+        "delta=0.1",
+        "normaliser=exchange",
+    ] {
+        options.set(Method::Relt, text).unwrap();
+    }
+    assert_eq!(options.replica_set().count(), 3);
+    let mut again = Options::default();
+    for (key, value) in options.entries(Method::Relt) {
+        again.set(Method::Relt, &format!("{key}={value}")).unwrap();
+    }
+    assert_eq!(again, options);
+    for wrong in [
+        "replicas=uniform;1,0,0,0,0,0;0,1,0,0,0,0",
+        "beta=0.5",
+        "delta=0",
+        "exchange=some",
+        "particles=10",
+    ] {
+        assert!(again.set(Method::Relt, wrong).is_err(), "{wrong}");
+    }
+    assert_eq!(again, options);
+}
+
+#[test]
+fn what_is_written_of_mutations_is_what_was_set() {
+    let mut options = Options::default();
+    for text in [
+        "mutations=lens,bidirectional",
+        "jitter=0.5:20",
+        "angles=0.001:0.5",
+    ] {
+        options.set(Method::Mlt, text).unwrap();
+    }
+    let mut again = Options::default();
+    for (key, value) in options.entries(Method::Mlt) {
+        again.set(Method::Mlt, &format!("{key}={value}")).unwrap();
+    }
+    assert_eq!(again, options);
+    for wrong in [
+        "mutations=",
+        "mutations=lens,small",
+        "jitter=3:1",
+        "angles=0.1:4",
+        "angles=1",
+    ] {
+        assert!(again.set(Method::Mlt, wrong).is_err(), "{wrong}");
+    }
+    assert_eq!(again, options);
+}
+
+#[test]
+fn wrong_words_are_refused_with_what_was_expected() {
+    let mut options = Options::default();
+    let message = |text: &str, options: &mut Options| {
+        options.set(Method::Pssmlt, text).unwrap_err().to_string()
+    };
+    assert!(message("plarge=0", &mut options).contains("0 < p <= 1"));
+    assert!(message("plarge=nan", &mut options).contains("plarge"));
+    assert!(message("mutation=uniform", &mut options).contains("uniform:FRACTION"));
+    assert!(message("colour=red", &mut options).contains("ladders"));
+    assert!(message("plarge", &mut options).contains("key=value"));
+    assert_eq!(options, Options::default());
+    let error = options.set(Method::Path, "plarge=0.5").unwrap_err();
+    assert!(matches!(error, OptionError::Key { .. }));
+}
