@@ -7,6 +7,7 @@ use kaustik_mcmc::{Draws, Kernel, Move};
 use kaustik_scene::EmitterPoint;
 
 use crate::density::{bending, geometry_to_eye};
+use crate::factor::{Factor, factor};
 use crate::lens::ratio;
 use crate::vertex::Place;
 use crate::{Path, PathSpace, Radii};
@@ -85,14 +86,17 @@ impl CausticPerturbation<'_> {
         if !(y.at(n - 2).bsdf.is_connectable() && space.join(y, n - 2)) {
             return None;
         }
-        if !self.sizes(y, pivot).holds(size) {
+        // Both ends of the range go alike, so that its logarithm's length does not change.
+        let back = f64::from(u8::from(self.sizes(y, pivot).holds(size)));
+        let back = factor(Factor::Range, back);
+        if back == 0.0 {
             return None;
         }
         y.copy(0, x, 0..pivot);
         if !space.evaluate(y) {
             return None;
         }
-        Some(density(x, pivot) / density(y, pivot))
+        Some(back * density(x, pivot) / density(y, pivot))
     }
 
     /// The first ray of parallel light, moved sideways.

@@ -6,6 +6,7 @@ use kaustik_geometry::Ray;
 use kaustik_mcmc::{Draws, Kernel, Move};
 
 use crate::density::geometry_to_light;
+use crate::factor::{Factor, factor};
 use crate::{Path, PathSpace, Radii};
 
 /// Which paths a perturbation from the lens moves.
@@ -132,10 +133,11 @@ impl LensPerturbation<'_> {
     }
 }
 
-/// Density of the traced part, but for the jitters, which are symmetric.
-fn density(space: &PathSpace<'_>, path: &Path, last: usize) -> f64 {
+/// Density of the part that is traced from the lens up to vertex `last`, but for the jitters, which are symmetric.
+pub(crate) fn density(space: &PathSpace<'_>, path: &Path, last: usize) -> f64 {
     let lens = path.at(path.edges());
     let start = space.raster_per_direction(lens.vertex.position, lens.toward_light);
+    let start = factor(Factor::Raster, start);
     (last..path.edges()).fold(start, |product, i| product * geometry_to_light(path, i))
 }
 

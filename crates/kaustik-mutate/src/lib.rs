@@ -25,6 +25,8 @@ mod bidirectional;
 mod caustic;
 mod density;
 mod evaluate;
+mod every;
+mod factor;
 mod jitter;
 mod join;
 mod lens;
@@ -38,6 +40,7 @@ mod wavelength;
 
 pub use bidirectional::BidirectionalMutation;
 pub use caustic::CausticPerturbation;
+pub use every::EveryPerturbation;
 pub use jitter::Radii;
 pub use lens::{LensPerturbation, Run};
 pub use lens_subpath::LensMutation;

@@ -1,7 +1,11 @@
 //! Kernels keep the paths' measure, and densities are what the maps say.
 
+mod builtin;
+mod faults;
 mod invariance;
 mod jacobian;
+mod kinds;
+mod rules;
 mod seeds;
 mod stage;
 
@@ -11,12 +15,14 @@ use kaustik_scene::Scene;
 
 use crate::PathSpace;
 
-/// Paths of at most so many edges.
+/// Paths of at most so many edges, through a part of the raster.
 fn space(scene: &Scene, max_edges: u32) -> PathSpace<'_> {
     PathSpace {
         scene,
         settings: BuilderSettings {
             max_edges,
+            window_min: DVec2::new(0.2, 0.1),
+            window_max: DVec2::new(0.9, 0.9),
             ..BuilderSettings::default()
         },
         target: ScalarTarget::Xyz,

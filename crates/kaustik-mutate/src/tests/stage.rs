@@ -201,6 +201,17 @@ pub(crate) fn cuboid(min: Vec3, max: Vec3) -> Mesh {
     mesh
 }
 
+/// With shading normals that lean away from those of the faces, the same over each face.
+fn leaning(mesh: Mesh) -> Mesh {
+    let corners = &mesh.positions;
+    let normals = corners.chunks(4).flat_map(|c| {
+        let normal = (c[1] - c[0]).cross(c[2] - c[0]).normalize();
+        [(normal + 0.3 * normal.any_orthonormal_vector()).normalize(); 4]
+    });
+    let normals = normals.collect();
+    mesh.with_normals(normals).expect("a sound mesh")
+}
+
 /// A floor, a wall at the left and a wall behind.
 fn room() -> Stage {
     Stage::new()
@@ -221,20 +232,22 @@ fn lit() -> Stage {
     )
 }
 
+fn slope() -> Mesh {
+    let up = Vec3::new(0.0, 0.5, 0.7);
+    rectangle(Vec3::new(0.8, 0.4, -0.3), up, Vec3::X * 0.7)
+}
+
 fn plate(material: MaterialDescription) -> Stage {
-    let tilted = Vec3::new(0.0, 0.5, 0.7);
-    lit().add(
-        material,
-        rectangle(Vec3::new(0.8, 0.4, -0.3), tilted, Vec3::X * 0.7),
-    )
+    lit().add(material, slope())
+}
+
+fn slab() -> Mesh {
+    cuboid(Vec3::new(-0.4, 0.3, -0.6), Vec3::new(0.7, 0.8, 0.5))
 }
 
 /// A slab and a prism's worth of it: two faces that are not parallel come with the box's sides.
 fn block(material: MaterialDescription) -> Stage {
-    lit().add(
-        material,
-        cuboid(Vec3::new(-0.4, 0.3, -0.6), Vec3::new(0.7, 0.8, 0.5)),
-    )
+    lit().add(material, slab())
 }
 
 /// A scene by name.
@@ -257,6 +270,22 @@ pub(crate) fn scene(name: &str) -> Scene {
                 lamp(4.0),
                 rectangle(Vec3::new(-0.4, 1.4, -0.6), Vec3::Z * 1.2, Vec3::Y * 0.8),
             ),
+        // normals that lean
+        "leaning" => lit().add(metal(0.0), leaning(slope())),
+        "leaning-glossy" => lit().add(metal(0.4), leaning(slope())),
+        "leaning-glass" => lit().add(glass(0.0, 0.0), leaning(slab())),
+        // a lamp that scatters as well
+        "glow" => room().add(
+            MaterialDescription {
+                emissive: [4.0; 3],
+                ..metal(0.5)
+            },
+            leaning(rectangle(
+                Vec3::new(0.5, 1.4, -0.8),
+                Vec3::X * 0.6,
+                Vec3::Z * 0.6,
+            )),
+        ),
         "glossy" => plate(metal(0.4)),
         "mirror" => plate(metal(0.0)),
         "varnish" => plate(varnish()),
@@ -275,6 +304,10 @@ pub(crate) fn scene(name: &str) -> Scene {
         "sky" => plate(metal(0.0)).sky(0.5),
         "lens" => plate(metal(0.0)).lens(0.3, 2.5),
         "orthographic" => plate(metal(0.0)).orthographic(),
+        "veil-mirror" => plate(metal(0.0)).add(
+            veil(0.5),
+            rectangle(Vec3::Y * 0.8, Vec3::Z * 0.9, Vec3::X * 0.8),
+        ),
         "veil" => lit().add(
             veil(0.5),
             rectangle(Vec3::Y * 0.8, Vec3::Z * 0.9, Vec3::X * 0.8),
