@@ -142,7 +142,14 @@ const WALKS: &[Method] = &[Method::Pssmlt, Method::ErptPss];
 const SMALL_STEPS: &[Method] = &[Method::Pssmlt, Method::Mmlt, Method::ErptPss];
 const REDISTRIBUTION: &[Method] = &[Method::ErptPss];
 const CHAINS: &[Method] = &[Method::Pssmlt, Method::Mmlt];
-const DIRECT: &[Method] = &[Method::Pssmlt, Method::Mmlt, Method::Relt, Method::ErptPss];
+const NORMALISED: &[Method] = &[Method::Pssmlt, Method::Mmlt, Method::Mlt];
+const DIRECT: &[Method] = &[
+    Method::Pssmlt,
+    Method::Mmlt,
+    Method::Relt,
+    Method::ErptPss,
+    Method::Mlt,
+];
 const METROPOLIS: &[Method] = &[
     Method::Pssmlt,
     Method::Mmlt,
@@ -275,9 +282,8 @@ pub const KEYS: &[Key] = &[
         name: "normaliser",
         default: "running",
         range: "running|initial",
-        meaning: "the scale of the image: from the pilot and all large steps; the same by Bennett's acceptance \
-                  ratio with the chains; from the pilot alone (exactly unbiased)",
-        methods: CHAINS,
+        meaning: "the scale of the image: from the pilot and all large steps (mlt: and samples between its mutations); from the pilot alone (exactly unbiased)",
+        methods: NORMALISED,
     },
     Key {
         name: "direct",
@@ -368,8 +374,9 @@ pub const KEYS: &[Key] = &[
     Key {
         name: "mutations",
         default: "bidirectional,lens,multichain,caustic,subpath,wavelengths",
-        range: "a list of bidirectional|lens|multichain|caustic|subpath|wavelengths",
-        meaning: "what may change a path; bidirectional alone reaches every path",
+        range: "a list of bidirectional|lens|multichain|caustic|subpath|wavelengths|every[:FRACTION]",
+        meaning: "what may change a path; bidirectional alone reaches every path. every moves all variables \
+                  of a path by up to FRACTION (0.2) of their domains, 0 < FRACTION <= 1",
         methods: PATHS,
     },
     Key {

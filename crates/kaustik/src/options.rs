@@ -73,7 +73,7 @@ impl Default for Options {
             length: 100,
             chains: 1.0,
             consecutive: None,
-            mutations: Mutations::ALL,
+            mutations: Mutations::STANDARD,
             jitter: None,
             angles: [1e-4, 0.1],
         }

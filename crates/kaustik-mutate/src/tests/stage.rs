@@ -286,6 +286,16 @@ pub(crate) fn scene(name: &str) -> Scene {
                 Vec3::Z * 0.6,
             )),
         ),
+        // a lamp over a floor that is a mirror
+        "pond" => Stage::new()
+            .add(
+                metal(0.0),
+                rectangle(Vec3::ZERO, Vec3::Z * 3.0, Vec3::X * 3.0),
+            )
+            .add(
+                lamp(4.0),
+                rectangle(Vec3::new(-0.15, 1.5, -1.0), Vec3::X * 0.6, Vec3::Z * 0.6),
+            ),
         "glossy" => plate(metal(0.4)),
         "mirror" => plate(metal(0.0)),
         "varnish" => plate(varnish()),
