@@ -27,29 +27,29 @@ const MOST_CHANGE: usize = 12;
 /// Weight of making the whole path anew, beside the 1 or so of all other deletions of one length.
 const WHOLE: f64 = 0.25;
 
-/// `p_d1` of (3).
-fn deletion_weight(edges: usize) -> f64 {
-    match edges {
-        1 => 0.25,
-        2 => 0.5,
-        n if n <= MOST_DELETED => power_of_half(n),
-        _ => 0.0,
+/// `p_d1` of (3), by the number of edges.
+const DELETION: [f64; MOST_DELETED + 1] = {
+    let mut weights = [0.0; MOST_DELETED + 1];
+    (weights[1], weights[2]) = (0.25, 0.5);
+    let mut n = 3;
+    while n <= MOST_DELETED {
+        weights[n] = 1.0 / (1u64 << n) as f64;
+        n += 1;
     }
-}
+    weights
+};
 
-/// `p_a1` of (4) for a part that grows or shrinks by so many edges.
-fn change_weight(change: usize) -> f64 {
-    match change {
-        0 => 0.5,
-        1 => 0.15,
-        n if n <= MOST_CHANGE => 0.2 * power_of_half(n),
-        _ => 0.0,
+/// `p_a1` of (4), by how many edges a part grows or shrinks.
+const CHANGE: [f64; MOST_CHANGE + 1] = {
+    let mut weights = [0.0; MOST_CHANGE + 1];
+    (weights[0], weights[1]) = (0.5, 0.15);
+    let mut n = 2;
+    while n <= MOST_CHANGE {
+        weights[n] = 0.2 / (1u64 << n) as f64;
+        n += 1;
     }
-}
-
-fn power_of_half(n: usize) -> f64 {
-    1.0 / (1u64 << n) as f64
-}
+    weights
+};
 
 /// What is deleted: vertices `first..end`; those before and behind are kept. `end - first + 1` edges go,
 /// virtual ones beyond the ends of the path included.
@@ -82,7 +82,7 @@ impl Cut {
         } else {
             0.0
         };
-        whole + deletion_weight(self.edges())
+        whole + DELETION.get(self.edges()).copied().unwrap_or(0.0)
     }
 
     /// The fewest edges that may stand in its place: an emitter at least, if that went.
@@ -122,12 +122,15 @@ impl Additions {
         let lost = cut.edges();
         let from = lost.saturating_sub(MOST_CHANGE).max(cut.least());
         let mut weights = [0.0; MOST_DELETED + MOST_CHANGE + 1];
-        for (i, weight) in weights.iter_mut().enumerate() {
-            let added = from + i;
-            let length = edges + added;
-            let idle = lost == 1 && added == 1;
-            if !idle && length > lost && lengths.contains(&(length - lost)) {
-                *weight = change_weight(added.abs_diff(lost));
+        // Edges to add so that the path has lengths.start() edges at least and lengths.end() at most.
+        let least = (lengths.start() + lost).saturating_sub(edges).max(from);
+        let most = (lengths.end() + lost)
+            .saturating_sub(edges)
+            .min(lost + MOST_CHANGE);
+        for added in least..=most {
+            // One edge for one changes nothing.
+            if (lost, added) != (1, 1) {
+                weights[added - from] = CHANGE[added.abs_diff(lost)];
             }
         }
         let sum = weights.iter().sum();
@@ -153,7 +156,8 @@ impl BidirectionalMutation<'_> {
         }
         let space = self.space;
         let aperture = space.has_aperture();
-        let cut = choose(x, aperture, draws)?;
+        let sum = cuts_sum(x, aperture);
+        let cut = choose(x, aperture, sum, draws)?;
         let additions = Additions::new(x.edges(), cut, &space.lengths());
         let added = additions.from + draws.index(&additions.weights);
         if additions.probability(added) <= 0.0 {
@@ -176,22 +180,25 @@ impl BidirectionalMutation<'_> {
         if !space.evaluate(y) {
             return None;
         }
-        Some(self.density(y, new, x, cut) / self.density(x, cut, y, new))
+        let there = self.density((x, cut, sum), &additions, (y, new));
+        let additions = Additions::new(y.edges(), new, &space.lengths());
+        let back = self.density((y, new, cuts_sum(y, aperture)), &additions, (x, cut));
+        Some(back / there)
     }
 
-    /// T(x -> y): (5).
-    fn density(&self, x: &Path, cut: Cut, y: &Path, new: Cut) -> f64 {
-        let aperture = self.space.has_aperture();
-        let sum: f64 = cuts(x, aperture).map(|(_, weight)| weight).sum();
-        let sum = factor(Factor::CutsOfPath, sum);
-        let additions = Additions::new(x.edges(), cut, &self.space.lengths());
-        let (cut_pdf, added) = (
-            factor(Factor::CutWeight, cut.weight(x, aperture)) / sum,
-            new.edges(),
-        );
+    /// T(x -> y): (5). `sum` is that of the weights of all cuts of x.
+    fn density(
+        &self,
+        (x, cut, sum): (&Path, Cut, f64),
+        additions: &Additions,
+        (y, new): (&Path, Cut),
+    ) -> f64 {
+        let weight = factor(Factor::CutWeight, cut.weight(x, self.space.has_aperture()));
+        let added = new.edges();
         let each = factor(Factor::Addition, additions.probability(added))
             / factor(Factor::Splits, added as f64);
-        cut_pdf * each * self.space.all_ways(y, new.first, new.end)
+        let ways = self.space.all_ways(y, new.first, new.end);
+        weight / factor(Factor::CutsOfPath, sum) * each * ways
     }
 
     /// Copies the vertices next to the cut.
@@ -218,9 +225,13 @@ fn keep_rest(x: &Path, y: &mut Path, cut: Cut, new: Cut) {
     }
 }
 
-/// Chooses a cut.
-fn choose<D: Draws + ?Sized>(path: &Path, aperture: bool, draws: &mut D) -> Option<Cut> {
-    let sum: f64 = cuts(path, aperture).map(|(_, weight)| weight).sum();
+/// The sum of the weights of all cuts.
+fn cuts_sum(path: &Path, aperture: bool) -> f64 {
+    cuts(path, aperture).map(|(_, weight)| weight).sum()
+}
+
+/// Chooses a cut; `sum` is that of the weights of all.
+fn choose<D: Draws + ?Sized>(path: &Path, aperture: bool, sum: f64, draws: &mut D) -> Option<Cut> {
     let mut rest = draws.uniform() * sum;
     let mut last = None;
     for (cut, weight) in cuts(path, aperture) {

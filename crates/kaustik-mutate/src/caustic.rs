@@ -16,6 +16,11 @@ use crate::{Path, PathSpace, Radii};
 /// string of scatterings toward the eye, and joins the end to the lens: `(L or D) S* D E`.
 ///
 /// The size of the jitter is that of pixels where the path is seen, so that it is not symmetric.
+///
+/// Of Cline's rules two are at work, as opposed to Batty's report, which names the fifth alone: rule 2 at the vertex
+/// where the direction moves, whose cosine (at an emitter too) stays when the density per solid angle has
+/// taken the rest, and rule 5 at the vertex that the lens is joined to. Rule 3 is not: the link to the
+/// light is kept and nothing is joined there (spec: erpt.md 4.2 (7)).
 #[derive(Clone, Copy, Debug)]
 pub struct CausticPerturbation<'a> {
     /// Where the paths run.

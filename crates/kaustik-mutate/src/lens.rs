@@ -121,10 +121,11 @@ impl LensPerturbation<'_> {
             if !y.at(last).bsdf.is_connectable() {
                 return None;
             }
-            y.copy(0, x, 0..last);
+            y.copy(last - 1, x, last - 1..last);
             if !space.join(y, last - 1) {
                 return None;
             }
+            y.copy(0, x, 0..last - 1);
         }
         if !space.evaluate(y) {
             return None;

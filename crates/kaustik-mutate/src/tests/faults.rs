@@ -21,7 +21,7 @@ const FAULTS: &[(Kind, &[(Factor, &str)])] = &[
             (Raster, "diffuse"),
             (CosToLight, "diffuse"),
             (DistanceToLight, "diffuse"),
-            (CosBeforeRunToLight, "mirror"),
+            (CosBeforeRunToLight, "pond"),
             (PassedToLight, "veil"),
         ],
     ),
@@ -29,8 +29,8 @@ const FAULTS: &[(Kind, &[(Factor, &str)])] = &[
         MULTICHAIN,
         &[
             (Raster, "gallery"),
-            (CosToLight, "mirror"),
-            (DistanceToLight, "mirror"),
+            (CosToLight, "gallery"),
+            (DistanceToLight, "gallery"),
             (CosBeforeRunToLight, "gallery"),
             (PassedToLight, "veil-mirror"),
         ],
@@ -107,7 +107,7 @@ const EVEN: &[(Kind, &[Factor])] = &[(CAUSTIC, &[Index]), (SUBPATH, &[RasterPdf,
 fn missed(kind: Kind, faults: &[(Factor, &str)], starts: u64) -> Vec<String> {
     let test = PairedTest {
         starts,
-        steps: 10,
+        steps: 20,
         seed: 11,
     };
     let mut missed = Vec::new();

@@ -57,7 +57,7 @@ fn lens<'a>(space: &'a PathSpace<'a>, run: Run) -> LensPerturbation<'a> {
         space,
         radii: Radii {
             least: 0.2,
-            most: 3.0,
+            most: 8.0,
         },
         angles: Radii {
             least: 0.05,
