@@ -158,7 +158,8 @@ impl<'a> MltEngine<'a> {
             }
             let step = chain.metropolis.statistics().steps;
             if running && step % EACH == 0 {
-                chain.see(seeds.sample(&mut path, &mut chain.fresh), step);
+                let weight = seeds.sample(&mut path, &mut chain.fresh);
+                chain.see(weight, step);
             }
             (chain.metropolis).step(&kernel, &density, &mut chain.draws, &mut record);
         }

@@ -3,13 +3,13 @@
 
 use glam::DVec2;
 use kaustik_mcmc::testing::PairedTest;
-use kaustik_mcmc::{Draws, Mean, generator};
+use kaustik_mcmc::{Mean, generator};
 use kaustik_path::{
     Bidirectional, BuilderSettings, Contributions, Form, Heuristic, PathBuilder, ScalarTarget,
 };
-use kaustik_pss::{Coordinates, Stream};
 use kaustik_scene::{Scene, SceneOptions, builtin};
 
+use super::Fresh;
 use super::kinds::{
     BIDIRECTIONAL, CAUSTIC, EVERY, H, Kind, LENS, MULTICHAIN, SUBPATH, WAVELENGTHS, with_pieces_in,
 };
@@ -48,15 +48,6 @@ fn space(scene: &Scene) -> PathSpace<'_> {
         settings: settings(1, EDGES),
         target: ScalarTarget::Xyz,
         pixels: DVec2::splat(32.0),
-    }
-}
-
-/// Every coordinate from a generator; a builder asks for each once.
-struct Fresh<'a, D>(&'a mut D);
-
-impl<D: Draws> Coordinates for Fresh<'_, D> {
-    fn get(&mut self, _: Stream, _: u32) -> f64 {
-        self.0.uniform()
     }
 }
 

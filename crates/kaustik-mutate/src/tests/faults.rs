@@ -51,10 +51,9 @@ const FAULTS: &[(Kind, &[(Factor, &str)])] = &[
         &[
             (Raster, "diffuse"),
             (RasterPdf, "diffuse"),
-            (LensPdf, "lens"),
             (CosToLight, "diffuse"),
             (DistanceToLight, "diffuse"),
-            (CosBeforeRunToLight, "mirror"),
+            (CosBeforeRunToLight, "gallery"),
             (PassedToLight, "veil"),
             (DirectionToLight, "glossy"),
             (DiracToLight, "varnish"),

@@ -10,7 +10,9 @@ mod seeds;
 mod stage;
 
 use glam::DVec2;
+use kaustik_mcmc::Draws;
 use kaustik_path::{BuilderSettings, ScalarTarget};
+use kaustik_pss::{Coordinates, Stream};
 use kaustik_scene::Scene;
 
 use crate::PathSpace;
@@ -27,5 +29,14 @@ fn space(scene: &Scene, max_edges: u32) -> PathSpace<'_> {
         },
         target: ScalarTarget::Xyz,
         pixels: DVec2::splat(16.0),
+    }
+}
+
+/// Every coordinate from a generator; a builder asks for each once.
+struct Fresh<'a, D>(&'a mut D);
+
+impl<D: Draws> Coordinates for Fresh<'_, D> {
+    fn get(&mut self, _: Stream, _: u32) -> f64 {
+        self.0.uniform()
     }
 }

@@ -1,22 +1,12 @@
 //! The sum of a sample's paths has the mean that a path tracer has.
 
-use kaustik_mcmc::{Draws, Mean, generator};
+use kaustik_mcmc::{Mean, generator};
 use kaustik_path::{Contributions, PathBuilder, ScalarTarget, Unidirectional};
-use kaustik_pss::{Coordinates, Stream};
 use kaustik_scene::Scene;
 
-use super::space;
 use super::stage::scene;
+use super::{Fresh, space};
 use crate::{Path, Seeds};
-
-/// Every coordinate from a generator; a builder asks for each once.
-struct Fresh<'a, D>(&'a mut D);
-
-impl<D: Draws> Coordinates for Fresh<'_, D> {
-    fn get(&mut self, _: Stream, _: u32) -> f64 {
-        self.0.uniform()
-    }
-}
 
 fn traced(scene: &Scene, edges: u32, samples: u64) -> Mean {
     let builder = Unidirectional {
