@@ -65,6 +65,7 @@ const CASES: &[(Kind, &[&str])] = &[
             "leaning",
             "leaning-glossy",
             "leaning-glass",
+            "leaning-aquarium",
         ],
     ),
     (
@@ -90,6 +91,8 @@ const CASES: &[(Kind, &[&str])] = &[
             "leaning",
             "leaning-glossy",
             "leaning-glass",
+            "aquarium",
+            "leaning-aquarium",
             "glow",
         ],
     ),

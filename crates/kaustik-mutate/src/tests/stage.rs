@@ -250,6 +250,25 @@ fn block(material: MaterialDescription) -> Stage {
     lit().add(material, slab())
 }
 
+/// The camera and a small lamp within a solid, and another lamp above it.
+fn aquarium(mesh: fn(Mesh) -> Mesh) -> Stage {
+    let solid = MaterialDescription {
+        ior: 2.2,
+        ..glass(0.0, 0.0)
+    };
+    let small = |centre| rectangle(centre, Vec3::X * 0.2, Vec3::Z * 0.2);
+    room()
+        .add(
+            solid,
+            mesh(cuboid(
+                Vec3::new(-2.0, -0.5, -3.5),
+                Vec3::new(2.0, 3.4, 3.5),
+            )),
+        )
+        .add(lamp(4.0), small(Vec3::new(0.6, 1.5, -1.0)))
+        .add(lamp(60.0), small(Vec3::new(0.0, 3.8, -0.6)))
+}
+
 /// A scene by name.
 pub(crate) fn scene(name: &str) -> Scene {
     let down = Vec3::new(-0.4, -1.0, 0.1);
@@ -314,6 +333,8 @@ pub(crate) fn scene(name: &str) -> Scene {
         "sky" => plate(metal(0.0)).sky(0.5),
         "lens" => plate(metal(0.0)).lens(0.3, 2.5),
         "orthographic" => plate(metal(0.0)).orthographic(),
+        "aquarium" => aquarium(std::convert::identity),
+        "leaning-aquarium" => aquarium(leaning),
         "veil-mirror" => plate(metal(0.0)).add(
             veil(0.5),
             rectangle(Vec3::Y * 0.8, Vec3::Z * 0.9, Vec3::X * 0.8),
