@@ -305,16 +305,21 @@ pub(crate) fn scene(name: &str) -> Scene {
                 Vec3::Z * 0.6,
             )),
         ),
-        // a lamp over a floor that is a mirror
+        // a lamp and a wall, seen in a floor that is a mirror
         "pond" => Stage::new()
             .add(
                 metal(0.0),
                 rectangle(Vec3::ZERO, Vec3::Z * 3.0, Vec3::X * 3.0),
             )
             .add(
+                diffuse([0.3, 0.7, 0.4]),
+                rectangle(Vec3::new(0.0, 3.0, -3.0), Vec3::X * 3.0, Vec3::Y * 3.0),
+            )
+            .add(
                 lamp(4.0),
-                rectangle(Vec3::new(-0.15, 1.5, -1.0), Vec3::X * 0.6, Vec3::Z * 0.6),
-            ),
+                rectangle(Vec3::new(-0.15, 1.5, -1.0), Vec3::X * 0.3, Vec3::Z * 0.3),
+            )
+            .light(LightKind::Point, Vec3::new(0.5, 3.0, -1.5), down),
         "glossy" => plate(metal(0.4)),
         "mirror" => plate(metal(0.0)),
         "varnish" => plate(varnish()),
