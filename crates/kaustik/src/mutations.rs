@@ -38,7 +38,7 @@ impl Mutations {
             let (name, number) = word.split_once(':').unwrap_or((word, ""));
             let index = Self::NAMES.iter().position(|known| *known == name)?;
             if word.len() > name.len() {
-                fraction = (number.parse().ok())
+                fraction = (number.parse::<f64>().ok())
                     .filter(|share| index == Self::EVERY && *share > 0.0 && *share <= 1.0)?;
             }
             made[index] = true;
