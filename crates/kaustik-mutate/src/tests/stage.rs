@@ -46,6 +46,15 @@ impl Stage {
         self
     }
 
+    /// Sees more than a right angle.
+    pub(crate) fn wide(mut self) -> Self {
+        self.description.cameras[0].projection = Projection::Perspective {
+            yfov: 2.0,
+            aspect_ratio: None,
+        };
+        self
+    }
+
     pub(crate) fn orthographic(mut self) -> Self {
         self.description.cameras[0].projection = Projection::Orthographic {
             xmag: 1.5,
@@ -307,6 +316,7 @@ pub(crate) fn scene(name: &str) -> Scene {
         ),
         // a lamp and a wall, seen in a floor that is a mirror
         "pond" => Stage::new()
+            .wide()
             .add(
                 metal(0.0),
                 rectangle(Vec3::ZERO, Vec3::Z * 3.0, Vec3::X * 3.0),
