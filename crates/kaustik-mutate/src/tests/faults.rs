@@ -100,7 +100,11 @@ const FAULTS: &[(Kind, &[(Factor, &str)])] = &[
 
 /// Factors that a kernel asks for and that cancel there and back: it keeps the string of scatterings, and with
 /// it the media; or makes as many points of the lens and of the raster there as back.
-const EVEN: &[(Kind, &[Factor])] = &[(CAUSTIC, &[Index]), (SUBPATH, &[RasterPdf, LensPdf])];
+const EVEN: &[(Kind, &[Factor])] = &[
+    (CAUSTIC, &[Index]),
+    (BIDIRECTIONAL, &[LensPdf]),
+    (SUBPATH, &[RasterPdf, LensPdf]),
+];
 
 /// Tries faults and returns those that were not found.
 fn missed(kind: Kind, faults: &[(Factor, &str)], starts: u64) -> Vec<String> {
