@@ -28,7 +28,7 @@ const FAULTS: &[(Kind, &[(Factor, &str)])] = &[
     (
         MULTICHAIN,
         &[
-            (Raster, "gallery"),
+            (Raster, "pond"),
             (CosToLight, "gallery"),
             (DistanceToLight, "gallery"),
             (CosBeforeRunToLight, "gallery"),
@@ -65,7 +65,7 @@ const FAULTS: &[(Kind, &[(Factor, &str)])] = &[
             (DiracToEye, "aquarium"),
             (Index, "aquarium"),
             (ShadingNormal, "leaning-aquarium"),
-            (EmitterPoint, "diffuse"),
+            (EmitterPoint, "aquarium"),
             (Emission, "diffuse"),
             (CutWeight, "diffuse"),
             (CutsOfPath, "diffuse"),
