@@ -21,7 +21,7 @@ fn bits(image: &kaustik::film::Image) -> Vec<u32> {
 fn threads_do_not_show() {
     let scene = scene("glass-cube?light=0.8", 24);
     let together = Method::ALL.map(|method| settings(method, 24, 1));
-    let apart = [Method::Pssmlt, Method::Mmlt, Method::Relt].map(|method| {
+    let apart = [Method::Pssmlt, Method::Mmlt, Method::Relt, Method::Mlt].map(|method| {
         let mut settings = settings(method, 24, 1);
         settings.options.direct = Direct::Apart;
         settings

@@ -33,7 +33,7 @@ fn chi_square(found: &[[f64; 2]], factor: f64) -> f64 {
 
 #[test]
 fn seeds_differ_by_the_error_that_they_state() {
-    for method in [Method::Pssmlt, Method::Mmlt] {
+    for method in [Method::Pssmlt, Method::Mmlt, Method::Mlt] {
         for direct in [Direct::Lamps, Direct::Together, Direct::Apart] {
             let mut settings = settings(method, 16, 400);
             settings.options.direct = direct;
@@ -63,18 +63,21 @@ fn errors_of_replicas_and_populations_are_right() {
     }
 }
 
-/// The scale goes on improving: with sixteen times the steps its error is a fraction of what it was.
+/// The scale goes on improving: with sixteen times the samples its error is a fraction of what it was.
 #[test]
 fn the_scale_goes_on_improving() {
-    let error = |spp| {
-        let mut settings = settings(Method::Mmlt, 16, spp);
-        settings.options.pilot = 2_000;
+    let error = |method, spp, pilot| {
+        let mut settings = settings(method, 16, spp);
+        settings.options.pilot = pilot;
         let found = normalisations(&settings);
         found.iter().map(|[_, error]| error).sum::<f64>() / SEEDS as f64
     };
-    let (short, long) = (error(50), error(800));
-    let ratio = long / short;
-    assert!((0.2..0.35).contains(&ratio), "{short} to {long}: {ratio}");
+    // `mlt` takes one sample for 64 mutations.
+    for (method, spp, pilot) in [(Method::Mmlt, 50, 2_000), (Method::Mlt, 250, 200)] {
+        let (short, long) = (error(method, spp, pilot), error(method, 16 * spp, pilot));
+        let ratio = long / short;
+        assert!((0.2..0.35).contains(&ratio), "{method}: {short} to {long}");
+    }
 }
 
 /// Ways to come by the scale, and by what is seen directly, that all have one picture.

@@ -49,7 +49,7 @@ fn the_sum_of_the_parts_is_the_whole() {
     let scene = scene("cornell", SIDE);
     let path = tiles_of_seeds(&scene, &settings(Method::Path, SIDE, 256), SEEDS);
     type Change = fn(&mut kaustik::Options);
-    let variants: [(Method, &str, Change); 8] = [
+    let variants: [(Method, &str, Change); 9] = [
         (Method::Pssmlt, "unidirectional", |_| {}),
         (Method::Pssmlt, "endpoint", |o| {
             o.builder = Builder::Endpoint;
@@ -62,6 +62,7 @@ fn the_sum_of_the_parts_is_the_whole() {
         (Method::Mmlt, "even", |o| o.strategies = Strategies::Even),
         (Method::Relt, "standard", |_| {}),
         (Method::ErptPss, "unidirectional", |_| {}),
+        (Method::Mlt, "standard", |_| {}),
     ];
     for (method, name, change) in variants {
         let mut settings = apart(method, 256);
@@ -81,7 +82,14 @@ fn the_direct_part_is_path_up_to_two_edges() {
         ..settings(Method::Path, SIDE, 256)
     };
     let path = tiles_of_seeds(&scene, &short, SEEDS);
-    for method in [Method::Pssmlt, Method::Mmlt, Method::Relt, Method::ErptPss] {
+    let methods = [
+        Method::Pssmlt,
+        Method::Mmlt,
+        Method::Relt,
+        Method::ErptPss,
+        Method::Mlt,
+    ];
+    for method in methods {
         let settings = apart(method, 512);
         let layers = SEEDS.map(|seed| direct_layer(&rendered(&scene, &settings, seed).image));
         assert_agree(method.name(), &path, &tiles_of(layers), 0.05);
@@ -100,7 +108,7 @@ fn the_direct_part_is_path_up_to_two_edges() {
 fn its_share_of_the_steps_is_told() {
     let scene = scene("cornell", SIDE);
     let pixels = u64::from(SIDE * SIDE);
-    for method in [Method::Pssmlt, Method::Mmlt, Method::Relt] {
+    for method in [Method::Pssmlt, Method::Mmlt, Method::Relt, Method::Mlt] {
         for (budget, passes, steps) in [
             (Budget::PerPixel(1), 1, 2 * pixels),
             (Budget::PerPixel(32), 4, 32 * pixels),

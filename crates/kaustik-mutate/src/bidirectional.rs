@@ -1,10 +1,13 @@
 //! Bidirectional mutation (Veach 1997, 11.4.2; spec: path-space-mlt.md 2).
 
+use std::ops::RangeInclusive;
+
 use kaustik_geometry::Ray;
 use kaustik_mcmc::{Draws, Kernel, Move};
 use kaustik_scene::EmitterPoint;
 use kaustik_spectrum::Wavelengths;
 
+use crate::factor::{Factor, factor};
 use crate::lens::ratio;
 use crate::vertex::Place;
 use crate::{Path, PathSpace};
@@ -24,32 +27,36 @@ const MOST_CHANGE: usize = 12;
 /// Weight of making the whole path anew, beside the 1 or so of all other deletions of one length.
 const WHOLE: f64 = 0.25;
 
-/// `p_d1` of (3).
-fn deletion_weight(edges: usize) -> f64 {
-    match edges {
-        1 => 0.25,
-        2 => 0.5,
-        n if n <= MOST_DELETED => power_of_half(n),
-        _ => 0.0,
+/// `p_d1` of (3), by the number of edges.
+const DELETION: [f64; MOST_DELETED + 1] = {
+    let mut weights = [0.0; MOST_DELETED + 1];
+    (weights[1], weights[2]) = (0.25, 0.5);
+    let mut n = 3;
+    while n <= MOST_DELETED {
+        weights[n] = 1.0 / (1u64 << n) as f64;
+        n += 1;
     }
-}
+    weights
+};
 
-/// `p_a1` of (4) for a part that grows or shrinks by so many edges.
-fn change_weight(change: usize) -> f64 {
-    match change {
-        0 => 0.5,
-        1 => 0.15,
-        n if n <= MOST_CHANGE => 0.2 * power_of_half(n),
-        _ => 0.0,
+/// `p_a1` of (4), by how many edges a part grows or shrinks.
+const CHANGE: [f64; MOST_CHANGE + 1] = {
+    let mut weights = [0.0; MOST_CHANGE + 1];
+    (weights[0], weights[1]) = (0.5, 0.15);
+    let mut n = 2;
+    while n <= MOST_CHANGE {
+        weights[n] = 0.2 / (1u64 << n) as f64;
+        n += 1;
     }
-}
-
-fn power_of_half(n: usize) -> f64 {
-    1.0 / (1u64 << n) as f64
-}
+    weights
+};
 
 /// What is deleted: vertices `first..end`; those before and behind are kept. `end - first + 1` edges go,
 /// virtual ones beyond the ends of the path included.
+///
+/// A vertex remains what it was: the emitter is not kept as a place that scatters, nor the other way round. Of
+/// surfaces that do both, a point taken from the list of emitters need not know all that a walk learns, and
+/// for all others such a path carries no light.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Cut {
     first: usize,
@@ -75,7 +82,12 @@ impl Cut {
         } else {
             0.0
         };
-        whole + deletion_weight(self.edges())
+        whole + DELETION.get(self.edges()).copied().unwrap_or(0.0)
+    }
+
+    /// The fewest edges that may stand in its place: an emitter at least, if that went.
+    fn least(self) -> usize {
+        if self.first == 0 { 2 } else { 1 }
     }
 
     /// Are both ends kept vertices that can be joined, or beyond the path?
@@ -90,7 +102,7 @@ fn cuts(path: &Path, aperture: bool) -> impl Iterator<Item = (Cut, f64)> {
     let top = Cut::whole(path, aperture).end;
     let firsts = 0..path.len();
     firsts
-        .flat_map(move |first| (first..=top).map(move |end| Cut { first, end }))
+        .flat_map(move |first| (first.max(1)..=top).map(move |end| Cut { first, end }))
         .filter(move |cut| cut.is_open(path))
         .map(move |cut| (cut, cut.weight(path, aperture)))
         .filter(|(_, weight)| *weight > 0.0)
@@ -105,16 +117,20 @@ struct Additions {
 }
 
 impl Additions {
-    /// To a path of so many edges that has lost so many, up to the longest path.
-    fn new(edges: usize, lost: usize, most: usize) -> Self {
-        let from = lost.saturating_sub(MOST_CHANGE).max(1);
+    /// To a path of so many edges that has lost `cut`, within the lengths that paths may have.
+    fn new(edges: usize, cut: Cut, lengths: &RangeInclusive<usize>) -> Self {
+        let lost = cut.edges();
+        let from = lost.saturating_sub(MOST_CHANGE).max(cut.least());
         let mut weights = [0.0; MOST_DELETED + MOST_CHANGE + 1];
-        for (i, weight) in weights.iter_mut().enumerate() {
-            let added = from + i;
-            let length = edges + added;
-            let idle = lost == 1 && added == 1;
-            if !idle && length > lost && length - lost <= most {
-                *weight = change_weight(added.abs_diff(lost));
+        // Edges to add so that the path has lengths.start() edges at least and lengths.end() at most.
+        let least = (lengths.start() + lost).saturating_sub(edges).max(from);
+        let most = (lengths.end() + lost)
+            .saturating_sub(edges)
+            .min(lost + MOST_CHANGE);
+        for added in least..=most {
+            // One edge for one changes nothing.
+            if (lost, added) != (1, 1) {
+                weights[added - from] = CHANGE[added.abs_diff(lost)];
             }
         }
         let sum = weights.iter().sum();
@@ -140,9 +156,9 @@ impl BidirectionalMutation<'_> {
         }
         let space = self.space;
         let aperture = space.has_aperture();
-        let cut = choose(x, aperture, draws)?;
-        let most = space.settings.max_edges as usize;
-        let additions = Additions::new(x.edges(), cut.edges(), most);
+        let sum = cuts_sum(x, aperture);
+        let cut = choose(x, aperture, sum, draws)?;
+        let additions = Additions::new(x.edges(), cut, &space.lengths());
         let added = additions.from + draws.index(&additions.weights);
         if additions.probability(added) <= 0.0 {
             return None;
@@ -157,28 +173,32 @@ impl BidirectionalMutation<'_> {
             y.wavelength = draws.uniform();
             y.wavelengths = Wavelengths::sample(y.wavelength, space.settings.wavelengths);
         }
-        if !(convert(space, y, new) && space.generate(y, new.first..new.end, by_light, draws)) {
-            return None;
-        }
-        if !new.is_open(y) {
+        if !space.generate(y, new.first..new.end, by_light, draws) || !new.is_open(y) {
             return None;
         }
         keep_rest(x, y, cut, new);
         if !space.evaluate(y) {
             return None;
         }
-        Some(self.density(y, new, x, cut) / self.density(x, cut, y, new))
+        let there = self.density((x, cut, sum), &additions, (y, new));
+        let additions = Additions::new(y.edges(), new, &space.lengths());
+        let back = self.density((y, new, cuts_sum(y, aperture)), &additions, (x, cut));
+        Some(back / there)
     }
 
-    /// T(x -> y): (5).
-    fn density(&self, x: &Path, cut: Cut, y: &Path, new: Cut) -> f64 {
-        let aperture = self.space.has_aperture();
-        let sum: f64 = cuts(x, aperture).map(|(_, weight)| weight).sum();
-        let most = self.space.settings.max_edges as usize;
-        let additions = Additions::new(x.edges(), cut.edges(), most);
-        let (cut_pdf, added) = (cut.weight(x, aperture) / sum, new.edges());
-        let each = additions.probability(added) / added as f64;
-        cut_pdf * each * self.space.all_ways(y, new.first, new.end)
+    /// T(x -> y): (5). `sum` is that of the weights of all cuts of x.
+    fn density(
+        &self,
+        (x, cut, sum): (&Path, Cut, f64),
+        additions: &Additions,
+        (y, new): (&Path, Cut),
+    ) -> f64 {
+        let weight = factor(Factor::CutWeight, cut.weight(x, self.space.has_aperture()));
+        let added = new.edges();
+        let each = factor(Factor::Addition, additions.probability(added))
+            / factor(Factor::Splits, added as f64);
+        let ways = self.space.all_ways(y, new.first, new.end);
+        weight / factor(Factor::CutsOfPath, sum) * each * ways
     }
 
     /// Copies the vertices next to the cut.
@@ -205,9 +225,13 @@ fn keep_rest(x: &Path, y: &mut Path, cut: Cut, new: Cut) {
     }
 }
 
-/// Chooses a cut.
-fn choose<D: Draws + ?Sized>(path: &Path, aperture: bool, draws: &mut D) -> Option<Cut> {
-    let sum: f64 = cuts(path, aperture).map(|(_, weight)| weight).sum();
+/// The sum of the weights of all cuts.
+fn cuts_sum(path: &Path, aperture: bool) -> f64 {
+    cuts(path, aperture).map(|(_, weight)| weight).sum()
+}
+
+/// Chooses a cut; `sum` is that of the weights of all.
+fn choose<D: Draws + ?Sized>(path: &Path, aperture: bool, sum: f64, draws: &mut D) -> Option<Cut> {
     let mut rest = draws.uniform() * sum;
     let mut last = None;
     for (cut, weight) in cuts(path, aperture) {
@@ -218,33 +242,6 @@ fn choose<D: Draws + ?Sized>(path: &Path, aperture: bool, draws: &mut D) -> Opti
         rest -= weight;
     }
     last
-}
-
-/// The kept vertex nearer the eye may become the first of the path, or cease to be it. `false` where it
-/// cannot.
-fn convert(space: &PathSpace<'_>, y: &mut Path, new: Cut) -> bool {
-    if new.end + 1 >= y.len() {
-        return new.end > 0;
-    }
-    let wavelengths = y.wavelengths;
-    let vertex = y.at_mut(new.end);
-    match (vertex.place, new.end) {
-        (Place::Surface, 0) => {
-            vertex.place = Place::Emitter(EmitterPoint::Surface);
-            vertex.dispersive = false;
-            space.scene.is_emitter(&vertex.vertex)
-        }
-        (Place::Emitter(EmitterPoint::Surface), 1..) => {
-            vertex.interior = space.beyond(vertex, vertex.toward_eye);
-            vertex.back = vertex.toward_eye;
-            vertex.place = Place::Surface;
-            vertex.ng = vertex.vertex.local_normal();
-            vertex.bsdf = (space.scene).bsdf(&vertex.vertex, &wavelengths, &vertex.interior);
-            true
-        }
-        (Place::Emitter(_), 1..) => false,
-        _ => true,
-    }
 }
 
 impl PathSpace<'_> {
@@ -355,27 +352,26 @@ impl Kernel<()> for BidirectionalMutation<'_> {
 }
 
 #[cfg(test)]
-pub(crate) mod tests {
+mod tests {
     use super::*;
-
-    /// What the probability of a cut is divided by.
-    pub(crate) fn cuts_sum(space: &PathSpace<'_>, path: &Path) -> f64 {
-        cuts(path, space.has_aperture())
-            .map(|(_, weight)| weight)
-            .sum()
-    }
 
     #[test]
     fn lengths_stay_within_bounds() {
-        for edges in 1..9 {
-            for lost in 1..=edges + 2 {
-                let additions = Additions::new(edges, lost, 8);
+        let lengths = 2..=8;
+        for edges in lengths.clone() {
+            for (first, end) in
+                (0..=edges).flat_map(|a| (a.max(1)..=edges + 1).map(move |b| (a, b)))
+            {
+                let cut = Cut { first, end };
+                let lost = cut.edges();
+                let additions = Additions::new(edges, cut, &lengths);
                 let sum: f64 = (1..40).map(|added| additions.probability(added)).sum();
                 let all = if (edges, lost) == (8, 1) { 0.0 } else { 1.0 };
-                assert!((sum - all).abs() < 1e-12, "{edges} {lost}: {sum}");
+                assert!((sum - all).abs() < 1e-12, "{edges} {cut:?}: {sum}");
                 for added in (1..40).filter(|&added| additions.probability(added) > 0.0) {
                     let after = edges + added - lost;
-                    assert!((1..=8).contains(&after) && (lost, added) != (1, 1));
+                    assert!(lengths.contains(&after) && (lost, added) != (1, 1));
+                    assert!(first > 0 || added > 1);
                 }
             }
         }

@@ -7,6 +7,7 @@ use kaustik_mcmc::{Draws, Kernel, Move};
 use kaustik_scene::EmitterPoint;
 
 use crate::density::{bending, geometry_to_eye};
+use crate::factor::{Factor, factor};
 use crate::lens::ratio;
 use crate::vertex::Place;
 use crate::{Path, PathSpace, Radii};
@@ -15,6 +16,11 @@ use crate::{Path, PathSpace, Radii};
 /// string of scatterings toward the eye, and joins the end to the lens: `(L or D) S* D E`.
 ///
 /// The size of the jitter is that of pixels where the path is seen, so that it is not symmetric.
+///
+/// Of Cline's rules two are at work, as opposed to Batty's report, which names the fifth alone: rule 2 at the vertex
+/// where the direction moves, whose cosine (at an emitter too) stays when the density per solid angle has
+/// taken the rest, and rule 5 at the vertex that the lens is joined to. Rule 3 is not: the link to the
+/// light is kept and nothing is joined there (spec: erpt.md 4.2 (7)).
 #[derive(Clone, Copy, Debug)]
 pub struct CausticPerturbation<'a> {
     /// Where the paths run.
@@ -85,14 +91,17 @@ impl CausticPerturbation<'_> {
         if !(y.at(n - 2).bsdf.is_connectable() && space.join(y, n - 2)) {
             return None;
         }
-        if !self.sizes(y, pivot).holds(size) {
+        // Both ends of the range go alike, so that its logarithm's length does not change.
+        let back = f64::from(u8::from(self.sizes(y, pivot).holds(size)));
+        let back = factor(Factor::Range, back);
+        if back == 0.0 {
             return None;
         }
         y.copy(0, x, 0..pivot);
         if !space.evaluate(y) {
             return None;
         }
-        Some(density(x, pivot) / density(y, pivot))
+        Some(back * density(x, pivot) / density(y, pivot))
     }
 
     /// The first ray of parallel light, moved sideways.

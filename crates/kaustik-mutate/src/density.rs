@@ -3,6 +3,7 @@
 use kaustik_bsdf::{Lobe, Mode, shading};
 use kaustik_scene::{EmissionPdf, EmitterPoint};
 
+use crate::factor::{Factor, factor};
 use crate::vertex::{PathVertex, Place};
 use crate::{Path, PathSpace};
 
@@ -13,10 +14,13 @@ pub(crate) fn geometry_to_eye(path: &Path, i: usize) -> f64 {
     let (from, to) = (path.at(i - 1), path.at(i));
     let measure = match (from.specular, to.specular) {
         (true, _) => 1.0,
-        (false, true) => 1.0 / from.cos_eye,
-        (false, false) => to.cos_light / from.edge.squared,
+        (false, true) => 1.0 / factor(Factor::CosBeforeRunToEye, from.cos_eye),
+        (false, false) => {
+            factor(Factor::CosToEye, to.cos_light)
+                / factor(Factor::DistanceToEye, from.edge.squared)
+        }
     };
-    measure * from.edge.passed * to.opacity
+    measure * factor(Factor::PassedToEye, from.edge.passed * to.opacity)
 }
 
 /// What of a step against the light is geometry: vertex `i` from vertex `i + 1`.
@@ -25,10 +29,13 @@ pub(crate) fn geometry_to_light(path: &Path, i: usize) -> f64 {
     let (to, from) = (path.at(i), path.at(i + 1));
     let measure = match (from.specular, to.specular) {
         (true, _) => 1.0,
-        (false, true) => 1.0 / from.cos_light,
-        (false, false) => to.cos_eye / to.edge.squared,
+        (false, true) => 1.0 / factor(Factor::CosBeforeRunToLight, from.cos_light),
+        (false, false) => {
+            factor(Factor::CosToLight, to.cos_eye)
+                / factor(Factor::DistanceToLight, to.edge.squared)
+        }
     };
-    measure * to.edge.passed * to.opacity
+    measure * factor(Factor::PassedToLight, to.edge.passed * to.opacity)
 }
 
 /// `s / S`: what a walk with the light has in its density at a Dirac scattering, beside the probability.
@@ -36,6 +43,7 @@ pub(crate) fn geometry_to_light(path: &Path, i: usize) -> f64 {
 pub(crate) fn bending(vertex: &PathVertex) -> f64 {
     let PathVertex { wi, wo, ng, .. } = *vertex;
     let particles = shading::walk_factor(wi, wo, ng, Mode::Importance);
+    let particles = factor(Factor::ShadingNormal, particles);
     if !vertex.transmitted {
         return 1.0 / particles;
     }
@@ -43,14 +51,17 @@ pub(crate) fn bending(vertex: &PathVertex) -> f64 {
         let delta = vertex.bsdf.delta(wo, true, mode);
         delta.map_or(0.0, |delta| f64::from(delta.share.max()))
     };
-    share(Mode::Radiance) / share(Mode::Importance) / particles
+    factor(
+        Factor::Index,
+        share(Mode::Radiance) / share(Mode::Importance),
+    ) / particles
 }
 
 impl PathSpace<'_> {
     /// Density of the lens point, 1 where it is Dirac.
     #[inline]
     pub(crate) fn start_at_lens(&self) -> f64 {
-        self.scene.camera().pdf_lens()
+        factor(Factor::LensPdf, self.scene.camera().pdf_lens())
     }
 
     /// Densities with which emission sampling makes vertex 0 and leaves it.
@@ -77,12 +88,14 @@ impl PathSpace<'_> {
         }
         let from = path.at(i - 1);
         let direction = if i == 1 {
-            self.emission(path).direction
+            factor(Factor::Emission, self.emission(path).direction)
         } else if from.specular {
             let delta = from.bsdf.delta(from.wi, from.transmitted, Mode::Importance);
-            delta.map_or(0.0, |delta| delta.probability) * bending(from)
+            let probability = delta.map_or(0.0, |delta| delta.probability);
+            factor(Factor::DiracToEye, probability) * bending(from)
         } else {
-            from.bsdf.pdf(from.wi, from.wo, Mode::Importance)
+            let pdf = from.bsdf.pdf(from.wi, from.wo, Mode::Importance);
+            factor(Factor::DirectionToEye, pdf)
         };
         direction * geometry_to_eye(path, i)
     }
@@ -96,12 +109,15 @@ impl PathSpace<'_> {
         let from = path.at(i + 1);
         let direction = if from.place == Place::Lens {
             let lens = from.vertex.position;
-            self.raster_per_direction(lens, from.toward_light) * self.raster_pdf()
+            let raster = self.raster_per_direction(lens, from.toward_light);
+            factor(Factor::Raster, raster) * factor(Factor::RasterPdf, self.raster_pdf())
         } else if from.specular {
             let delta = from.bsdf.delta(from.wo, from.transmitted, Mode::Radiance);
-            delta.map_or(0.0, |delta| delta.probability)
+            let probability = delta.map_or(0.0, |delta| delta.probability);
+            factor(Factor::DiracToLight, probability)
         } else {
-            from.bsdf.pdf(from.wo, from.wi, Mode::Radiance)
+            let pdf = from.bsdf.pdf(from.wo, from.wi, Mode::Radiance);
+            factor(Factor::DirectionToLight, pdf)
         };
         direction * geometry_to_light(path, i)
     }
@@ -119,11 +135,11 @@ impl PathSpace<'_> {
             }
         };
         let by_light = |i: usize| match i {
-            0 => self.emission(path).position,
+            0 => factor(Factor::EmitterPoint, self.emission(path).position),
             _ => self.step_to_eye_pdf(path, i),
         };
         // Horner's scheme: sum_i (L_0 .. L_{i-1}) J_i (E_i .. E_{n-1}), from the light.
-        let mut light = 1.0;
+        let mut light = 1.0 - factor(Factor::OtherWays, 0.0);
         let mut sum = f64::from(u8::from(joins(path, first)));
         for i in first..end {
             light *= by_light(i);

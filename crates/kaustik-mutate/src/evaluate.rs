@@ -67,6 +67,9 @@ impl PathSpace<'_> {
     /// Sums up the path from its vertices and edges; `false` if it brings nothing. A density that is not a
     /// number is left for the chain to count.
     pub(crate) fn evaluate(&self, path: &mut Path) -> bool {
+        if path.edges() < self.settings.min_edges as usize {
+            return false;
+        }
         let mut scale = path.importance;
         let mut value = path.at(0).value;
         let mut dispersive = false;

@@ -6,6 +6,7 @@ use kaustik_geometry::Ray;
 use kaustik_mcmc::{Draws, Kernel, Move};
 
 use crate::density::geometry_to_light;
+use crate::factor::{Factor, factor};
 use crate::{Path, PathSpace, Radii};
 
 /// Which paths a perturbation from the lens moves.
@@ -120,10 +121,11 @@ impl LensPerturbation<'_> {
             if !y.at(last).bsdf.is_connectable() {
                 return None;
             }
-            y.copy(0, x, 0..last);
+            y.copy(last - 1, x, last - 1..last);
             if !space.join(y, last - 1) {
                 return None;
             }
+            y.copy(0, x, 0..last - 1);
         }
         if !space.evaluate(y) {
             return None;
@@ -132,10 +134,11 @@ impl LensPerturbation<'_> {
     }
 }
 
-/// Density of the traced part, but for the jitters, which are symmetric.
-fn density(space: &PathSpace<'_>, path: &Path, last: usize) -> f64 {
+/// Density of the part that is traced from the lens up to vertex `last`, but for the jitters, which are symmetric.
+pub(crate) fn density(space: &PathSpace<'_>, path: &Path, last: usize) -> f64 {
     let lens = path.at(path.edges());
     let start = space.raster_per_direction(lens.vertex.position, lens.toward_light);
+    let start = factor(Factor::Raster, start);
     (last..path.edges()).fold(start, |product, i| product * geometry_to_light(path, i))
 }
 

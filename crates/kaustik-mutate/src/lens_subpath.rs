@@ -59,8 +59,12 @@ impl LensMutation<'_> {
             return None;
         }
         y.shift(at, kept);
-        y.copy(0, x, 0..kept);
-        if !(space.join(y, kept - 1) && space.evaluate(y)) {
+        y.copy(kept - 1, x, kept - 1..kept);
+        if !space.join(y, kept - 1) {
+            return None;
+        }
+        y.copy(0, x, 0..kept - 1);
+        if !space.evaluate(y) {
             return None;
         }
         Some(self.density(x, kept) / self.density(y, kept))

@@ -20,11 +20,31 @@
 //!
 //! where `P` are the probabilities of the lobes, `s` is the squared ratio of the indices that radiance
 //! is multiplied by (8.1) and `S` the factor of shading normals for particles (8.2).
+//!
+//! # Another kernel
+//! A kernel copies what it keeps of the path, makes the rest by the steps of a walk ([`Path`] holds what each
+//! vertex needs), joins the two, evaluates, and returns the quotient of two densities: each is a product of
+//! *geometry* over the vertices that were made (density per area for a density 1 of the directions) and of the
+//! densities of what was drawn. Where a kernel keeps the string of scatterings, the choice among kernels and
+//! the media cancel by themselves.
+//!
+//! Manifold exploration (Jakob and Marschner 2012; spec: path-space-mlt.md 4) fits as follows. The direction at a
+//! vertex that is not Dirac is turned ([`Radii`] or a lobe about the old direction) and traced through its run to
+//! a new end, as [`CausticPerturbation`] does: rule 2, and the geometry of that part. From there a Newton walk
+//! finds the run to the next kept vertex; each of its tries is one trace of a run with given modes. What it makes
+//! is a run between two ends that are given, so its density is not that of a walk but 1 per area of the moved
+//! end: the product of geometry over the run is replaced by the generalised geometric term (spec (8)), for
+//! which the derivatives of the constraint are taken from the frames and indices of the run's vertices. f has the
+//! run's Jacobian `cos_b d(omega_b)/dA_a` set to 1 (above); a kernel that does not make the run by a walk must
+//! therefore put it into the quotient, for y and for x. A walk back from y that does not end in x makes the
+//! move impossible (ratio 0). What is missing for it: derivatives of position and normal at a vertex.
 
 mod bidirectional;
 mod caustic;
 mod density;
 mod evaluate;
+mod every;
+mod factor;
 mod jitter;
 mod join;
 mod lens;
@@ -40,6 +60,7 @@ mod wavelength;
 
 pub use bidirectional::BidirectionalMutation;
 pub use caustic::CausticPerturbation;
+pub use every::EveryPerturbation;
 pub use jitter::Radii;
 pub use lens::{LensPerturbation, Run};
 pub use lens_subpath::LensMutation;

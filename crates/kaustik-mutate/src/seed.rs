@@ -142,7 +142,7 @@ impl<'a> Seeds<'a> {
         draws: &mut D,
     ) {
         let (space, n) = (self.space, s + t);
-        if n < 2 || n > self.most() + 1 {
+        if !space.lengths().contains(&(n - 1)) {
             return;
         }
         let joined = &mut self.joined;

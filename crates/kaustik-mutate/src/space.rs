@@ -7,7 +7,7 @@ use kaustik_scene::Scene;
 pub struct PathSpace<'a> {
     /// Where the paths run.
     pub scene: &'a Scene,
-    /// Longest path, law of the wavelengths, window of the raster.
+    /// Shortest and longest path, law of the wavelengths, window of the raster.
     pub settings: BuilderSettings,
     /// The scalar of a path's colour that is its density.
     pub target: ScalarTarget,
@@ -16,6 +16,12 @@ pub struct PathSpace<'a> {
 }
 
 impl PathSpace<'_> {
+    /// How many edges paths may have.
+    #[inline]
+    pub(crate) fn lengths(&self) -> std::ops::RangeInclusive<usize> {
+        self.settings.min_edges as usize..=self.settings.max_edges as usize
+    }
+
     /// Density of a raster point: uniform over the window.
     #[inline]
     pub(crate) fn raster_pdf(&self) -> f64 {

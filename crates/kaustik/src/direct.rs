@@ -27,7 +27,7 @@ const SEED: u64 = 0xD1EC_7A9A_2750_CE11;
 pub(crate) fn is_apart(settings: &RenderSettings) -> bool {
     let chains = matches!(
         settings.method,
-        Method::Pssmlt | Method::Mmlt | Method::Relt | Method::ErptPss | Method::Erpt
+        Method::Pssmlt | Method::Mmlt | Method::Relt | Method::ErptPss | Method::Erpt | Method::Mlt
     );
     chains && settings.options.direct == Direct::Apart
 }
@@ -35,7 +35,9 @@ pub(crate) fn is_apart(settings: &RenderSettings) -> bool {
 /// Are emitters and surroundings seen directly rendered beside the chains, and nothing else?
 pub(crate) fn are_lamps(settings: &RenderSettings) -> bool {
     match settings.method {
-        Method::Pssmlt | Method::Mmlt | Method::Relt => settings.options.direct == Direct::Lamps,
+        Method::Pssmlt | Method::Mmlt | Method::Relt | Method::Mlt => {
+            settings.options.direct == Direct::Lamps
+        }
         method => method == Method::Annealing,
     }
 }

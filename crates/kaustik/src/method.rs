@@ -150,12 +150,14 @@ const SMALL_STEPS: &[Method] = &[Method::Pssmlt, Method::Mmlt, Method::ErptPss];
 const REDISTRIBUTION: &[Method] = &[Method::ErptPss, Method::Erpt];
 const ENERGY: &[Method] = &[Method::Erpt];
 const CHAINS: &[Method] = &[Method::Pssmlt, Method::Mmlt];
+const NORMALISED: &[Method] = &[Method::Pssmlt, Method::Mmlt, Method::Mlt];
 const DIRECT: &[Method] = &[
     Method::Pssmlt,
     Method::Mmlt,
     Method::Relt,
     Method::ErptPss,
     Method::Erpt,
+    Method::Mlt,
 ];
 const METROPOLIS: &[Method] = &[
     Method::Pssmlt,
@@ -292,9 +294,8 @@ pub const KEYS: &[Key] = &[
         name: "normaliser",
         default: "running",
         range: "running|initial",
-        meaning: "the scale of the image: from the pilot and all large steps; the same by Bennett's acceptance \
-                  ratio with the chains; from the pilot alone (exactly unbiased)",
-        methods: CHAINS,
+        meaning: "the scale of the image: from the pilot and all large steps (mlt: and samples between its mutations); from the pilot alone (exactly unbiased)",
+        methods: NORMALISED,
     },
     Key {
         name: "direct",
@@ -433,8 +434,9 @@ pub const KEYS: &[Key] = &[
     Key {
         name: "mutations",
         default: "bidirectional,lens,multichain,caustic,subpath,wavelengths",
-        range: "a list of bidirectional|lens|multichain|caustic|subpath|wavelengths",
-        meaning: "what may change a path; bidirectional alone reaches every path",
+        range: "a list of bidirectional|lens|multichain|caustic|subpath|wavelengths|every[:FRACTION]",
+        meaning: "what may change a path; bidirectional alone reaches every path. every moves all variables \
+                  of a path by up to FRACTION (0.2) of their domains, 0 < FRACTION <= 1",
         methods: VEACH,
     },
     Key {

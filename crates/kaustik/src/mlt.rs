@@ -2,7 +2,8 @@
 //!
 //! A pool of independent samples, each a pair of walks joined in every way, estimates b, the integral of the
 //! paths' density; each chain starts at a path chosen from the pool in proportion to its weight, so
-//! that b / M times the visits of M mutations are an unbiased picture from the first step on.
+//! that b / M times the visits of M mutations are an unbiased picture from the first step on. Between
+//! mutations further samples are made, so that b becomes better while the picture does.
 
 use std::sync::atomic::AtomicBool;
 
@@ -13,31 +14,36 @@ use kaustik_mcmc::{
     generator, sample_generator,
 };
 use kaustik_mutate::{
-    BidirectionalMutation, CausticPerturbation, LensMutation, LensPerturbation, Path, PathSpace,
-    Radii, Run, Seeds, WavelengthMutation,
+    BidirectionalMutation, CausticPerturbation, EveryPerturbation, LensMutation, LensPerturbation,
+    Path, PathSpace, Radii, Run, Seeds, WavelengthMutation,
 };
 use kaustik_scene::Scene;
 use rayon::prelude::*;
 
 use crate::control::is_stopped;
-use crate::engine::{Engine, STRIDE};
+use crate::engine::{Engine, Nonfinite, STRIDE, add_counters, add_nonfinite};
+use crate::lamps::Lamps;
 use crate::render::builder_settings;
 use crate::{
-    ChainStatistics, Jitter, MutationStatistics, Mutations, Options, Place, RenderError,
-    RenderSettings,
+    ChainStatistics, Jitter, MutationStatistics, Mutations, Normaliser, Options, Place,
+    RenderError, RenderSettings,
 };
 
 /// The pool's samples come from a ladder that no render has.
 const POOL_LADDER: u64 = u64::MAX;
 /// So does the choice of the starts.
 const CHOICE_LADDER: u64 = u64::MAX - 1;
+/// And so do the samples between mutations, from here on one ladder for each chain.
+const FRESH_LADDERS: u64 = u64::MAX - 65_536;
+/// A sample for so many mutations: it takes the time of a few.
+const EACH: u64 = 64;
 
 /// How many kinds of mutations there are.
 const KINDS: usize = Mutations::NAMES.len();
 
 /// How often each is made where it suits, in the order of their names: the two that trace no part that a
 /// perturbation keeps, and the one that traces nothing, need to come by only now and then.
-const SHARES: [f64; KINDS] = [1.0, 1.0, 1.0, 1.0, 0.25, 0.25];
+const SHARES: [f64; KINDS] = [1.0, 1.0, 1.0, 1.0, 0.25, 0.25, 1.0];
 
 /// Chains on a film.
 pub(crate) struct MltEngine<'a> {
@@ -45,6 +51,7 @@ pub(crate) struct MltEngine<'a> {
     options: Options,
     chains: Vec<Chain>,
     film: Film,
+    lamps: Option<Lamps<'a>>,
     pool: Mean,
     size: DVec2,
 }
@@ -52,7 +59,11 @@ pub(crate) struct MltEngine<'a> {
 /// One ladder.
 struct Chain {
     ladder: u32,
+    nonfinite: Nonfinite,
     draws: Pcg64Dxsm,
+    /// Makes the samples between mutations.
+    fresh: Pcg64Dxsm,
+    independent: Mean,
     metropolis: Metropolis<(), Path, 1>,
 }
 
@@ -77,6 +88,7 @@ impl<'a> MltEngine<'a> {
         Ok(Self {
             chains: start_chains(&space, &pool, settings),
             film: Film::with_layout(&settings.layout(), Quantum::from_mean(b / 3.0))?,
+            lamps: Lamps::new(scene, settings)?,
             pool: *pool.normaliser(),
             space,
             options,
@@ -99,6 +111,10 @@ impl<'a> MltEngine<'a> {
         let caustic = CausticPerturbation { space, radii };
         let (subpath, wavelengths) = (LensMutation { space }, WavelengthMutation { space });
         let made = self.options.mutations;
+        let every = EveryPerturbation {
+            space,
+            fraction: made.fraction,
+        };
         let suits = |path: &Path| {
             let suited = [
                 true,
@@ -107,6 +123,7 @@ impl<'a> MltEngine<'a> {
                 made.holds(3) && caustic.suits(path),
                 made.holds(4) && subpath.suits(path),
                 made.holds(5) && wavelengths.suits(path),
+                made.holds(Mutations::EVERY) && every.suits(path),
             ];
             std::array::from_fn(|i| {
                 if suited[i] && made.holds(i) {
@@ -123,18 +140,36 @@ impl<'a> MltEngine<'a> {
             caustic,
             subpath,
             wavelengths,
+            every,
         );
         let kernel = Mixture::<_, _, KINDS>::new(kernels, suits);
         let mut record = |visit: Visit<'_, Path, 1>| self.deposit(&visit);
+        let running = self.options.normaliser == Normaliser::Running;
+        let (mut seeds, mut path) = (Seeds::new(space), Path::default());
         for done in 0..steps {
             if done % STRIDE == 0 && is_stopped(stop) {
                 return;
+            }
+            let step = chain.metropolis.statistics().steps;
+            if running && step % EACH == 0 {
+                let weight = seeds.sample(&mut path, &mut chain.fresh);
+                chain.see(weight, step);
             }
             (chain.metropolis).step(&kernel, &density, &mut chain.draws, &mut record);
         }
     }
 
-    /// Adds `b` times the path's colour, whose scalar is 1, at its raster point.
+    /// The estimate of `b` that scales the image: independent samples all, and so its standard error is
+    /// theirs.
+    fn normaliser(&self) -> Mean {
+        let mut mean = self.pool;
+        for chain in &self.chains {
+            mean.merge(&chain.independent);
+        }
+        mean
+    }
+
+    /// Adds the pool's `b` times the path's colour, whose scalar is 1, at its raster point.
     fn deposit(&self, visit: &Visit<'_, Path, 1>) {
         let at = visit.value.raster() * self.size;
         let weight = visit.weight * self.pool.mean();
@@ -150,6 +185,17 @@ impl<'a> MltEngine<'a> {
             all.merge(chain.metropolis.statistics());
         }
         all
+    }
+}
+
+impl Chain {
+    /// Counts a sample made between mutations.
+    fn see(&mut self, weight: f64, step: u64) {
+        if weight.is_finite() {
+            self.independent.push(weight);
+        } else {
+            self.nonfinite.count(1, step);
+        }
     }
 }
 
@@ -185,7 +231,10 @@ fn start_chains(space: &PathSpace<'_>, pool: &Pool, settings: &RenderSettings) -
         seeds.sample(&mut path, &mut draws);
         chains.push(Chain {
             ladder,
+            nonfinite: Nonfinite::default(),
             draws: generator(settings.seed, u64::from(ladder)),
+            fresh: generator(settings.seed, FRESH_LADDERS + u64::from(ladder)),
+            independent: Mean::new(),
             metropolis: Metropolis::at((), path, &density, 0),
         });
     }
@@ -202,7 +251,11 @@ impl Engine for MltEngine<'_> {
             .with_max_len(1)
             .for_each(|(chain, &steps)| self.drive(chain, steps, stop));
         self.chains = chains;
-        self.statistics().steps - before
+        let steps = self.statistics().steps;
+        if let Some(lamps) = &mut self.lamps {
+            lamps.keep_up(steps);
+        }
+        steps - before
     }
 
     fn develop(&mut self) -> Result<Image, RenderError> {
@@ -214,17 +267,27 @@ impl Engine for MltEngine<'_> {
         self.chains = chains;
         let steps = self.statistics().steps.max(1);
         let per_step = self.size.element_product() / steps as f64;
-        Ok(develop(&[(&self.film, per_step)])?)
+        let mut films = Vec::new();
+        if self.pool.mean() > 0.0 {
+            let scale = self.normaliser().mean() / self.pool.mean();
+            films.push((&self.film, scale * per_step));
+        }
+        films.extend(self.lamps.iter().map(Lamps::part));
+        Ok(develop(&films)?)
     }
 
     fn chain_statistics(&self) -> Option<ChainStatistics> {
         let statistics = self.statistics();
-        let (b, error) = (self.pool.mean(), self.pool.standard_error());
+        let b = self.normaliser();
         Some(ChainStatistics {
             // What keeps most of a path, and what may make all of it anew.
-            small_acceptance: rate(&statistics, &[1, 2, 3]),
+            small_acceptance: rate(&statistics, &[1, 2, 3, Mutations::EVERY]),
             large_acceptance: rate(&statistics, &[0]),
-            ..ChainStatistics::new(&statistics, [b, error], b)
+            ..ChainStatistics::new(
+                &statistics,
+                [b.mean(), b.standard_error()],
+                self.pool.mean(),
+            )
         })
     }
 
@@ -246,15 +309,20 @@ impl Engine for MltEngine<'_> {
             let ladder = chain.ladder;
             Some(Place { ladder, step })
         });
-        (self.statistics().defects, places.next())
+        let proposed = (self.statistics().defects, places.next());
+        let chains = self.chains.iter();
+        let fresh = Nonfinite::all(chains.map(|chain| (chain.ladder, chain.nonfinite)));
+        let own = add_nonfinite(proposed, Some(fresh));
+        add_nonfinite(own, self.lamps.as_ref().map(Lamps::nonfinite))
     }
 
     fn film_counters(&self) -> Counters {
-        self.film.counters()
+        let lamps = self.lamps.as_ref().map(Lamps::film_counters);
+        add_counters(self.film.counters(), lamps.unwrap_or_default())
     }
 
     fn is_lit(&self) -> bool {
-        self.pool.mean() > 0.0
+        self.pool.mean() > 0.0 || self.lamps.as_ref().is_some_and(Lamps::is_lit)
     }
 }
 

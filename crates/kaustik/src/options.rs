@@ -91,7 +91,7 @@ impl Default for Options {
             perturbations: Mutations::PERTURBATIONS,
             deposit: Colours::default(),
             caustic: Caustics::default(),
-            mutations: Mutations::ALL,
+            mutations: Mutations::STANDARD,
             jitter: Jitter::default(),
             angles: [1e-4, 0.1],
         }

@@ -3,33 +3,25 @@
 use glam::DVec2;
 use kaustik_mcmc::{Draws, Mean, generator};
 use kaustik_path::{Contributions, PathBuilder, ScalarTarget, Unidirectional};
-use kaustik_pss::{Coordinates, Stream};
 use kaustik_scene::Scene;
 
-use super::space;
 use super::stage::scene;
+use super::{Fresh, space};
 use crate::{Path, Seeds, Tracer};
-
-/// Every coordinate from a generator; a builder asks for each once.
-struct Fresh<'a, D>(&'a mut D);
-
-impl<D: Draws> Coordinates for Fresh<'_, D> {
-    fn get(&mut self, _: Stream, _: u32) -> f64 {
-        self.0.uniform()
-    }
-}
 
 fn traced(scene: &Scene, edges: u32, samples: u64) -> Mean {
     let builder = Unidirectional {
         settings: space(scene, edges).settings,
         next_event: true,
     };
+    let area = builder.settings.window_area();
     let mut out = Contributions::default();
     let mut rng = generator(7, 1);
     (0..samples)
         .map(|_| {
             builder.build(scene, &mut Fresh(&mut rng), &mut out);
-            out.by_class(ScalarTarget::Xyz).iter().sum()
+            // a mean over the window; what paths bring is an integral over the raster
+            area * out.by_class(ScalarTarget::Xyz).iter().sum::<f64>()
         })
         .collect()
 }
@@ -51,7 +43,8 @@ fn kept(scene: &Scene, edges: u32, samples: u64, next_event: bool) -> Mean {
     let mut rng = generator(7, 3);
     (0..samples)
         .map(|_| {
-            let raster = DVec2::new(rng.uniform(), rng.uniform());
+            let (low, high) = (space.settings.window_min, space.settings.window_max);
+            let raster = low + (high - low) * DVec2::new(rng.uniform(), rng.uniform());
             let start = (raster, rng.uniform());
             let mut sum = 0.0;
             tracer.sample(&space, start, next_event, &mut rng, &mut |path, weight| {

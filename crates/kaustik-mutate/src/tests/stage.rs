@@ -46,6 +46,15 @@ impl Stage {
         self
     }
 
+    /// Sees more than a right angle.
+    pub(crate) fn wide(mut self) -> Self {
+        self.description.cameras[0].projection = Projection::Perspective {
+            yfov: 2.0,
+            aspect_ratio: None,
+        };
+        self
+    }
+
     pub(crate) fn orthographic(mut self) -> Self {
         self.description.cameras[0].projection = Projection::Orthographic {
             xmag: 1.5,
@@ -201,6 +210,17 @@ pub(crate) fn cuboid(min: Vec3, max: Vec3) -> Mesh {
     mesh
 }
 
+/// With shading normals that lean away from those of the faces, the same over each face.
+fn leaning(mesh: Mesh) -> Mesh {
+    let corners = &mesh.positions;
+    let normals = corners.chunks(4).flat_map(|c| {
+        let normal = (c[1] - c[0]).cross(c[2] - c[0]).normalize();
+        [(normal + 0.3 * normal.any_orthonormal_vector()).normalize(); 4]
+    });
+    let normals = normals.collect();
+    mesh.with_normals(normals).expect("a sound mesh")
+}
+
 /// A floor, a wall at the left and a wall behind.
 fn room() -> Stage {
     Stage::new()
@@ -221,20 +241,41 @@ fn lit() -> Stage {
     )
 }
 
+fn slope() -> Mesh {
+    let up = Vec3::new(0.0, 0.5, 0.7);
+    rectangle(Vec3::new(0.8, 0.4, -0.3), up, Vec3::X * 0.7)
+}
+
 fn plate(material: MaterialDescription) -> Stage {
-    let tilted = Vec3::new(0.0, 0.5, 0.7);
-    lit().add(
-        material,
-        rectangle(Vec3::new(0.8, 0.4, -0.3), tilted, Vec3::X * 0.7),
-    )
+    lit().add(material, slope())
+}
+
+fn slab() -> Mesh {
+    cuboid(Vec3::new(-0.4, 0.3, -0.6), Vec3::new(0.7, 0.8, 0.5))
 }
 
 /// A slab and a prism's worth of it: two faces that are not parallel come with the box's sides.
 fn block(material: MaterialDescription) -> Stage {
-    lit().add(
-        material,
-        cuboid(Vec3::new(-0.4, 0.3, -0.6), Vec3::new(0.7, 0.8, 0.5)),
-    )
+    lit().add(material, slab())
+}
+
+/// The camera and a small lamp within a solid, and another lamp above it.
+fn aquarium(mesh: fn(Mesh) -> Mesh) -> Stage {
+    let solid = MaterialDescription {
+        ior: 2.2,
+        ..glass(0.0, 0.0)
+    };
+    let small = |centre| rectangle(centre, Vec3::X * 0.2, Vec3::Z * 0.2);
+    room()
+        .add(
+            solid,
+            mesh(cuboid(
+                Vec3::new(-2.0, -0.5, -3.5),
+                Vec3::new(2.0, 3.4, 3.5),
+            )),
+        )
+        .add(lamp(4.0), small(Vec3::new(0.6, 1.5, -1.0)))
+        .add(lamp(60.0), small(Vec3::new(0.0, 3.8, -0.6)))
 }
 
 /// A scene by name.
@@ -257,6 +298,38 @@ pub(crate) fn scene(name: &str) -> Scene {
                 lamp(4.0),
                 rectangle(Vec3::new(-0.4, 1.4, -0.6), Vec3::Z * 1.2, Vec3::Y * 0.8),
             ),
+        // normals that lean
+        "leaning" => lit().add(metal(0.0), leaning(slope())),
+        "leaning-glossy" => lit().add(metal(0.4), leaning(slope())),
+        "leaning-glass" => lit().add(glass(0.0, 0.0), leaning(slab())),
+        // a lamp that scatters as well
+        "glow" => room().add(
+            MaterialDescription {
+                emissive: [4.0; 3],
+                ..metal(0.5)
+            },
+            leaning(rectangle(
+                Vec3::new(0.5, 1.4, -0.8),
+                Vec3::X * 0.6,
+                Vec3::Z * 0.6,
+            )),
+        ),
+        // a lamp and a wall, seen in a floor that is a mirror
+        "pond" => Stage::new()
+            .wide()
+            .add(
+                metal(0.0),
+                rectangle(Vec3::ZERO, Vec3::Z * 3.0, Vec3::X * 3.0),
+            )
+            .add(
+                diffuse([0.3, 0.7, 0.4]),
+                rectangle(Vec3::new(0.0, 3.0, -3.0), Vec3::X * 3.0, Vec3::Y * 3.0),
+            )
+            .add(
+                lamp(4.0),
+                rectangle(Vec3::new(-0.15, 1.5, -1.0), Vec3::X * 0.3, Vec3::Z * 0.3),
+            )
+            .light(LightKind::Point, Vec3::new(0.5, 3.0, -1.5), down),
         "glossy" => plate(metal(0.4)),
         "mirror" => plate(metal(0.0)),
         "varnish" => plate(varnish()),
@@ -275,6 +348,12 @@ pub(crate) fn scene(name: &str) -> Scene {
         "sky" => plate(metal(0.0)).sky(0.5),
         "lens" => plate(metal(0.0)).lens(0.3, 2.5),
         "orthographic" => plate(metal(0.0)).orthographic(),
+        "aquarium" => aquarium(std::convert::identity),
+        "leaning-aquarium" => aquarium(leaning),
+        "veil-mirror" => plate(metal(0.0)).add(
+            veil(0.5),
+            rectangle(Vec3::Y * 0.8, Vec3::Z * 0.9, Vec3::X * 0.8),
+        ),
         "veil" => lit().add(
             veil(0.5),
             rectangle(Vec3::Y * 0.8, Vec3::Z * 0.9, Vec3::X * 0.8),

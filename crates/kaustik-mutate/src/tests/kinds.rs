@@ -1,0 +1,184 @@
+//! The kernels under test, from starts that are independent paths.
+
+use kaustik_mcmc::testing::{Changes, PairedTest};
+use kaustik_mcmc::{Kernel, Pcg64Dxsm, acceptance, decide};
+use kaustik_scene::Scene;
+
+use super::space;
+use crate::factor::Factor;
+use crate::factor::planted::without;
+use crate::{
+    BidirectionalMutation, CausticPerturbation, EveryPerturbation, LensMutation, LensPerturbation,
+    Path, PathSpace, Radii, Run, Seeds, WavelengthMutation,
+};
+
+/// How many test functions there are.
+pub(super) const H: usize = 20;
+/// Longest path.
+pub(super) const EDGES: u32 = 5;
+
+/// What each part of a path shows.
+pub(super) fn functions(path: &Path) -> [f64; H] {
+    let n = path.edges();
+    let [x, y] = path.raster().to_array();
+    let (first, last) = (path.position(1.min(n)), path.position(n - 1));
+    let specular = (1..n).filter(|&i| path.is_specular(i)).count() as f64;
+    let is = |yes: bool| f64::from(u8::from(yes));
+    let [red, green, blue] = path.colour().0.map(f64::from);
+    [
+        x,
+        y,
+        x * x,
+        y * y,
+        x * y,
+        is(x < 0.3),
+        is(y < 0.3),
+        is(n == 2),
+        is(n == 3),
+        is(n == 4),
+        specular,
+        first[0],
+        first[1].min(5.0),
+        first[2],
+        last[0],
+        last[2],
+        path.wavelength(),
+        red + 0.5 * green,
+        blue,
+        first[0] * last[0],
+    ]
+}
+
+/// A kernel on paths in a space, and which paths it is started from.
+pub(super) type Kind = (&'static str, fn(&PathSpace<'_>, &Path) -> bool, Propose);
+pub(super) type Propose = fn(&PathSpace<'_>, &Path, &mut Path, &mut Pcg64Dxsm) -> f64;
+fn lens<'a>(space: &'a PathSpace<'a>, run: Run) -> LensPerturbation<'a> {
+    LensPerturbation {
+        space,
+        radii: Radii {
+            least: 0.2,
+            most: 8.0,
+        },
+        angles: Radii {
+            least: 0.05,
+            most: 1.0,
+        },
+        run,
+    }
+}
+
+fn caustic<'a>(space: &'a PathSpace<'a>) -> CausticPerturbation<'a> {
+    CausticPerturbation {
+        space,
+        radii: Radii {
+            least: 0.2,
+            most: 6.0,
+        },
+    }
+}
+
+fn every<'a>(space: &'a PathSpace<'a>) -> EveryPerturbation<'a> {
+    EveryPerturbation {
+        space,
+        fraction: 0.3,
+    }
+}
+
+pub(super) const LENS: Kind = (
+    "lens",
+    |space, x| lens(space, Run::Single).suits(x),
+    |space, x, y, rng| lens(space, Run::Single).propose(&mut (), x, y, rng).ratio,
+);
+pub(super) const MULTICHAIN: Kind = (
+    "multichain",
+    |space, x| lens(space, Run::Multiple).suits(x),
+    |space, x, y, rng| lens(space, Run::Multiple).propose(&mut (), x, y, rng).ratio,
+);
+pub(super) const CAUSTIC: Kind = (
+    "caustic",
+    |space, x| caustic(space).suits(x),
+    |space, x, y, rng| caustic(space).propose(&mut (), x, y, rng).ratio,
+);
+pub(super) const BIDIRECTIONAL: Kind = (
+    "bidirectional",
+    |_, _| true,
+    |space, x, y, rng| {
+        BidirectionalMutation { space }
+            .propose(&mut (), x, y, rng)
+            .ratio
+    },
+);
+pub(super) const SUBPATH: Kind = (
+    "lens mutation",
+    |space, x| LensMutation { space }.suits(x),
+    |space, x, y, rng| LensMutation { space }.propose(&mut (), x, y, rng).ratio,
+);
+pub(super) const WAVELENGTHS: Kind = (
+    "wavelengths",
+    |space, x| WavelengthMutation { space }.suits(x),
+    |space, x, y, rng| {
+        WavelengthMutation { space }
+            .propose(&mut (), x, y, rng)
+            .ratio
+    },
+);
+
+pub(super) const EVERY: Kind = (
+    "every",
+    |space, x| every(space).suits(x),
+    |space, x, y, rng| every(space).propose(&mut (), x, y, rng).ratio,
+);
+
+/// Starts from independent paths, steps, and hands `judge` the pieces.
+pub(super) fn with_pieces<R>(
+    scene: &Scene,
+    kind: Kind,
+    left_out: Option<Factor>,
+    judge: impl FnOnce(
+        &mut dyn FnMut(&mut Pcg64Dxsm) -> (Path, f64),
+        &mut dyn FnMut(&mut Path, &mut Pcg64Dxsm),
+    ) -> R,
+) -> R {
+    with_pieces_in(&space(scene, EDGES), kind, left_out, judge)
+}
+
+/// As [`with_pieces`], in a space of one's own.
+pub(super) fn with_pieces_in<R>(
+    space: &PathSpace<'_>,
+    kind: Kind,
+    left_out: Option<Factor>,
+    judge: impl FnOnce(
+        &mut dyn FnMut(&mut Pcg64Dxsm) -> (Path, f64),
+        &mut dyn FnMut(&mut Path, &mut Pcg64Dxsm),
+    ) -> R,
+) -> R {
+    let (_, suits, propose) = kind;
+    let mut seeds = Seeds::new(space);
+    let mut start = |rng: &mut Pcg64Dxsm| {
+        let mut path = Path::default();
+        let weight = seeds.sample(&mut path, rng);
+        let suited = weight > 0.0 && suits(space, &path);
+        (path, if suited { weight } else { 0.0 })
+    };
+    let mut next = Path::default();
+    let mut step = |path: &mut Path, rng: &mut Pcg64Dxsm| {
+        let ratio = without(left_out, || propose(space, path, &mut next, rng));
+        let accepted = acceptance(path.density(), next.density(), ratio);
+        if ratio > 0.0 && decide(accepted, rng) {
+            std::mem::swap(path, &mut next);
+        }
+    };
+    judge(&mut start, &mut step)
+}
+
+/// How the means change, with a factor left out of the kernel's densities or none.
+pub(super) fn changes(
+    scene: &Scene,
+    kind: Kind,
+    left_out: Option<Factor>,
+    test: &PairedTest,
+) -> Changes<H> {
+    with_pieces(scene, kind, left_out, |start, step| {
+        test.run(|rng| start(rng), |path, rng| step(path, rng), functions)
+    })
+}
