@@ -217,4 +217,6 @@ impl<const K: usize> Recorder<Contributions, K> for ReplicaDeposit<'_, K> {
 }
 
 #[cfg(test)]
+mod sides_tests;
+#[cfg(test)]
 mod tests;

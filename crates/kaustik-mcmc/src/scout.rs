@@ -98,10 +98,12 @@ impl<M: Mutation, V, const K: usize> Metropolis<Point<M>, V, K> {
 
 #[cfg(test)]
 mod tests {
+    use std::cell::Cell;
+
     use kaustik_pss::Stream;
 
     use super::*;
-    use crate::{Exponential, LevelKernel, Visit, generator, target};
+    use crate::{Exponential, Ignore, Ladder, LevelKernel, Visit, generator, target};
 
     const BINS: usize = 20;
 
@@ -171,6 +173,40 @@ mod tests {
             chi2 += ((mean.mean() - wanted) / mean.standard_error()).powi(2);
         }
         (chi2 / BINS as f64, found / sent)
+    }
+
+    /// A step evaluates once, an exchange nothing, a scout what it has found.
+    #[test]
+    fn nothing_is_evaluated_twice() {
+        let count = Cell::new(0_u64);
+        let place = target(|u: &mut dyn Coordinates| -> f64 {
+            count.set(count.get() + 1);
+            u.get(Stream::Camera, 0)
+        });
+        let family = |x: &f64| [1.0, density(*x), density(*x) * density(*x)];
+        let sizes = Exponential::new(1.0 / 256.0, 1.0 / 16.0);
+        let kernels = [1.0, 0.0, 0.0].map(|large| LevelKernel::new(&place, large, sizes));
+        let mut rng = generator(92, 0);
+        let mut ladder = Ladder::start(&place, &family, [sizes; 3], &mut rng);
+        let mut spare = Point::new(sizes);
+        let scouting = Scouting {
+            target: &&place,
+            region: &Islands,
+        };
+        let looks = Cell::new(0);
+        let mut wanted = 3;
+        for _ in 0..500 {
+            ladder.sweep(&kernels, &family, &mut rng, &mut Ignore);
+            ladder.step_at(2, &kernels[2], &family, &mut rng, &mut Ignore);
+            wanted += 4;
+            assert_eq!(count.get(), wanted);
+            let scouted = ladder.scout(2, &scouting, &mut spare, &family, &mut rng, &mut Ignore);
+            looks.set(looks.get() + u32::from(scouted == Scouted::Nothing));
+            let evaluated = count.get() - wanted;
+            assert!(evaluated <= 1 && (evaluated == 1 || scouted == Scouted::Nothing));
+            wanted = count.get();
+        }
+        assert!(looks.get() > 300 && ladder.statistics().swap(1, 2).accepted > 50);
     }
 
     #[test]
