@@ -79,6 +79,7 @@ struct AnnealingEngine<'a, const K: usize> {
     /// All rounds of this process belong to its first ladder.
     ladder: u32,
     particles: u64,
+    effective: Vec<[f64; 2]>,
     dropped: Option<String>,
     lit: bool,
     rounds: u64,
@@ -131,6 +132,7 @@ impl<'a, const K: usize> AnnealingEngine<'a, K> {
             seed: settings.seed,
             ladder: settings.ladder_range().start,
             particles: options.particles,
+            effective: started.effective,
             dropped: started.dropped,
             lit: started.mean > 0.0,
             rounds: 0,
@@ -332,6 +334,8 @@ impl<const K: usize> Engine for AnnealingEngine<'_, K> {
             share: level.share.mean(),
             share_error: known(level.share.standard_error()),
             scale: 1.0,
+            effective_at_once: self.effective[k][0],
+            effective_annealed: self.effective[k][1],
             acceptance: level.accepted as f64 / level.moves.max(1) as f64,
             step: mutation(&self.set, self.steps, k).sizes().1,
         };

@@ -79,6 +79,7 @@ struct ReltEngine<'a, const K: usize> {
     /// 1 over the steps of each replica in a sweep.
     each: [f64; K],
     particles: u64,
+    effective: Vec<[f64; 2]>,
     dropped: Option<String>,
     lit: bool,
 }
@@ -136,6 +137,7 @@ impl<'a, const K: usize> ReltEngine<'a, K> {
             rough,
             lit: started.mean > 0.0,
             particles: started.particles,
+            effective: started.effective.clone(),
             dropped: started.dropped.clone(),
             runs: runs(&family, &set, settings, started),
             films,
@@ -499,6 +501,8 @@ impl<const K: usize> Engine for ReltEngine<'_, K> {
                 share_error: known(shares.part(k).standard_error),
                 scale: scales[k],
                 acceptance: moves.rate(),
+                effective_at_once: self.effective[k][0],
+                effective_annealed: self.effective[k][1],
                 step: steps.sum::<f64>() / self.runs.len().max(1) as f64,
             }
         };

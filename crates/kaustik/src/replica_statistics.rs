@@ -54,6 +54,10 @@ pub struct ReplicaLevel {
     pub scale: f64,
     /// Mean acceptance of its steps.
     pub acceptance: f64,
+    /// Effective number of the annealing's first particles, if they were resampled for this replica at once.
+    pub effective_at_once: f64,
+    /// That of the annealed population at this replica, before it was resampled.
+    pub effective_annealed: f64,
     /// Largest small step, mean over the ladders.
     pub step: f64,
 }

@@ -113,6 +113,9 @@ pub(crate) struct Started {
     pub(crate) pool: Vec<([f64; ReplicaSet::MOST], [f64; 2])>,
     /// Implicit specular light of what scouts found, and how many were sent.
     pub(crate) scouted: (Vec<f64>, u64),
+    /// Effective numbers of particles by replica: of the first population weighed at once, and of the
+    /// annealed one before it is resampled at that level.
+    pub(crate) effective: Vec<[f64; 2]>,
     /// Mean of X + Y + Z over them.
     pub(crate) mean: f64,
     /// Particles of the last attempt.
@@ -228,6 +231,7 @@ impl<'a, const K: usize> Climb<'a, K> {
             rough: Vec::new(),
             pool,
             scouted: self.scouts.light(),
+            effective: vec![[self.particles as f64; 2]],
             mean: light / self.particles as f64,
             particles: self.particles,
             dropped: None,
@@ -249,9 +253,11 @@ impl<'a, const K: usize> Climb<'a, K> {
             let from = &mut populations[below];
             let mut population = if last { from.take() } else { from.clone() };
             let mut elsewhere = Estimate::exact(0.0);
+            let at_once = effective(started.pool.iter().map(|(densities, _)| densities[level]));
+            let mut annealed = 0.0;
             if let Some(climbing) = &mut population {
                 match climbing.advance(level, &kernels[level], &mut central) {
-                    Ok(stage) => elsewhere = stage.normaliser,
+                    Ok(stage) => (elsewhere, annealed) = (stage.normaliser, stage.effective),
                     Err(Extinct { .. }) => population = None,
                 }
             }
@@ -262,6 +268,7 @@ impl<'a, const K: usize> Climb<'a, K> {
             if elsewhere.value + there.value <= 0.0 {
                 return (started, Some(Extinct { level }), self.scouts.furthest);
             }
+            started.effective.push([at_once, annealed]);
             started.rough.push(Estimate {
                 value: elsewhere.value + there.value,
                 standard_error: elsewhere.standard_error.hypot(there.standard_error),
@@ -324,6 +331,16 @@ impl<'a, const K: usize> Climb<'a, K> {
             }
         }
         chosen
+    }
+}
+
+/// Effective number of weighted samples: the square of the sum over the sum of squares.
+fn effective(weights: impl Iterator<Item = f64>) -> f64 {
+    let (sum, squares) = weights.fold((0.0, 0.0), |(s, q), w| (s + w, q + w * w));
+    if squares > 0.0 {
+        sum * sum / squares
+    } else {
+        0.0
     }
 }
 
