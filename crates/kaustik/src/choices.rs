@@ -73,9 +73,11 @@ pub enum Direct {
 /// Sizes of small steps of `relt`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Steps {
-    /// Those that RELT 5.1.3 prints, but for the specific replica Kelemen's.
+    /// Those that RELT 5.1.3 prints, but Kelemen's for the specific replica and the one that it stands on.
     #[default]
     Fine,
+    /// Kelemen's for all.
+    Kelemen,
     /// Those that RELT 5.1.3 prints.
     Paper,
     /// Adapted by each ladder.

@@ -217,6 +217,7 @@ impl Options {
                 .map_or(String::new(), |(word, _)| (*word).to_owned()),
             "steps" => match self.steps {
                 Steps::Fine => "fine",
+                Steps::Kelemen => "kelemen",
                 Steps::Paper => "paper",
                 Steps::Adapted => "adapted",
             }
@@ -306,6 +307,7 @@ impl Options {
             "steps" => {
                 let words = [
                     ("fine", Steps::Fine),
+                    ("kelemen", Steps::Kelemen),
                     ("paper", Steps::Paper),
                     ("adapted", Steps::Adapted),
                 ];
