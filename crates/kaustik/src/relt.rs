@@ -1,5 +1,6 @@
 //! Replica exchange light transport (Kitaoka, Kitamura and Kishino 2009; spec: relt.md).
 
+mod run;
 pub(crate) mod scouts;
 pub(crate) mod start;
 
@@ -10,11 +11,10 @@ use kaustik_estimate::{
 };
 use kaustik_film::{Counters, Film, Image, Layer, Quantum, develop};
 use kaustik_mcmc::{
-    AcceptanceAdaptation, Estimate, Ladder, LadderStatistics, Mean, Pcg64Dxsm, Point,
-    RoughNormalisers, RunningNormalisers, Schedule, Scouted, Scouting, Statistics, SteppingStone,
-    SwapGraph, generator,
+    Estimate, LadderStatistics, Mean, RoughNormalisers, RunningNormalisers, Schedule, Statistics,
+    SteppingStone,
 };
-use kaustik_path::{Bidirectional, Contributions};
+use kaustik_path::Bidirectional;
 use kaustik_scene::Scene;
 use rayon::prelude::*;
 
@@ -25,10 +25,9 @@ use crate::{
     ChainStatistics, Normaliser, Options, Place, RenderError, RenderSettings, ReplicaLevel,
     ReplicaStatistics, Steps,
 };
+use run::{Run, below, pool, runs};
 use scouts::{SpecularLight, scouting};
-use start::{
-    Mutation, Started, State, for_so_many_replicas, kernels, mutation, replica_builder, start,
-};
+use start::{Started, for_so_many_replicas, kernels, replica_builder, start};
 
 /// Sweeps of a ladder between two changes of its step sizes. Rounds of 16 were seen to bias a chain by
 /// 20 %, rounds of 1,000 within its error (spec relt.md 4).
@@ -82,21 +81,6 @@ struct ReltEngine<'a, const K: usize> {
     effective: Vec<[f64; 2]>,
     dropped: Option<String>,
     lit: bool,
-}
-
-/// One ladder.
-struct Run<const K: usize> {
-    index: u32,
-    draws: Pcg64Dxsm,
-    ladder: Ladder<Point<Mutation>, Contributions, K>,
-    /// Where scouts go.
-    spare: Point<Mutation>,
-    found: u64,
-    followed: u64,
-    adaptations: [AcceptanceAdaptation<Mutation>; K],
-    sweeps: u64,
-    shares: Shares<K>,
-    nonfinite: Nonfinite,
 }
 
 impl<'a, const K: usize> ReltEngine<'a, K> {
@@ -308,101 +292,6 @@ impl<'a, const K: usize> ReltEngine<'a, K> {
         let scales = self.scales().map(|scale| scale * per_sweep);
         self.films.iter().zip(scales).collect()
     }
-}
-
-/// What independent samples and scouts say before any chain has moved.
-fn pool<const K: usize>(
-    weights: &ReplicaWeights<K>,
-    set: &ReplicaSet,
-    started: &Started,
-) -> Shares<K> {
-    let mut pool = Shares::on(below(set));
-    for (densities, light) in &started.pool {
-        pool.sample(weights.share(&std::array::from_fn(|k| densities[k]), *light));
-    }
-    if weights.shared() < K {
-        let (found, sent) = &started.scouted;
-        pool.scouts(K - 1, found, *sent);
-    }
-    pool
-}
-
-/// The replica that each of the first K stands on.
-fn below<const K: usize>(set: &ReplicaSet) -> [usize; K] {
-    std::array::from_fn(|k| set.below()[k])
-}
-
-impl<const K: usize> Run<K> {
-    /// Sends scouts for the specific replica.
-    fn scout(
-        &mut self,
-        count: u32,
-        (target, region): (&PathTarget<'_>, &SpecularLight<'_>),
-        family: &ReplicaFamily<K>,
-        deposit: &mut ReplicaDeposit<'_, K>,
-    ) {
-        let scouting = Scouting { target, region };
-        for _ in 0..count {
-            let Self {
-                ladder,
-                spare,
-                draws,
-                ..
-            } = self;
-            let light = match ladder.scout(K - 1, &scouting, spare, family, draws, deposit) {
-                Scouted::Nothing => 0.0,
-                Scouted::Found { measure, accepted } => {
-                    self.found += 1;
-                    self.followed += u64::from(accepted);
-                    measure
-                }
-            };
-            deposit.shares.scout(K - 1, light);
-        }
-    }
-
-    /// Ends a round: new step sizes for all replicas but the uniform one.
-    fn adapt(&mut self) {
-        for (level, adaptation) in self.adaptations.iter_mut().enumerate().skip(1) {
-            let small = *self.ladder.replicas()[level].statistics().small();
-            let mutation = adaptation.end_round(&small);
-            // pays what sleeping coordinates owe to the old sizes
-            self.ladder.set_mutation(level, mutation, &mut self.draws);
-        }
-    }
-}
-
-/// The ladders of this process.
-fn runs<const K: usize>(
-    family: &ReplicaFamily<K>,
-    set: &ReplicaSet,
-    settings: &RenderSettings,
-    started: Started,
-) -> Vec<Run<K>> {
-    let graph = SwapGraph::new(&set.pairs(K)).expect("pairs of different replicas, each once");
-    let mut levels: Vec<_> = started.starts.into_iter().map(Vec::into_iter).collect();
-    let run = |index: u32| {
-        let starts: Vec<State> = levels.iter_mut().filter_map(Iterator::next).collect();
-        let starts: [State; K] = starts.try_into().ok()?;
-        Some(Run {
-            index,
-            draws: generator(settings.seed, u64::from(index)),
-            ladder: Ladder::new(starts, family)
-                .with_schedule(settings.options.exchange)
-                .with_graph(graph.clone())
-                .with_stepping_stone(SteppingStone::on(below(set))),
-            spare: Point::new(mutation(set, settings.options.steps, K - 1)),
-            found: 0,
-            followed: 0,
-            adaptations: std::array::from_fn(|k| {
-                AcceptanceAdaptation::new(mutation(set, settings.options.steps, k))
-            }),
-            sweeps: 0,
-            shares: Shares::on(below(set)),
-            nonfinite: Nonfinite::default(),
-        })
-    };
-    settings.ladder_range().map_while(run).collect()
 }
 
 impl<const K: usize> Engine for ReltEngine<'_, K> {
