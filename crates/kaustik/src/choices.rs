@@ -73,7 +73,7 @@ pub enum Direct {
 /// Sizes of small steps of `relt`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Steps {
-    /// Those that RELT 5.1.3 prints, but Kelemen's for the specific replica and the one that it stands on.
+    /// Those that RELT 5.1.3 prints, but for the specific replica Kelemen's.
     #[default]
     Fine,
     /// Kelemen's for all.

@@ -332,8 +332,7 @@ pub const KEYS: &[Key] = &[
         name: "steps",
         default: "fine",
         range: "fine|kelemen|paper|adapted",
-        meaning: "small steps: 1/61 up to 16 times as much, for the specific replica and the one below it 1/1024 \
-                  up to 1/64; the latter for all; 1/61, 1/61 and 1/96 up to 16 times as much (RELT 5.1.3); \
+        meaning: "small steps: 1/61 up to 16 times as much, for the specific replica 1/1024 up to 1/64; the latter for all; 1/61, 1/61 and 1/96 up to 16 times as much (RELT 5.1.3); \
                   or these times factors that every ladder of relt adapts to an acceptance of 0.234",
         methods: REPLICAS,
     },

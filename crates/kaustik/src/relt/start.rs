@@ -32,14 +32,12 @@ pub(crate) fn replica_builder(settings: &RenderSettings) -> Bidirectional {
 }
 
 /// Small steps of a replica: RELT 5.1.3's sizes, s2 = 16 s1 (spec relt.md (10)). The specific replica's are
-/// smaller: as printed, or fine enough for light through glass that is a peak a thousandth wide. Joined paths in
-/// corners and under water are peaks as well.
+/// smaller: as printed, or fine enough for light through glass that is a peak a thousandth wide.
 pub(crate) fn mutation(set: &ReplicaSet, steps: Steps, level: usize) -> Mutation {
     let specific = set.is_specific() && level + 1 == set.count();
-    let under = set.is_specific() && level == set.below()[set.count() - 1];
     let s1 = match steps {
         Steps::Kelemen => 1.0 / 1024.0,
-        Steps::Fine if specific || under => 1.0 / 1024.0,
+        Steps::Fine if specific => 1.0 / 1024.0,
         Steps::Paper | Steps::Adapted if specific => 1.0 / 96.0,
         Steps::Fine | Steps::Paper | Steps::Adapted => 1.0 / 61.0,
     };
