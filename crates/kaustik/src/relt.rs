@@ -401,9 +401,10 @@ impl<const K: usize> Engine for ReltEngine<'_, K> {
             exchange_acceptance: (pairs.iter().map(|&(a, b)| exchanges.swap(a, b).rate()))
                 .collect(),
             pairs: pairs.iter().map(|&(a, b)| [a + 1, b + 1]).collect(),
-            scouts: (self.region.is_some())
-                .then(|| self.sweeps() * u64::from(self.set.scouts()))
-                .unwrap_or(0),
+            scouts: match self.region {
+                Some(_) => self.sweeps() * u64::from(self.set.scouts()),
+                None => 0,
+            },
             scouts_found: self.runs.iter().map(|run| run.found).sum(),
             scouts_followed: self.runs.iter().map(|run| run.followed).sum(),
             round_trips: exchanges.round_trips,
