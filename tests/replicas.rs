@@ -20,7 +20,7 @@ fn all_variants_agree_roughly_with_path() {
     let scene = scene("cornell", SIDE);
     let path = tiles_of_seeds(&scene, &settings(Method::Path, SIDE, 256), 0..8);
     type Change = fn(&mut kaustik::Options);
-    let variants: [(&str, Change); 9] = [
+    let variants: [(&str, Change); 11] = [
         ("default", |_| {}),
         ("exchange", |o| o.normaliser = Normaliser::Exchange),
         ("initial", |o| {
@@ -37,6 +37,14 @@ fn all_variants_agree_roughly_with_path() {
         ("adapted", |o| {
             o.steps = Steps::Adapted;
             o.ladders = 4;
+        }),
+        ("side by side", |o| {
+            o.replicas = Some("sides".parse().expect("a set"));
+        }),
+        ("as published", |o| {
+            o.replicas = Some("paper".parse().expect("a set"));
+            o.exchange = Schedule::RandomPair;
+            o.steps = Steps::Paper;
         }),
         ("two replicas", |o| {
             o.replicas = Some("uniform;1,0,1,1,1,1".parse().expect("a set"));
@@ -163,19 +171,61 @@ fn the_replicas_layers_add_up_to_the_picture() {
     }
 }
 
-/// Budgets count paths: a sweep of four replicas is four.
+/// Budgets count paths: a sweep is as many as its replicas take steps, scouts apart.
 #[test]
-fn a_sweep_is_one_mutation_a_replica() {
+fn a_sweep_is_as_many_mutations_as_its_replicas_take() {
     let with = |total| RenderSettings {
         budget: Budget::Total(total),
         ..settings(Method::Relt, 16, 1)
     };
-    for (total, steps) in [(1, 4), (1_003, 1_000), (4_096, 4_096)] {
-        let done = rendered("cornell", &with(total));
-        assert_eq!(done.statistics.steps, steps);
+    // without a mirror or glass there is no specific replica
+    for (words, total, steps, each) in [
+        ("cornell", 1, 3, 3),
+        ("cornell", 1_003, 1_002, 3),
+        ("glass-cube", 1_003, 1_002, 6),
+        ("glass-cube", 4_096, 4_092, 6),
+    ] {
+        let done = rendered(words, &with(total));
+        assert_eq!(done.statistics.steps, steps, "{words} {total}");
         let replicas = done.statistics.replicas.expect("statistics of replicas");
-        assert_eq!(replicas.sweeps, steps / 4);
+        assert_eq!(replicas.sweeps, steps / each);
+        let scouts = if words == "cornell" { 0 } else { 16 };
+        assert_eq!(replicas.scouts, replicas.sweeps * scouts);
+        assert_eq!(replicas.pairs.len(), replicas.levels.len() - 1);
     }
+}
+
+#[test]
+fn annealing_climbs_a_line() {
+    let mut sides = settings(Method::Annealing, 16, 1);
+    sides.options.replicas = Some("sides".parse().expect("a set"));
+    let scene = scene("cornell", 16);
+    let error = render(&scene, &sides, &mut Control::default()).expect_err("no line");
+    assert!(error.to_string().contains("replicas"), "{error}");
+}
+
+/// Scouts are worth what independent samples are: the same light, with a smaller error.
+#[test]
+fn scouts_know_the_specific_light_better_than_samples_do() {
+    let with = |replicas: &str| {
+        let mut settings = settings(Method::Relt, 16, 256);
+        settings.options.replicas = Some(replicas.parse().expect("a set"));
+        let done = rendered("water-cornell?light=0.8", &settings);
+        let mean = means(&done.image)[1];
+        let replicas = done.statistics.replicas.expect("statistics of replicas");
+        let specific = replicas.levels[3].clone();
+        let error = specific.share_error.expect("an error");
+        (specific.share, error, mean, replicas.scouts_followed)
+    };
+    let (share, error, mean, followed) = with("uniform+16;1,0,1,1,1,1;1,0,0,1,1,1;1,0,0,0,0,0.05");
+    let (alone, larger, other, none) = with("paper");
+    assert!(error < 0.5 * larger, "{error} {larger}");
+    assert!(
+        (share - alone).abs() < 4.5 * larger.hypot(error),
+        "{share} {alone}"
+    );
+    assert!((mean / other - 1.0).abs() < 0.1, "{mean} {other}");
+    assert!(followed > 100 && none == 0, "{followed} {none}");
 }
 
 #[test]

@@ -11,13 +11,29 @@ pub type ClassWeights = [f64; Class::COUNT];
 /// The replicas of a run (RELT 4.2.3; spec relt.md 3): the uniform one, then a row of class
 /// weights each.
 ///
-/// Supports are nested: a class that one row weighs is weighed by every row before it. The
-/// normalisers and the weights of the heuristic need that.
+/// Each stands on one before it, the one just before unless said otherwise, and its support is nested in
+/// the support of that one: a class that it weighs is weighed there. States are exchanged with the replica that one
+/// stands on, and with the next that stands on the same. Where all stand on one another in a line, that is
+/// the paper's; other sets are partially ordered (RELT sec. 6), such as [`sides`](Self::sides).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ReplicaSet {
     rows: [ClassWeights; ReplicaSet::MOST],
+    /// The replica that each stands on.
+    below: [usize; ReplicaSet::MOST],
+    /// Steps of each in a sweep.
+    repeats: [u32; ReplicaSet::MOST],
+    scouts: u32,
     count: usize,
 }
+
+/// Replicas in a line, a step each.
+const LINE: ReplicaSet = ReplicaSet {
+    rows: [[0.0; Class::COUNT]; ReplicaSet::MOST],
+    below: [0, 0, 1, 2, 3, 4, 5, 6],
+    repeats: [1; ReplicaSet::MOST],
+    scouts: 0,
+    count: 1,
+};
 
 impl ReplicaSet {
     /// The fewest replicas.
@@ -27,14 +43,38 @@ impl ReplicaSet {
     /// `delta` of the specific replica (spec relt.md 3: the paper gives none).
     pub const DELTA: f64 = 0.05;
 
-    /// The paper's four: uniform, full, indirect, specific. `delta` > 0 is the share of joined paths
-    /// in the last, which lets it exchange with the one before.
+    /// The most steps of a replica in a sweep.
+    pub const MOST_REPEATS: u32 = 64;
+    /// The most scouts a sweep.
+    pub const MOST_SCOUTS: u32 = 1024;
+
+    /// The paper's four: uniform, full, indirect, specific, a step each in a sweep. `delta` > 0 is the share
+    /// of joined paths in the last, which lets it exchange with the one before.
+    pub fn paper(delta: f64) -> Self {
+        let mut set = Self { count: 4, ..LINE };
+        set.rows[1] = [1.0, 0.0, 1.0, 1.0, 1.0, 1.0];
+        set.rows[2] = [1.0, 0.0, 0.0, 1.0, 1.0, 1.0];
+        set.rows[3] = [1.0, 0.0, 0.0, 0.0, 0.0, delta];
+        set
+    }
+
+    /// The paper's four with more steps for the specific one, whose light takes longest to explore, and
+    /// with scouts for what is hardest to find.
     pub fn standard(delta: f64) -> Self {
-        let mut rows = [[0.0; Class::COUNT]; Self::MOST];
-        rows[1] = [1.0, 0.0, 1.0, 1.0, 1.0, 1.0];
-        rows[2] = [1.0, 0.0, 0.0, 1.0, 1.0, 1.0];
-        rows[3] = [1.0, 0.0, 0.0, 0.0, 0.0, delta];
-        Self { rows, count: 4 }
+        let mut set = Self::paper(delta);
+        set.repeats[3] = SPECIFIC_REPEATS;
+        set.scouts = SCOUTS;
+        set
+    }
+
+    /// What path tracers find beside what light tracers find, both on the uniform replica: neither support
+    /// is nested in the other. Joined paths, which both weigh, are where these two meet.
+    pub fn sides() -> Self {
+        let mut set = Self { count: 3, ..LINE };
+        set.rows[1] = [1.0, 1.0, 1.0, 0.0, 0.0, 1.0];
+        set.rows[2] = [0.0, 0.0, 0.0, 1.0, 1.0, 1.0];
+        set.below[2] = 0;
+        set
     }
 
     /// How many replicas there are, the uniform one included.
@@ -47,20 +87,92 @@ impl ReplicaSet {
         &self.rows[..self.count]
     }
 
+    /// The replica that each stands on; what stands at 0 is not used.
+    pub fn below(&self) -> &[usize] {
+        &self.below[..self.count]
+    }
+
+    /// Steps of each in a sweep, at least one.
+    pub fn repeats(&self) -> &[u32] {
+        &self.repeats[..self.count]
+    }
+
+    /// Scouts a sweep: independent walks from the camera alone, which look for implicit specular paths for the
+    /// specific replica.
+    pub fn scouts(&self) -> u32 {
+        self.scouts
+    }
+
+    /// Does each stand on the one just before?
+    pub fn is_line(&self) -> bool {
+        self.below() == &LINE.below[..self.count]
+    }
+
+    /// The first `count` replicas' pairs that exchange states: each with the one that it stands on, and with
+    /// the one before it that stands on the same.
+    pub fn pairs(&self, count: usize) -> Vec<(usize, usize)> {
+        let mut pairs = Vec::new();
+        for k in 1..count.min(self.count) {
+            pairs.push((self.below[k], k));
+            let sibling = (1..k).rev().find(|&j| self.below[j] == self.below[k]);
+            pairs.extend(sibling.map(|sibling| (sibling, k)));
+        }
+        pairs
+    }
+
     /// Is the last replica there for implicit specular paths: does it weigh them more than any
     /// other class? Then these go to its film alone (RELT 5.1.4; spec relt.md 6.5).
     pub fn is_specific(&self) -> bool {
         let [specular, rest @ ..] = self.rows[self.count - 1];
         self.count > Self::FEWEST && rest.iter().all(|&weight| weight < specular)
     }
+
+    /// Adds a replica: six numbers, then `*N` for N steps a sweep and `@B` for the replica, counted from
+    /// 1, that it stands on, if it is not the one before.
+    fn add(&mut self, word: &str) -> Result<(), ReplicaSetError> {
+        if self.count == Self::MOST {
+            return Err(ReplicaSetError::Count);
+        }
+        let (word, below) = match word.split_once('@') {
+            Some((word, below)) => (word, number(below, self.count)? - 1),
+            None => (word, self.count - 1),
+        };
+        let (word, repeats) = with_repeats(word)?;
+        let row = row(word).ok_or(ReplicaSetError::Row)?;
+        let nested = |(&weight, &under): (&f64, &f64)| weight <= 0.0 || under > 0.0;
+        if below > 0 && !row.iter().zip(&self.rows[below]).all(nested) {
+            return Err(ReplicaSetError::Nesting);
+        }
+        self.rows[self.count] = row;
+        self.below[self.count] = below;
+        self.repeats[self.count] = repeats;
+        self.count += 1;
+        Ok(())
+    }
 }
+
+/// Steps of the specific replica in a sweep of the standard set.
+const SPECIFIC_REPEATS: u32 = 3;
+/// Scouts a sweep of the standard set: a dozen cost as much as one full bidirectional path or two.
+const SCOUTS: u32 = 16;
 
 impl fmt::Display for ReplicaSet {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str("uniform")?;
-        for row in &self.rows()[1..] {
-            let words = row.map(|weight| weight.to_string());
-            write!(f, ";{}", words.join(","))?;
+        for (k, row) in self.rows().iter().enumerate() {
+            if k > 0 {
+                let words = row.map(|weight| weight.to_string());
+                write!(f, ";{}", words.join(","))?;
+            }
+            if self.repeats[k] > 1 {
+                write!(f, "*{}", self.repeats[k])?;
+            }
+            if k == 0 && self.scouts > 0 {
+                write!(f, "+{}", self.scouts)?;
+            }
+            if k > 0 && self.below[k] + 1 != k {
+                write!(f, "@{}", self.below[k] + 1)?;
+            }
         }
         Ok(())
     }
@@ -76,8 +188,14 @@ pub enum ReplicaSetError {
     Count,
     /// A row that is not six finite numbers >= 0, one of them positive.
     Row,
-    /// A row weighs a class that the row before does not.
+    /// A row weighs a class that the row it stands on does not.
     Nesting,
+    /// Steps a sweep that are no number from 1 to 64.
+    Repeats,
+    /// Scouts a sweep that are no number up to 1024.
+    Scouts,
+    /// It stands on a replica that is not before it.
+    Below,
 }
 
 impl fmt::Display for ReplicaSetError {
@@ -86,7 +204,10 @@ impl fmt::Display for ReplicaSetError {
             Self::NotUniform => "the first replica is to be 'uniform'",
             Self::Count => "there are to be 2 to 8 replicas",
             Self::Row => "a replica is six numbers >= 0, one of them positive",
-            Self::Nesting => "a replica weighs a class that the one before does not",
+            Self::Nesting => "a replica weighs a class that the one it stands on does not",
+            Self::Repeats => "steps a sweep are to be from 1 to 64",
+            Self::Scouts => "scouts a sweep are to be at most 1024",
+            Self::Below => "a replica is to stand on one before it",
         })
     }
 }
@@ -96,34 +217,53 @@ impl std::error::Error for ReplicaSetError {}
 impl FromStr for ReplicaSet {
     type Err = ReplicaSetError;
 
-    /// `uniform;1,0,1,1,1,1;...`
+    /// `paper` (with the default delta), `sides`, or `uniform;1,0,1,1,1,1;...`, each with `*N` for N steps a sweep and `@B` for the
+    /// replica that it stands on, and `uniform+N` with N scouts a sweep.
     fn from_str(text: &str) -> Result<Self, ReplicaSetError> {
+        match text {
+            "sides" => return Ok(Self::sides()),
+            "paper" => return Ok(Self::paper(Self::DELTA)),
+            _ => {}
+        }
         let mut words = text.split(';').map(str::trim);
-        if words.next() != Some("uniform") {
+        let mut set = LINE;
+        let mut first = words.next().unwrap_or_default();
+        if let Some((word, scouts)) = first.split_once('+') {
+            let scouts = scouts.trim().parse().ok();
+            let known = scouts.filter(|n| *n <= Self::MOST_SCOUTS);
+            (first, set.scouts) = (word.trim(), known.ok_or(ReplicaSetError::Scouts)?);
+        }
+        let (first, repeats) = with_repeats(first)?;
+        if first != "uniform" {
             return Err(ReplicaSetError::NotUniform);
         }
-        let mut set = Self {
-            rows: [[0.0; Class::COUNT]; Self::MOST],
-            count: 1,
-        };
+        set.repeats[0] = repeats;
         for word in words {
-            if set.count == Self::MOST {
-                return Err(ReplicaSetError::Count);
-            }
-            let row = row(word).ok_or(ReplicaSetError::Row)?;
-            let before = set.rows[set.count - 1];
-            let nested = |(&weight, &before): (&f64, &f64)| weight <= 0.0 || before > 0.0;
-            if set.count > 1 && !row.iter().zip(&before).all(nested) {
-                return Err(ReplicaSetError::Nesting);
-            }
-            set.rows[set.count] = row;
-            set.count += 1;
+            set.add(word)?;
         }
         if set.count < Self::FEWEST {
             return Err(ReplicaSetError::Count);
         }
         Ok(set)
     }
+}
+
+/// A word without its `*N`, and N.
+fn with_repeats(word: &str) -> Result<(&str, u32), ReplicaSetError> {
+    let Some((word, repeats)) = word.split_once('*') else {
+        return Ok((word, 1));
+    };
+    let repeats = repeats.trim().parse().ok();
+    let known = repeats.filter(|n| (1..=ReplicaSet::MOST_REPEATS).contains(n));
+    Ok((word.trim(), known.ok_or(ReplicaSetError::Repeats)?))
+}
+
+/// A replica counted from 1, of so many.
+fn number(text: &str, count: usize) -> Result<usize, ReplicaSetError> {
+    let number = text.trim().parse().ok();
+    number
+        .filter(|n| (1..=count).contains(n))
+        .ok_or(ReplicaSetError::Below)
 }
 
 fn row(text: &str) -> Option<ClassWeights> {
@@ -146,10 +286,36 @@ mod tests {
         let set = ReplicaSet::standard(0.05);
         assert_eq!(
             set.to_string(),
-            "uniform;1,0,1,1,1,1;1,0,0,1,1,1;1,0,0,0,0,0.05"
+            "uniform+16;1,0,1,1,1,1;1,0,0,1,1,1;1,0,0,0,0,0.05*3"
         );
         assert_eq!(set.to_string().parse(), Ok(set));
-        assert!(set.is_specific() && set.count() == 4);
+        assert!(set.is_specific() && set.is_line() && set.count() == 4);
+        assert_eq!(set.repeats(), [1, 1, 1, 3]);
+        assert_eq!("paper".parse(), Ok(ReplicaSet::paper(ReplicaSet::DELTA)));
+        assert_eq!(ReplicaSet::paper(0.05).repeats(), [1; 4]);
+        assert_eq!(set.pairs(4), [(0, 1), (1, 2), (2, 3)]);
+        assert_eq!(set.pairs(3), [(0, 1), (1, 2)]);
+    }
+
+    #[test]
+    fn sides_stand_side_by_side() {
+        let sides: ReplicaSet = "sides".parse().unwrap();
+        assert_eq!(
+            sides.to_string(),
+            "uniform;1,1,1,0,0,1;0,0,0,1,1,1@1",
+            "neither is nested in the other"
+        );
+        assert_eq!(sides.to_string().parse(), Ok(sides));
+        assert_eq!((sides.below(), sides.is_line()), (&[0, 0, 0][..], false));
+        assert_eq!(sides.pairs(3), [(0, 1), (0, 2), (1, 2)]);
+        assert!(!sides.is_specific());
+        let tree: ReplicaSet = "uniform*2+5;1,1,1,1,1,1;1,0,0,0,0,0;0,0,0,0,1,0*4@2"
+            .parse()
+            .unwrap();
+        assert_eq!(tree.below(), [0, 0, 1, 1]);
+        assert_eq!((tree.repeats(), tree.scouts()), (&[2, 1, 1, 4][..], 5));
+        assert_eq!(tree.pairs(4), [(0, 1), (1, 2), (1, 3), (2, 3)]);
+        assert_eq!(tree.to_string().parse(), Ok(tree));
     }
 
     #[test]
@@ -173,6 +339,16 @@ mod tests {
             assert_eq!(refused(&format!("uniform;{row}")), E::Row, "{row}");
         }
         assert_eq!(refused("uniform;1,0,0,0,0,0;1,1,0,0,0,0"), E::Nesting);
+        assert_eq!(refused("uniform;1,0,0,0,0,0;1,1,0,0,0,0@2"), E::Nesting);
+        assert_eq!(refused("uniform;1,0,0,0,0,0@2"), E::Below);
+        assert_eq!(refused("uniform;1,0,0,0,0,0@0"), E::Below);
+        assert_eq!(refused("uniform+1025;1,0,0,0,0,0"), E::Scouts);
+        for repeats in ["0", "65", "x", ""] {
+            assert_eq!(
+                refused(&format!("uniform;1,0,0,0,0,0*{repeats}")),
+                E::Repeats
+            );
+        }
         let plain: ReplicaSet = "uniform; 1,0,1,1,1,1".parse().unwrap();
         assert!(!plain.is_specific() && plain.count() == 2);
     }

@@ -175,6 +175,8 @@ pub struct ReplicaDeposit<'a, const K: usize> {
     pub weights: ReplicaWeights<K>,
     /// What the films are given, and what independent samples (visits of replica 0) say they should hold.
     pub shares: Shares<K>,
+    /// What the weight of each replica's visits is multiplied by: 1 over its steps a sweep.
+    pub each: [f64; K],
 }
 
 impl<const K: usize> Recorder<Contributions, K> for ReplicaDeposit<'_, K> {
@@ -192,12 +194,13 @@ impl<const K: usize> Recorder<Contributions, K> for ReplicaDeposit<'_, K> {
             return;
         }
         let roughly = self.weights.roughly(visit.densities);
-        self.shares.visit(visit.level, visit.weight, &roughly);
+        let sojourn = visit.weight * self.each[visit.level];
+        self.shares.visit(visit.level, sojourn, &roughly);
         let whole = specular + other;
         let film = &self.films[visit.level];
         let weights = &self.weights;
         if visit.level < weights.shared {
-            let weight = visit.weight * weights.factor(visit.level, visit.densities);
+            let weight = sojourn * weights.factor(visit.level, visit.densities);
             if weights.shared == K {
                 self.scale.splat(film, visit.value, weight);
                 self.shares.hold(visit.level, weight * whole, whole);
@@ -206,12 +209,14 @@ impl<const K: usize> Recorder<Contributions, K> for ReplicaDeposit<'_, K> {
                 self.shares.hold(visit.level, weight * other, whole);
             }
         } else if specular > 0.0 {
-            let weight = visit.weight * weights.specific_factor(visit.densities);
+            let weight = sojourn * weights.specific_factor(visit.densities);
             (self.scale).splat_classes(film, visit.value, weight, |class| class == Class::L0);
             self.shares.hold(visit.level, weight * specular, whole);
         }
     }
 }
 
+#[cfg(test)]
+mod sides_tests;
 #[cfg(test)]
 mod tests;

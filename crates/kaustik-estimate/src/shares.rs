@@ -32,11 +32,27 @@ pub struct Shares<const K: usize> {
     up: [f64; K],
     /// Visits of this replica, by how much of the bridge is the one's below.
     down: [f64; K],
+    /// The replica that each stands on.
+    below: [usize; K],
 }
 
+/// Of replicas in a line.
 impl<const K: usize> Default for Shares<K> {
     fn default() -> Self {
+        Self::on(from_fn(|k| k.saturating_sub(1)))
+    }
+}
+
+impl<const K: usize> Shares<K> {
+    /// Of replicas that stand on these; what stands at 0 is not used.
+    ///
+    /// # Panics
+    /// If one stands on a replica that is not before it.
+    pub fn on(below: [usize; K]) -> Self {
+        let before = |(k, &below): (usize, &usize)| k == 0 || below < k;
+        assert!(below.iter().enumerate().all(before), "{below:?}");
         Self {
+            below,
             parts: [Mean::new(); K],
             whole: Mean::new(),
             held: [0.0; K],
@@ -45,9 +61,7 @@ impl<const K: usize> Default for Shares<K> {
             down: [0.0; K],
         }
     }
-}
 
-impl<const K: usize> Shares<K> {
     /// Takes an independent sample: the light that falls to each replica, dark samples included.
     #[inline]
     pub fn sample(&mut self, parts: [f64; K]) {
@@ -75,26 +89,46 @@ impl<const K: usize> Shares<K> {
                 0.0
             }
         };
-        if level > 0 {
-            self.down[level] += share(level - 1, level);
-        }
-        if level + 1 < K {
-            self.up[level + 1] += share(level + 1, level);
+        for upper in 1..K {
+            let lower = self.below[upper];
+            if upper == level {
+                self.down[upper] += share(lower, upper);
+            } else if lower == level {
+                self.up[upper] += share(upper, lower);
+            }
         }
     }
 
+    /// An independent sample of the light of one replica alone, dark or not.
+    #[inline]
+    pub fn scout(&mut self, level: usize, light: f64) {
+        self.parts[level].push(light);
+    }
+
+    /// So many such samples, of which these were not dark.
+    pub fn scouts(&mut self, level: usize, found: &[f64], sent: u64) {
+        for &light in found {
+            self.parts[level].push(light);
+        }
+        self.parts[level].push_zeros(sent - found.len() as u64);
+    }
+
     /// What the replicas tell about each other: `b_k / b_hat_k` (spec relt.md (7)) by Bennett's acceptance
-    /// ratio (J. Comput. Phys. 22, 1976) from each to the next. Visits count by at most their weight: RELT eq. 10
+    /// ratio (J. Comput. Phys. 22, 1976) from each to those that stand on it. Visits count by at most their weight: RELT eq. 10
     /// lets what the uniform replica met by chance count by its density, which may be ten thousand times the mean.
     /// And supports need not be nested. 1 where two replicas have nothing in common yet.
     pub fn bridged(&self) -> [f64; K] {
-        let mut product = 1.0;
-        from_fn(|k| {
-            if k > 0 && self.up[k] > 0.0 && self.down[k] > 0.0 {
-                product *= self.up[k] / self.down[k];
-            }
-            product
-        })
+        let mut constants = [1.0; K];
+        for k in 1..K {
+            let known = self.up[k] > 0.0 && self.down[k] > 0.0;
+            let ratio = if known {
+                self.up[k] / self.down[k]
+            } else {
+                1.0
+            };
+            constants[k] = constants[self.below[k]] * ratio;
+        }
+        constants
     }
 
     /// Adds those of another ladder.
@@ -112,6 +146,17 @@ impl<const K: usize> Shares<K> {
     /// The light of all replicas: the picture's mean X + Y + Z times its area.
     pub fn whole(&self) -> Estimate {
         estimate(&self.whole)
+    }
+
+    /// Standard error that these samples bring into the light of a larger number, which they are a share of. Those
+    /// of the first `shared` replicas are taken to err alike, the others each for itself.
+    pub fn error_within(&self, all: &Self, shared: usize) -> f64 {
+        let error = |k: usize| {
+            let share = self.parts[k].count() as f64 / all.parts[k].count().max(1) as f64;
+            share * self.parts[k].standard_error()
+        };
+        let alike: f64 = (0..shared.min(K)).map(error).sum();
+        (shared..K).map(error).fold(alike, f64::hypot)
     }
 
     /// The light of a replica.
@@ -165,12 +210,16 @@ impl<const K: usize> Shares<K> {
     /// light is what films hold of it, each times all light of its path. Samples that have not yet met the rare
     /// and bright see no spread; a chain that has been there does.
     pub fn foreseen_error(&self, sweeps: u64, scales: &[f64; K]) -> f64 {
-        let samples = self.whole.count().max(1) as f64;
         let per_sweep = 1.0 / sweeps.max(1) as f64;
-        let seconds = scales.iter().zip(&self.squares);
-        let second: f64 = seconds.map(|(scale, sum)| scale * sum * per_sweep).sum();
+        let mut variance = 0.0;
+        for (k, scale) in scales.iter().enumerate() {
+            let samples = self.parts[k].count().max(1) as f64;
+            variance += scale * self.squares[k] * per_sweep / samples;
+        }
         let light = self.light(sweeps, scales);
-        ((second - light * light).max(0.0) / samples).sqrt()
+        (variance - light * light / self.whole.count().max(1) as f64)
+            .max(0.0)
+            .sqrt()
     }
 
     /// The light of films with these scales.
@@ -233,6 +282,37 @@ mod tests {
         let whole = one.whole();
         assert!(close(whole.value, 1.75) && close(one.part(1).value, 0.75));
         assert!((whole.standard_error / (1.6875_f64 / 4_000.0).sqrt() - 1.0).abs() < 1e-3);
+    }
+
+    #[test]
+    fn scouts_count_for_their_replica_alone() {
+        let mut shares = Shares::<2>::default();
+        for _ in 0..100 {
+            shares.sample([1.0, 0.0]);
+            for light in [0.0, 0.0, 2.0] {
+                shares.scout(1, light);
+            }
+        }
+        assert!(close(shares.part(0).value, 1.0) && close(shares.whole().value, 1.0));
+        assert!(close(shares.part(1).value, 0.5));
+    }
+
+    /// Densities 1, 2 on the left half and 4 on the right quarter, thought to be of integral 1, 2 and 2.
+    #[test]
+    fn bridges_need_no_nested_supports() {
+        let mut rng = generator(34, 0);
+        let mut shares = Shares::<3>::on([0, 0, 0]);
+        for _ in 0..20_000 {
+            for (level, [from, to]) in [[0.0, 1.0], [0.0, 0.5], [0.75, 1.0]].iter().enumerate() {
+                let x = from + (to - from) * rng.uniform();
+                let left = if x < 0.5 { 1.0 } else { 0.0 };
+                let right = if x >= 0.75 { 2.0 } else { 0.0 };
+                shares.visit(level, 1.0, &[1.0, left, right]);
+            }
+        }
+        for (found, wanted) in shares.bridged().into_iter().zip([1.0, 0.5, 0.5]) {
+            assert!((found / wanted - 1.0).abs() < 0.03, "{found} {wanted}");
+        }
     }
 
     #[test]

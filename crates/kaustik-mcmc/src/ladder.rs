@@ -4,7 +4,7 @@ use crate::decide::{decide, exchange_acceptance};
 use crate::permutation::Permutations;
 use crate::{
     Draws, Family, IndexProcess, Kernel, LadderStatistics, Metropolis, Mutation, Point, Recorder,
-    Schedule, SteppingStone, SwapGraph, Target, Visit,
+    Region, Schedule, Scouted, Scouting, SteppingStone, SwapGraph, Target, Visit,
 };
 
 /// K chains, one a level, that exchange their states (Swendsen and Wang 1986; Geyer 1991; for
@@ -185,6 +185,30 @@ impl<S, V, const K: usize> Ladder<S, V, K> {
         for (replica, kernel) in self.replicas.iter_mut().zip(kernels) {
             replica.step(kernel, family, draws, &mut both);
         }
+    }
+
+    /// One step of one replica, for who wants more steps at some levels than at others. Weights of visits are
+    /// by step: who adds them up by sweep divides them.
+    ///
+    /// # Panics
+    ///
+    /// If `level` is K or more.
+    #[inline]
+    pub fn step_at<N, F, D, R>(
+        &mut self,
+        level: usize,
+        kernel: &N,
+        family: &F,
+        draws: &mut D,
+        recorder: &mut R,
+    ) where
+        N: Kernel<S, Value = V>,
+        F: Family<V, K> + ?Sized,
+        D: Draws + ?Sized,
+        R: Recorder<V, K> + ?Sized,
+    {
+        let mut both = Both(&mut self.stepping_stone, recorder);
+        self.replicas[level].step(kernel, family, draws, &mut both);
     }
 
     /// Exchanges by the schedule: the other half of a [`sweep`](Self::sweep).
@@ -381,6 +405,34 @@ impl<M: Mutation, V: Default, const K: usize> Ladder<Point<M>, V, K> {
     /// If `level` is K or more.
     pub fn set_mutation<D: Draws + ?Sized>(&mut self, level: usize, mutation: M, draws: &mut D) {
         self.replicas[level].set_mutation(mutation, draws);
+    }
+}
+
+impl<M: Mutation, V, const K: usize> Ladder<Point<M>, V, K> {
+    /// Sends a scout for the replica of a level: [`Metropolis::scout`].
+    ///
+    /// # Panics
+    ///
+    /// If `level` is K or more.
+    #[inline]
+    pub fn scout<T, G, F, D, R>(
+        &mut self,
+        level: usize,
+        scouting: &Scouting<'_, T, G>,
+        spare: &mut Point<M>,
+        family: &F,
+        draws: &mut D,
+        recorder: &mut R,
+    ) -> Scouted
+    where
+        T: Target<Value = V>,
+        G: Region<V>,
+        F: Family<V, K> + ?Sized,
+        D: Draws + ?Sized,
+        R: Recorder<V, K> + ?Sized,
+    {
+        let mut both = Both(&mut self.stepping_stone, recorder);
+        self.replicas[level].scout(scouting, spare, family, draws, &mut both)
     }
 }
 

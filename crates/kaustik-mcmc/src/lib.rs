@@ -177,6 +177,7 @@ mod proposal;
 mod redistribute;
 mod resample;
 mod schedule;
+mod scout;
 #[cfg(feature = "serde")]
 mod serial;
 mod sobol;
@@ -221,6 +222,7 @@ pub use redistribute::{
 };
 pub use resample::Resampling;
 pub use schedule::Schedule;
+pub use scout::{Region, Scouted, Scouting};
 pub use statistics::{Acceptance, Statistics};
 pub use stepping_stone::SteppingStone;
 pub use stratified::{Stratification, Stratified};

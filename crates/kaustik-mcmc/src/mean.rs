@@ -27,6 +27,15 @@ impl Mean {
         self.squares += delta * (x - self.mean);
     }
 
+    /// Takes so many zeros.
+    pub fn push_zeros(&mut self, count: u64) {
+        self.merge(&Self {
+            count,
+            mean: 0.0,
+            squares: 0.0,
+        });
+    }
+
     /// Takes all numbers of another mean (Chan et al. 1979).
     pub fn merge(&mut self, other: &Self) {
         if other.count == 0 {

@@ -17,6 +17,7 @@ mod light;
 mod next_event;
 mod roulette;
 mod scalar;
+mod sighting;
 mod unidirectional;
 mod walk;
 
@@ -30,4 +31,5 @@ pub use endpoint::Endpoint;
 pub use features::{Features, features};
 pub use light::LightTracing;
 pub use scalar::ScalarTarget;
+pub use sighting::{Sighting, sight};
 pub use unidirectional::Unidirectional;

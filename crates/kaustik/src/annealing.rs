@@ -36,6 +36,15 @@ pub(crate) fn engine<'a>(
     scene: &'a Scene,
     settings: &RenderSettings,
 ) -> Result<Box<dyn Engine + 'a>, RenderError> {
+    let set = settings.options.replica_set();
+    if !set.is_line() {
+        return Err(RenderError::Setting {
+            what: "replicas",
+            found: set.to_string(),
+            expected: "replicas that each stand on the one before: populations climb a line"
+                .to_owned(),
+        });
+    }
     let builder = replica_builder(settings);
     let started = start(scene, &builder, settings);
     Ok(for_so_many_replicas!(
@@ -70,6 +79,7 @@ struct AnnealingEngine<'a, const K: usize> {
     /// All rounds of this process belong to its first ladder.
     ladder: u32,
     particles: u64,
+    effective: Vec<[f64; 2]>,
     dropped: Option<String>,
     lit: bool,
     rounds: u64,
@@ -122,6 +132,7 @@ impl<'a, const K: usize> AnnealingEngine<'a, K> {
             seed: settings.seed,
             ladder: settings.ladder_range().start,
             particles: options.particles,
+            effective: started.effective,
             dropped: started.dropped,
             lit: started.mean > 0.0,
             rounds: 0,
@@ -323,6 +334,8 @@ impl<const K: usize> Engine for AnnealingEngine<'_, K> {
             share: level.share.mean(),
             share_error: known(level.share.standard_error()),
             scale: 1.0,
+            effective_at_once: self.effective[k][0],
+            effective_annealed: self.effective[k][1],
             acceptance: level.accepted as f64 / level.moves.max(1) as f64,
             step: mutation(&self.set, self.steps, k).sizes().1,
         };
@@ -330,6 +343,10 @@ impl<const K: usize> Engine for AnnealingEngine<'_, K> {
             levels: self.levels.iter().enumerate().map(level).collect(),
             sweeps: self.rounds,
             exchange_acceptance: Vec::new(),
+            pairs: Vec::new(),
+            scouts: 0,
+            scouts_found: 0,
+            scouts_followed: 0,
             round_trips: 0,
             particles: self.particles,
             dropped: self.dropped.clone(),

@@ -79,6 +79,8 @@ pub enum Steps {
     /// Those that RELT 5.1.3 prints, but for the specific replica Kelemen's.
     #[default]
     Fine,
+    /// Kelemen's for all.
+    Kelemen,
     /// Those that RELT 5.1.3 prints.
     Paper,
     /// Adapted by each ladder.

@@ -69,7 +69,8 @@ impl<'a> Lamps<'a> {
                 },
                 next_event: false,
             },
-            film: Film::with_layout(&layout, Quantum::FALLBACK)?,
+            // until a first look tells the quantum: two large films would be one too many
+            film: Film::new(1, 1, Quantum::FALLBACK)?,
             scale: Scale {
                 width: f64::from(settings.width),
                 height: f64::from(settings.height),

@@ -318,9 +318,11 @@ pub const KEYS: &[Key] = &[
     Key {
         name: "replicas",
         default: "standard",
-        range: "standard|uniform;D0,D1,D2,D3,D4,D5;...",
-        meaning: "what the chains of a ladder follow: the paper's four, or 2 to 8 of one's own, each \
-                  the weights of the six classes of paths (no class that the one before leaves out)",
+        range: "standard|paper|sides|uniform;D0,D1,D2,D3,D4,D5;...",
+        meaning: "what the chains of a ladder follow: the paper's four, with scouts and more steps for the \
+                  specific one, or as printed; path and light tracing side by side; or 2 to 8 of one's own, \
+                  each the weights of the six classes of paths, *N for N steps a sweep, @B for the replica \
+                  that it stands on (which leaves out no class of it); uniform+N sends N scouts a sweep",
         methods: REPLICAS,
     },
     Key {
@@ -348,10 +350,9 @@ pub const KEYS: &[Key] = &[
     Key {
         name: "steps",
         default: "fine",
-        range: "fine|paper|adapted",
-        meaning: "small steps: 1/61 and 1/61 up to 16 times as much, for the specific replica 1/1024 up to \
-                  1/64; or 1/96 up to 1/6 (RELT 5.1.3); or these times factors that every ladder of relt \
-                  adapts to an acceptance of 0.234",
+        range: "fine|kelemen|paper|adapted",
+        meaning: "small steps: 1/61 up to 16 times as much, for the specific replica 1/1024 up to 1/64; the latter for all; 1/61, 1/61 and 1/96 up to 16 times as much (RELT 5.1.3); \
+                  or these times factors that every ladder of relt adapts to an acceptance of 0.234",
         methods: REPLICAS,
     },
     Key {

@@ -1,5 +1,7 @@
 //! Replica exchange light transport (Kitaoka, Kitamura and Kishino 2009; spec: relt.md).
 
+mod run;
+pub(crate) mod scouts;
 pub(crate) mod start;
 
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -9,10 +11,10 @@ use kaustik_estimate::{
 };
 use kaustik_film::{Counters, Film, Image, Layer, Quantum, develop};
 use kaustik_mcmc::{
-    AcceptanceAdaptation, Estimate, Ladder, LadderStatistics, Mean, Pcg64Dxsm, Point,
-    RoughNormalisers, RunningNormalisers, Schedule, Statistics, SteppingStone, generator,
+    Estimate, LadderStatistics, Mean, RoughNormalisers, RunningNormalisers, Schedule, Statistics,
+    SteppingStone,
 };
-use kaustik_path::{Bidirectional, Contributions};
+use kaustik_path::Bidirectional;
 use kaustik_scene::Scene;
 use rayon::prelude::*;
 
@@ -23,9 +25,9 @@ use crate::{
     ChainStatistics, Normaliser, Options, Place, RenderError, RenderSettings, ReplicaLevel,
     ReplicaStatistics, Steps,
 };
-use start::{
-    Mutation, Started, State, for_so_many_replicas, kernels, mutation, replica_builder, start,
-};
+use run::{Run, below, pool, runs};
+use scouts::{SpecularLight, scouting};
+use start::{Started, for_so_many_replicas, kernels, replica_builder, start};
 
 /// Sweeps of a ladder between two changes of its step sizes. Rounds of 16 were seen to bias a chain by
 /// 20 %, rounds of 1,000 within its error (spec relt.md 4).
@@ -69,22 +71,16 @@ struct ReltEngine<'a, const K: usize> {
     scale: Scale,
     /// Raster area of the window in pixels.
     area: f64,
-    /// What the first population says of the light of each replica.
+    /// What the first population and the first scouts say of the light of each replica.
     pool: Shares<K>,
+    /// What scouts look for, if there are any.
+    region: Option<SpecularLight<'a>>,
+    /// 1 over the steps of each replica in a sweep.
+    each: [f64; K],
     particles: u64,
+    effective: Vec<[f64; 2]>,
     dropped: Option<String>,
     lit: bool,
-}
-
-/// One ladder.
-struct Run<const K: usize> {
-    index: u32,
-    draws: Pcg64Dxsm,
-    ladder: Ladder<Point<Mutation>, Contributions, K>,
-    adaptations: [AcceptanceAdaptation<Mutation>; K],
-    sweeps: u64,
-    shares: Shares<K>,
-    nonfinite: Nonfinite,
 }
 
 impl<'a, const K: usize> ReltEngine<'a, K> {
@@ -110,10 +106,8 @@ impl<'a, const K: usize> ReltEngine<'a, K> {
             unreachable!("K films were made");
         };
         let weights = ReplicaWeights::new(rough.map(|b| b.value), options.beta, specific);
-        let mut pool = Shares::default();
-        for (densities, light) in &started.pool {
-            pool.sample(weights.share(&std::array::from_fn(|k| densities[k]), *light));
-        }
+        let pool = pool(&weights, &set, &started);
+        let scouts = scouting(&set).filter(|_| specific);
         Ok(Self {
             scene,
             builder,
@@ -122,9 +116,12 @@ impl<'a, const K: usize> ReltEngine<'a, K> {
             family,
             weights,
             pool,
+            region: scouts.map(|_| SpecularLight::new(scene, settings)),
+            each: std::array::from_fn(|k| 1.0 / f64::from(set.repeats()[k])),
             rough,
             lit: started.mean > 0.0,
             particles: started.particles,
+            effective: started.effective.clone(),
             dropped: started.dropped.clone(),
             runs: runs(&family, &set, settings, started),
             films,
@@ -143,7 +140,13 @@ impl<'a, const K: usize> ReltEngine<'a, K> {
             scale: self.scale,
             weights: self.weights,
             shares,
+            each: self.each,
         }
+    }
+
+    /// Steps of all replicas in a sweep.
+    fn cost(&self) -> u64 {
+        self.set.repeats()[..K].iter().copied().map(u64::from).sum()
     }
 
     /// Drives one ladder on.
@@ -160,11 +163,24 @@ impl<'a, const K: usize> ReltEngine<'a, K> {
             if done % STRIDE == 0 && is_stopped(stop) {
                 break;
             }
-            (run.ladder).sweep(&kernels, &self.family, &mut run.draws, &mut deposit);
+            for (level, kernel) in kernels.iter().enumerate() {
+                for _ in 0..self.set.repeats()[level] {
+                    (run.ladder).step_at(level, kernel, &self.family, &mut run.draws, &mut deposit);
+                }
+            }
+            if let Some(region) = &self.region {
+                run.scout(
+                    self.set.scouts(),
+                    (&target, region),
+                    &self.family,
+                    &mut deposit,
+                );
+            }
+            (run.ladder).exchange(&kernels, &mut run.draws, &mut deposit);
             let found = nonfinite.load(Ordering::Relaxed);
             if found > 0 {
                 nonfinite.store(0, Ordering::Relaxed);
-                run.nonfinite.count(found, run.sweeps * K as u64);
+                run.nonfinite.count(found, run.sweeps * self.cost());
             }
             run.sweeps += 1;
             if self.options.steps == Steps::Adapted && run.sweeps.is_multiple_of(ADAPTATION_ROUND) {
@@ -189,7 +205,7 @@ impl<'a, const K: usize> ReltEngine<'a, K> {
 
     /// The normalisers of all ladders together (spec (4)): pooled before the product is formed.
     fn running(&self) -> RunningNormalisers<K> {
-        let mut all = SteppingStone::line();
+        let mut all = SteppingStone::on(below(&self.set));
         for run in &self.runs {
             let stone = run.ladder.stepping_stone();
             if self.runs.len() < LADDERS_FOR_ERRORS {
@@ -263,10 +279,10 @@ impl<'a, const K: usize> ReltEngine<'a, K> {
         // the values hardly differ: their variance over ladders - 1 is what one ladder changes
         let ladders = self.runs.len() as f64;
         let of_ladders = (without.variance() / ladders).sqrt() * (ladders - 1.0);
-        // the first population is the same for all
-        let pool = self.particles as f64 / (self.particles + self.sweeps()) as f64;
-        let seen = of_ladders.hypot(pool * self.pool.whole().standard_error);
         let (shares, sweeps) = (self.shares(), self.sweeps());
+        // the first population is the same for all
+        let pool = self.pool.error_within(&shares, self.weights.shared());
+        let seen = of_ladders.hypot(pool);
         seen.max(shares.foreseen_error(sweeps, &shares.scales(sweeps)))
     }
 
@@ -278,66 +294,28 @@ impl<'a, const K: usize> ReltEngine<'a, K> {
     }
 }
 
-impl<const K: usize> Run<K> {
-    /// Ends a round: new step sizes for all replicas but the uniform one.
-    fn adapt(&mut self) {
-        for (level, adaptation) in self.adaptations.iter_mut().enumerate().skip(1) {
-            let small = *self.ladder.replicas()[level].statistics().small();
-            let mutation = adaptation.end_round(&small);
-            // pays what sleeping coordinates owe to the old sizes
-            self.ladder.set_mutation(level, mutation, &mut self.draws);
-        }
-    }
-}
-
-/// The ladders of this process.
-fn runs<const K: usize>(
-    family: &ReplicaFamily<K>,
-    set: &ReplicaSet,
-    settings: &RenderSettings,
-    started: Started,
-) -> Vec<Run<K>> {
-    let mut levels: Vec<_> = started.starts.into_iter().map(Vec::into_iter).collect();
-    let run = |index: u32| {
-        let starts: Vec<State> = levels.iter_mut().filter_map(Iterator::next).collect();
-        let starts: [State; K] = starts.try_into().ok()?;
-        Some(Run {
-            index,
-            draws: generator(settings.seed, u64::from(index)),
-            ladder: Ladder::new(starts, family).with_schedule(settings.options.exchange),
-            adaptations: std::array::from_fn(|k| {
-                AcceptanceAdaptation::new(mutation(set, settings.options.steps, k))
-            }),
-            sweeps: 0,
-            shares: Shares::default(),
-            nonfinite: Nonfinite::default(),
-        })
-    };
-    settings.ladder_range().map_while(run).collect()
-}
-
 impl<const K: usize> Engine for ReltEngine<'_, K> {
     fn advance(&mut self, plan: &[u64], stop: Option<&AtomicBool>) -> u64 {
-        let before = self.sweeps();
+        let (before, cost) = (self.sweeps(), self.cost());
         let mut runs = std::mem::take(&mut self.runs);
         runs.par_iter_mut()
             .zip(plan)
             .with_max_len(1)
-            .for_each(|(run, &steps)| self.drive(run, steps / K as u64, stop));
+            .for_each(|(run, &steps)| self.drive(run, steps / self.cost(), stop));
         self.runs = runs;
         let sweeps = self.sweeps();
         if let Some(direct) = &mut self.direct {
-            direct.keep_up(sweeps * K as u64);
+            direct.keep_up(sweeps * cost);
         }
-        (sweeps - before) * K as u64
+        (sweeps - before) * cost
     }
 
     fn planned(&self, ladder: u32, settings: &RenderSettings) -> u64 {
-        settings.planned_sweeps(ladder, K as u64)
+        settings.planned_sweeps(ladder, self.cost())
     }
 
     fn grain(&self, _ladder: u32) -> u64 {
-        K as u64
+        self.cost()
     }
 
     fn develop(&mut self) -> Result<Image, RenderError> {
@@ -386,6 +364,7 @@ impl<const K: usize> Engine for ReltEngine<'_, K> {
         let shares = self.shares();
         let scales = self.scales();
         let uniform = self.level(0);
+        let pairs = self.set.pairs(K);
         let apart = running.discrepancies(&uniform.independent);
         let level = |k: usize| {
             let statistics = self.level(k);
@@ -411,13 +390,23 @@ impl<const K: usize> Engine for ReltEngine<'_, K> {
                 share_error: known(shares.part(k).standard_error),
                 scale: scales[k],
                 acceptance: moves.rate(),
+                effective_at_once: self.effective[k][0],
+                effective_annealed: self.effective[k][1],
                 step: steps.sum::<f64>() / self.runs.len().max(1) as f64,
             }
         };
         Some(ReplicaStatistics {
             levels: (0..K).map(level).collect(),
             sweeps: self.sweeps(),
-            exchange_acceptance: (1..K).map(|k| exchanges.swap(k - 1, k).rate()).collect(),
+            exchange_acceptance: (pairs.iter().map(|&(a, b)| exchanges.swap(a, b).rate()))
+                .collect(),
+            pairs: pairs.iter().map(|&(a, b)| [a + 1, b + 1]).collect(),
+            scouts: match self.region {
+                Some(_) => self.sweeps() * u64::from(self.set.scouts()),
+                None => 0,
+            },
+            scouts_found: self.runs.iter().map(|run| run.found).sum(),
+            scouts_followed: self.runs.iter().map(|run| run.followed).sum(),
             round_trips: exchanges.round_trips,
             particles: self.particles,
             dropped: self.dropped.clone(),

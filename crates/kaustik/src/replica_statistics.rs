@@ -5,10 +5,18 @@ use serde::Serialize;
 pub struct ReplicaStatistics {
     /// The replicas that ran, the uniform one first.
     pub levels: Vec<ReplicaLevel>,
-    /// Sweeps of all ladders: steps of each replica.
+    /// Sweeps of all ladders.
     pub sweeps: u64,
-    /// Mean acceptance of exchanges between neighbours, by the lower one.
+    /// Mean acceptance of exchanges between neighbours, by pair.
     pub exchange_acceptance: Vec<f64>,
+    /// The pairs, counted from 1.
+    pub pairs: Vec<[usize; 2]>,
+    /// Scouts sent by all ladders.
+    pub scouts: u64,
+    /// How many of them found implicit specular light.
+    pub scouts_found: u64,
+    /// How often the specific replica went there.
+    pub scouts_followed: u64,
     /// How often a state's lineage went from the first replica to the last and back.
     pub round_trips: u64,
     /// Particles of the annealing.
@@ -46,6 +54,10 @@ pub struct ReplicaLevel {
     pub scale: f64,
     /// Mean acceptance of its steps.
     pub acceptance: f64,
+    /// Effective number of the annealing's first particles, if they were resampled for this replica at once.
+    pub effective_at_once: f64,
+    /// That of the annealed population at this replica, before it was resampled.
+    pub effective_annealed: f64,
     /// Largest small step, mean over the ladders.
     pub step: f64,
 }

@@ -155,6 +155,7 @@ fn batch(index: u64, runs: u32, sweeps: u32, variants: &[Variant]) -> Vec<[f64; 
             scale,
             weights: variant.weights,
             shares: Shares::default(),
+            each: [1.0; 4],
         })
         .collect());
     for _ in 0..runs {

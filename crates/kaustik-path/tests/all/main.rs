@@ -16,5 +16,7 @@ mod lengths;
 mod parts;
 /// The scenes on which builders are compared.
 mod scenes;
+/// A walk from the camera alone sees what the full form finds.
+mod sighting;
 /// Scenes in the making.
 mod stage;

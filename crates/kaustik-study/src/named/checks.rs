@@ -228,6 +228,23 @@ pub(super) fn carries_the_dark(results: &Results, place: &str, name: &str, layer
     }
 }
 
+/// A replica's annealed population has more effective particles than the first one resampled for it at once.
+pub(super) fn more_effective(results: &Results, place: &str, name: &str, level: usize) -> Finding {
+    let of = |which: &str| {
+        let path = format!("/replicas/levels/{level}/effective_{which}");
+        last(results, place, name)?.statistic(&path)
+    };
+    match (of("at_once"), of("annealed")) {
+        (Some(at_once), Some(annealed)) => Finding::new(
+            format!(
+                "{place}: {annealed:.0} effective particles by annealing, {at_once:.0} by resampling at once"
+            ),
+            annealed > at_once,
+        ),
+        _ => Finding::open("not rendered, or without that replica"),
+    }
+}
+
 /// The start takes less than so many seconds on every scene.
 pub(super) fn starts_within(results: &Results, name: &str, limit: f64) -> Finding {
     let mut parts = Vec::new();

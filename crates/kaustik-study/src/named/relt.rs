@@ -3,7 +3,7 @@
 use kaustik::Method;
 use kaustik::film::Window;
 
-use super::checks::{carries_the_dark, lower, lower_always, starts_within};
+use super::checks::{carries_the_dark, lower, lower_always, more_effective, starts_within};
 use super::{PaperFigure, Scale, blank, minutes, seconds, settings};
 use crate::{Budgets, Claim, Figure, MethodEntry, SceneEntry, Study};
 
@@ -45,7 +45,11 @@ fn rivals(scale: Scale) -> Vec<MethodEntry> {
         entry(scale, "pssmlt", Method::Pssmlt, "pilot=2000", &builder),
         fmlt(scale),
         relt(scale, "relt", &[]),
-        relt(scale, "relt as printed", &["exchange=pair", "steps=paper"]),
+        relt(
+            scale,
+            "relt as printed",
+            &["replicas=paper", "exchange=pair", "steps=paper"],
+        ),
     ]
 }
 
@@ -213,6 +217,10 @@ fn six(scale: Scale) -> PaperFigure {
                 check: |r| carries_the_dark(r, GLASS, "relt", "replica-1"),
             },
             Claim {
+                text: "4.3: annealing leaves the specific replica more effective particles than resampling at once",
+                check: |r| more_effective(r, GLASS, "relt as printed", 3),
+            },
+            Claim {
                 text: "5.1.2: a start of 10,000 samples takes less than a second",
                 check: |r| starts_within(r, "relt", 1.0),
             },
@@ -269,6 +277,11 @@ fn eight(scale: Scale) -> PaperFigure {
     study.methods = vec![
         relt(scale, "relt", &[]),
         relt(scale, "no exchange", &["exchange=none"]),
+        relt(
+            scale,
+            "neither exchange nor scouts",
+            &["replicas=paper", "exchange=none"],
+        ),
     ];
     PaperFigure {
         number: 8,

@@ -87,6 +87,7 @@ impl Options {
             "steps" => {
                 let words = [
                     ("fine", Steps::Fine),
+                    ("kelemen", Steps::Kelemen),
                     ("paper", Steps::Paper),
                     ("adapted", Steps::Adapted),
                 ];

@@ -79,6 +79,7 @@ impl Options {
                 .map_or(String::new(), |(word, _)| (*word).to_owned()),
             "steps" => match self.steps {
                 Steps::Fine => "fine",
+                Steps::Kelemen => "kelemen",
                 Steps::Paper => "paper",
                 Steps::Adapted => "adapted",
             }

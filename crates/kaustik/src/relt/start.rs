@@ -5,13 +5,14 @@ use std::sync::atomic::AtomicU64;
 
 use kaustik_estimate::{PathTarget, ReplicaFamily, ReplicaSet, light};
 use kaustik_mcmc::{
-    Estimate, Exponential, Extinct, Ignore, LevelKernel, Metropolis, Pcg64Dxsm, Point, Population,
-    Resampling, SampleGenerators, checked_densities, generator,
+    Draws, Estimate, Exponential, Extinct, Family, Ignore, LevelKernel, Metropolis, Pcg64Dxsm,
+    Point, Population, Resampling, SampleGenerators, checked_densities, generator,
 };
-use kaustik_path::{Bidirectional, Contributions, Form};
+use kaustik_path::{Bidirectional, Contributions, Form, Sighting};
 use kaustik_scene::Scene;
 use rayon::prelude::*;
 
+use super::scouts::{Scouts, scouting};
 use crate::render::builder_settings;
 use crate::{RenderSettings, Steps};
 
@@ -34,10 +35,11 @@ pub(crate) fn replica_builder(settings: &RenderSettings) -> Bidirectional {
 /// smaller: as printed, or fine enough for light through glass that is a peak a thousandth wide.
 pub(crate) fn mutation(set: &ReplicaSet, steps: Steps, level: usize) -> Mutation {
     let specific = set.is_specific() && level + 1 == set.count();
-    let s1 = match (specific, steps) {
-        (true, Steps::Fine) => 1.0 / 1024.0,
-        (true, Steps::Paper | Steps::Adapted) => 1.0 / 96.0,
-        (false, _) => 1.0 / 61.0,
+    let s1 = match steps {
+        Steps::Kelemen => 1.0 / 1024.0,
+        Steps::Fine if specific => 1.0 / 1024.0,
+        Steps::Paper | Steps::Adapted if specific => 1.0 / 96.0,
+        Steps::Fine | Steps::Paper | Steps::Adapted => 1.0 / 61.0,
     };
     Exponential::new(s1, 16.0 * s1)
 }
@@ -110,6 +112,11 @@ pub(crate) struct Started {
     pub(crate) rough: Vec<Estimate>,
     /// Densities and [`light`] of the independent samples.
     pub(crate) pool: Vec<([f64; ReplicaSet::MOST], [f64; 2])>,
+    /// Implicit specular light of what scouts found, and how many were sent.
+    pub(crate) scouted: (Vec<f64>, u64),
+    /// Effective numbers of particles by replica: of the first population weighed at once, and of the
+    /// annealed one before it is resampled at that level.
+    pub(crate) effective: Vec<[f64; 2]>,
     /// Mean of X + Y + Z over them.
     pub(crate) mean: f64,
     /// Particles of the last attempt.
@@ -127,7 +134,8 @@ fn anneal<const K: usize>(
 ) -> Started {
     let mut attempt = 0;
     loop {
-        let (mut started, extinct) = climb::<K>(target, set, settings, attempt);
+        let climb = Climb::<K>::new(target, set, settings, attempt);
+        let (mut started, extinct, sighted) = climb.run();
         // Without any light there is nothing to look for with more particles.
         if extinct.is_some() && attempt < AGAIN && started.mean > 0.0 {
             attempt += 1;
@@ -139,12 +147,15 @@ fn anneal<const K: usize>(
                 level + 1,
                 started.particles
             ));
+        } else if set.is_specific() && sighted == Sighting::Plain {
+            started.drop_last(format!(
+                "the specific replica does not run: none of {} walks from the camera scattered specularly",
+                started.scouted.1
+            ));
         } else if set.is_specific()
             && started.rough[K - 1].value < NEGLIGIBLE * started.rough[K - 2].value
         {
-            started.starts.truncate(K - 1);
-            started.rough.truncate(K - 1);
-            started.dropped = Some(format!(
+            started.drop_last(format!(
                 "the specific replica does not run: its normalisation is below {NEGLIGIBLE} of that of \
                  the replica before"
             ));
@@ -153,52 +164,207 @@ fn anneal<const K: usize>(
     }
 }
 
-fn climb<const K: usize>(
-    target: PathTarget<'_>,
-    set: &ReplicaSet,
-    settings: &RenderSettings,
-    attempt: u32,
-) -> (Started, Option<Extinct>) {
-    let family = ReplicaFamily::<K>::new(set, settings.options.target);
-    let kernels = kernels::<K>(target, set, settings.options.steps);
-    let particles = settings.options.particles << attempt;
-    let ladder = |level: usize| u64::MAX - u64::from(attempt) * LADDERS - level as u64;
-    let first = mutation(set, settings.options.steps, 0);
-    let samples = samples(target, &family, &first, settings.seed, ladder(0), particles);
-    let pool: Vec<_> = (samples.iter())
-        .map(|(_, value)| (all_densities(&family, value), light(value)))
-        .collect();
-    let mean = pool.iter().flat_map(|(_, light)| light).sum::<f64>() / particles as f64;
-    let mut population = Population::from_samples(samples, &family, Resampling::Systematic);
-    let mut central = generator(settings.seed, ladder(K));
-    let mut started = Started {
-        starts: Vec::new(),
-        rough: Vec::new(),
-        pool,
-        mean,
-        particles,
-        dropped: None,
-    };
-    for (level, kernel) in kernels.iter().enumerate() {
-        let stage = match population.advance(level, kernel, &mut central) {
-            Ok(stage) => stage,
-            Err(extinct) => return (started, Some(extinct)),
-        };
-        if level > 0 {
-            let generators = SampleGenerators::new(settings.seed, ladder(level));
-            (population.particles_mut().par_iter_mut().enumerate())
-                .with_min_len(64)
-                .for_each(|(slot, particle)| {
-                    let mut draws = generators.at(slot as u64);
-                    for _ in 0..MOVES {
-                        particle.step(kernel, &family, &mut draws, &mut Ignore);
-                    }
-                });
-        }
-        started.rough.push(stage.normaliser);
-        (started.starts).push(choose(&population, settings, &mut central));
+impl Started {
+    fn drop_last(&mut self, why: String) {
+        self.starts.pop();
+        self.rough.pop();
+        self.dropped = Some(why);
     }
-    (started, None)
+}
+
+/// One attempt at an annealing.
+struct Climb<'a, const K: usize> {
+    target: PathTarget<'a>,
+    set: &'a ReplicaSet,
+    settings: &'a RenderSettings,
+    family: ReplicaFamily<K>,
+    attempt: u32,
+    particles: u64,
+    scouts: Scouts<'a, K>,
+}
+
+impl<'a, const K: usize> Climb<'a, K> {
+    fn new(
+        target: PathTarget<'a>,
+        set: &'a ReplicaSet,
+        settings: &'a RenderSettings,
+        attempt: u32,
+    ) -> Self {
+        let family = ReplicaFamily::new(set, settings.options.target);
+        let particles = settings.options.particles << attempt;
+        let count = match scouting(set) {
+            Some(each) => particles * u64::from(each),
+            None => 0,
+        };
+        let ladder = ladder(attempt, K + 1);
+        Self {
+            target,
+            set,
+            settings,
+            family,
+            attempt,
+            particles,
+            scouts: Scouts::send(target, family, settings, ladder, count),
+        }
+    }
+
+    /// Goes up all levels. Also the first that nobody reached, and how far scouts saw.
+    fn run(&self) -> (Started, Option<Extinct>, Sighting) {
+        let steps = self.settings.options.steps;
+        let kernels = kernels::<K>(self.target, self.set, steps);
+        let first = mutation(self.set, steps, 0);
+        let seed = self.settings.seed;
+        let bottom = ladder(self.attempt, 0);
+        let samples = samples(
+            self.target,
+            &self.family,
+            &first,
+            seed,
+            bottom,
+            self.particles,
+        );
+        let pool: Vec<_> = (samples.iter())
+            .map(|(_, value)| (all_densities(&self.family, value), light(value)))
+            .collect();
+        let light = pool.iter().flat_map(|(_, light)| light).sum::<f64>();
+        let mut started = Started {
+            starts: Vec::new(),
+            rough: Vec::new(),
+            pool,
+            scouted: self.scouts.light(),
+            effective: vec![[self.particles as f64; 2]],
+            mean: light / self.particles as f64,
+            particles: self.particles,
+            dropped: None,
+        };
+        let family = Elsewhere {
+            all: self.family,
+            scouted: self.scouts.count > 0,
+        };
+        let mut central = generator(seed, ladder(self.attempt, K));
+        let mut bottom = Population::from_samples(samples, &family, Resampling::Systematic);
+        let uniform = bottom.advance(0, &kernels[0], &mut central);
+        debug_assert!(uniform.is_ok(), "all particles have the density 1");
+        started.rough.push(Estimate::exact(1.0));
+        (started.starts).push(self.choose(0, Some(&bottom), 1.0, &mut central));
+        let mut populations: Vec<Option<Climbing<K>>> = vec![Some(bottom)];
+        for level in 1..K {
+            let below = self.set.below()[level];
+            let last = !self.set.below()[level + 1..].contains(&below);
+            let from = &mut populations[below];
+            let mut population = if last { from.take() } else { from.clone() };
+            let mut elsewhere = Estimate::exact(0.0);
+            let at_once = effective(started.pool.iter().map(|(densities, _)| densities[level]));
+            let mut annealed = 0.0;
+            if let Some(climbing) = &mut population {
+                match climbing.advance(level, &kernels[level], &mut central) {
+                    Ok(stage) => (elsewhere, annealed) = (stage.normaliser, stage.effective),
+                    Err(Extinct { .. }) => population = None,
+                }
+            }
+            if let Some(climbing) = &mut population {
+                self.spread(level, &kernels[level], &family, climbing);
+            }
+            let there = self.scouts.normaliser(level);
+            if elsewhere.value + there.value <= 0.0 {
+                return (started, Some(Extinct { level }), self.scouts.furthest);
+            }
+            started.effective.push([at_once, annealed]);
+            started.rough.push(Estimate {
+                value: elsewhere.value + there.value,
+                standard_error: elsewhere.standard_error.hypot(there.standard_error),
+            });
+            let population_of = population.as_ref();
+            (started.starts).push(self.choose(level, population_of, elsewhere.value, &mut central));
+            populations.push(population);
+        }
+        (started, None, self.scouts.furthest)
+    }
+
+    /// Moves the particles of a level apart.
+    fn spread(
+        &self,
+        level: usize,
+        kernel: &LevelKernel<PathTarget<'_>, Mutation>,
+        family: &Elsewhere<K>,
+        population: &mut Climbing<K>,
+    ) {
+        let generators = SampleGenerators::new(self.settings.seed, ladder(self.attempt, level));
+        (population.particles_mut().par_iter_mut().enumerate())
+            .with_min_len(64)
+            .for_each(|(slot, particle)| {
+                let mut draws = generators.at(slot as u64);
+                for _ in 0..MOVES {
+                    particle.step(kernel, family, &mut draws, &mut Ignore);
+                }
+            });
+    }
+
+    /// A state for each ladder of this process: a particle, which stand for an integral of `elsewhere`, or what a
+    /// scout found. All ladders choose, so that a share of them starts as it would among all.
+    fn choose(
+        &self,
+        level: usize,
+        population: Option<&Climbing<K>>,
+        elsewhere: f64,
+        draws: &mut Pcg64Dxsm,
+    ) -> Vec<State> {
+        let range = self.settings.ladder_range();
+        let mut chosen = Vec::with_capacity(range.len());
+        let densities = self.scouts.densities(level);
+        let there = if level == 0 {
+            0.0
+        } else {
+            self.scouts.normaliser(level).value
+        };
+        for ladder in 0..self.settings.options.ladders {
+            if there > 0.0 && draws.index(&[elsewhere, there]) == 1 {
+                let found = draws.index(&densities);
+                if range.contains(&ladder) {
+                    let mutation = mutation(self.set, self.settings.options.steps, level);
+                    chosen.push(self.scouts.again(found, mutation));
+                }
+            } else {
+                let particle = population.and_then(|population| population.choose(draws));
+                if range.contains(&ladder) {
+                    chosen.extend(particle.map(|p| (p.state().clone(), p.value().clone())));
+                }
+            }
+        }
+        chosen
+    }
+}
+
+/// Effective number of weighted samples: the square of the sum over the sum of squares.
+fn effective(weights: impl Iterator<Item = f64>) -> f64 {
+    let (sum, squares) = weights.fold((0.0, 0.0), |(s, q), w| (s + w, q + w * w));
+    if squares > 0.0 {
+        sum * sum / squares
+    } else {
+        0.0
+    }
+}
+
+/// A ladder that no render has, for the generators of an attempt's level.
+fn ladder(attempt: u32, level: usize) -> u64 {
+    u64::MAX - u64::from(attempt) * LADDERS - level as u64
+}
+
+/// The replicas' densities where scouts have not been: what they look for is left to them.
+struct Elsewhere<const K: usize> {
+    all: ReplicaFamily<K>,
+    scouted: bool,
+}
+
+impl<const K: usize> Family<Contributions, K> for Elsewhere<K> {
+    fn densities(&self, value: &Contributions) -> [f64; K] {
+        let densities = self.all.densities(value);
+        if self.scouted && light(value)[0] > 0.0 {
+            from_fn(|k| if k == 0 { densities[0] } else { 0.0 })
+        } else {
+            densities
+        }
+    }
 }
 
 /// The densities of a value, with zeros for replicas that there are not; NaN and the like are zeros.
@@ -230,24 +396,6 @@ pub(crate) fn samples<const K: usize>(
             (chain.state().clone(), chain.value().clone())
         })
         .collect()
-}
-
-/// A state for each ladder of this process. All ladders choose, so that a share of them starts as it
-/// would among all.
-fn choose<const K: usize>(
-    population: &Climbing<K>,
-    settings: &RenderSettings,
-    draws: &mut Pcg64Dxsm,
-) -> Vec<State> {
-    let range = settings.ladder_range();
-    let mut chosen = Vec::with_capacity(range.len());
-    for ladder in 0..settings.options.ladders {
-        let particle = population.choose(draws);
-        if range.contains(&ladder) {
-            chosen.extend(particle.map(|p| (p.state().clone(), p.value().clone())));
-        }
-    }
-    chosen
 }
 
 /// A population of paths.

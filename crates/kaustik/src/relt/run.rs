@@ -1,0 +1,125 @@
+//! One ladder of replicas at work.
+
+use kaustik_estimate::{
+    PathTarget, ReplicaDeposit, ReplicaFamily, ReplicaSet, ReplicaWeights, Shares,
+};
+use kaustik_mcmc::{
+    AcceptanceAdaptation, Ladder, Pcg64Dxsm, Point, Scouted, Scouting, SteppingStone, SwapGraph,
+    generator,
+};
+use kaustik_path::Contributions;
+
+use super::scouts::SpecularLight;
+use super::start::{Mutation, Started, State, mutation};
+use crate::RenderSettings;
+use crate::engine::Nonfinite;
+
+/// One ladder.
+pub(super) struct Run<const K: usize> {
+    pub(super) index: u32,
+    pub(super) draws: Pcg64Dxsm,
+    pub(super) ladder: Ladder<Point<Mutation>, Contributions, K>,
+    /// Where scouts go.
+    pub(super) spare: Point<Mutation>,
+    pub(super) found: u64,
+    pub(super) followed: u64,
+    pub(super) adaptations: [AcceptanceAdaptation<Mutation>; K],
+    pub(super) sweeps: u64,
+    pub(super) shares: Shares<K>,
+    pub(super) nonfinite: Nonfinite,
+}
+
+/// What independent samples and scouts say before any chain has moved.
+pub(super) fn pool<const K: usize>(
+    weights: &ReplicaWeights<K>,
+    set: &ReplicaSet,
+    started: &Started,
+) -> Shares<K> {
+    let mut pool = Shares::on(below(set));
+    for (densities, light) in &started.pool {
+        pool.sample(weights.share(&std::array::from_fn(|k| densities[k]), *light));
+    }
+    if weights.shared() < K {
+        let (found, sent) = &started.scouted;
+        pool.scouts(K - 1, found, *sent);
+    }
+    pool
+}
+
+/// The replica that each of the first K stands on.
+pub(super) fn below<const K: usize>(set: &ReplicaSet) -> [usize; K] {
+    std::array::from_fn(|k| set.below()[k])
+}
+
+impl<const K: usize> Run<K> {
+    /// Sends scouts for the specific replica.
+    pub(super) fn scout(
+        &mut self,
+        count: u32,
+        (target, region): (&PathTarget<'_>, &SpecularLight<'_>),
+        family: &ReplicaFamily<K>,
+        deposit: &mut ReplicaDeposit<'_, K>,
+    ) {
+        let scouting = Scouting { target, region };
+        for _ in 0..count {
+            let Self {
+                ladder,
+                spare,
+                draws,
+                ..
+            } = self;
+            let light = match ladder.scout(K - 1, &scouting, spare, family, draws, deposit) {
+                Scouted::Nothing => 0.0,
+                Scouted::Found { measure, accepted } => {
+                    self.found += 1;
+                    self.followed += u64::from(accepted);
+                    measure
+                }
+            };
+            deposit.shares.scout(K - 1, light);
+        }
+    }
+
+    /// Ends a round: new step sizes for all replicas but the uniform one.
+    pub(super) fn adapt(&mut self) {
+        for (level, adaptation) in self.adaptations.iter_mut().enumerate().skip(1) {
+            let small = *self.ladder.replicas()[level].statistics().small();
+            let mutation = adaptation.end_round(&small);
+            // pays what sleeping coordinates owe to the old sizes
+            self.ladder.set_mutation(level, mutation, &mut self.draws);
+        }
+    }
+}
+
+/// The ladders of this process.
+pub(super) fn runs<const K: usize>(
+    family: &ReplicaFamily<K>,
+    set: &ReplicaSet,
+    settings: &RenderSettings,
+    started: Started,
+) -> Vec<Run<K>> {
+    let graph = SwapGraph::new(&set.pairs(K)).expect("pairs of different replicas, each once");
+    let mut levels: Vec<_> = started.starts.into_iter().map(Vec::into_iter).collect();
+    let run = |index: u32| {
+        let starts: Vec<State> = levels.iter_mut().filter_map(Iterator::next).collect();
+        let starts: [State; K] = starts.try_into().ok()?;
+        Some(Run {
+            index,
+            draws: generator(settings.seed, u64::from(index)),
+            ladder: Ladder::new(starts, family)
+                .with_schedule(settings.options.exchange)
+                .with_graph(graph.clone())
+                .with_stepping_stone(SteppingStone::on(below(set))),
+            spare: Point::new(mutation(set, settings.options.steps, K - 1)),
+            found: 0,
+            followed: 0,
+            adaptations: std::array::from_fn(|k| {
+                AcceptanceAdaptation::new(mutation(set, settings.options.steps, k))
+            }),
+            sweeps: 0,
+            shares: Shares::on(below(set)),
+            nonfinite: Nonfinite::default(),
+        })
+    };
+    settings.ladder_range().map_while(run).collect()
+}
