@@ -6,6 +6,7 @@
 //! [`ReplicaDeposit`] do the same for replica exchange.
 
 mod deposit;
+mod photon_map;
 mod replica_set;
 mod replicas;
 mod scalar;
@@ -14,6 +15,7 @@ mod target;
 
 pub use deposit::{KelemenDeposit, Mis, Scale};
 pub use kaustik_path::ScalarTarget;
+pub use photon_map::PhotonMap;
 pub use replica_set::{ClassWeights, ReplicaSet, ReplicaSetError};
 pub use replicas::{ReplicaDeposit, ReplicaFamily, ReplicaWeights, light};
 pub use scalar::{Contribution, ScalarContribution};

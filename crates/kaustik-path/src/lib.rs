@@ -15,6 +15,7 @@ mod features;
 pub mod layout;
 mod light;
 mod next_event;
+mod photon;
 mod roulette;
 mod scalar;
 mod unidirectional;
@@ -29,5 +30,9 @@ pub use contributions::{Contributions, Splat};
 pub use endpoint::Endpoint;
 pub use features::{Features, features};
 pub use light::LightTracing;
+pub use photon::{
+    Lookup, MeasurementPoint, MeasurementPoints, MeasurementWalk, Photon, PhotonPath,
+    PhotonTracing, Remainder,
+};
 pub use scalar::ScalarTarget;
 pub use unidirectional::Unidirectional;
