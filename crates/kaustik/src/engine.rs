@@ -90,6 +90,18 @@ impl Nonfinite {
         }
     }
 
+    /// Both, with the first step of either.
+    pub(crate) fn and(self, other: Self) -> Self {
+        Self {
+            count: self.count + other.count,
+            first_step: match (self.count, other.count) {
+                (0, _) => other.first_step,
+                (_, 0) => self.first_step,
+                _ => self.first_step.min(other.first_step),
+            },
+        }
+    }
+
     /// All of several ladders, and the place of the first.
     pub(crate) fn all(ladders: impl Iterator<Item = (u32, Self)>) -> (u64, Option<Place>) {
         ladders.fold((0, None), |(sum, first), (ladder, nonfinite)| {

@@ -3,6 +3,8 @@
 use std::fmt;
 use std::str::FromStr;
 
+use crate::photon_options;
+
 /// A way to compute the picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Method {
@@ -25,11 +27,13 @@ pub enum Method {
     Annealing,
     /// Metropolis light transport on paths (Veach and Guibas 1997).
     Mlt,
+    /// Stochastic progressive photon mapping (Hachisuka and Jensen 2009).
+    Sppm,
 }
 
 impl Method {
     /// All methods.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 10] = [
         Self::Path,
         Self::Light,
         Self::Bdpt,
@@ -39,6 +43,7 @@ impl Method {
         Self::ErptPss,
         Self::Annealing,
         Self::Mlt,
+        Self::Sppm,
     ];
 
     /// The name on the command line.
@@ -53,6 +58,7 @@ impl Method {
             Self::ErptPss => "erpt-pss",
             Self::Annealing => "annealing",
             Self::Mlt => "mlt",
+            Self::Sppm => "sppm",
         }
     }
 
@@ -85,6 +91,9 @@ impl Method {
             }
             Self::Mlt => {
                 "Metropolis light transport on paths: mutations trace what they change alone (Veach, Guibas 1997)"
+            }
+            Self::Sppm => {
+                "photon mapping: photons counted at points that the camera sees, new ones an iteration (Hachisuka, Jensen 2009)"
             }
         }
     }
@@ -194,6 +203,7 @@ pub const KEYS: &[Key] = &[
             Method::Mmlt,
             Method::ErptPss,
             Method::Mlt,
+            Method::Sppm,
         ],
     },
     Key {
@@ -387,4 +397,9 @@ pub const KEYS: &[Key] = &[
         meaning: "radians by which multichain turns directions within the path, 0 < T1 < T2 <= 3",
         methods: PATHS,
     },
+    photon_options::LIGHT_PATHS,
+    photon_options::ROUGHNESS,
+    photon_options::RADIUS,
+    photon_options::REDUCTION,
+    photon_options::REMAINDER,
 ];

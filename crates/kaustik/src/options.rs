@@ -5,9 +5,9 @@ use kaustik_mcmc::Schedule;
 use kaustik_path::Heuristic;
 use kaustik_spectrum::WavelengthSampling;
 
-use crate::Mutations;
 use crate::choices::{Builder, Direct, Normaliser, SmallStep, Steps, Strategies};
 use crate::method::{KEYS, Method};
+use crate::{Mutations, PhotonOptions};
 
 /// All settings; a method reads those that [`Method::keys`] lists.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -44,6 +44,7 @@ pub struct Options {
     pub jitter: Option<[f64; 2]>,
     /// Radians, least and most.
     pub angles: [f64; 2],
+    pub photon: PhotonOptions,
 }
 
 impl Default for Options {
@@ -76,6 +77,7 @@ impl Default for Options {
             mutations: Mutations::ALL,
             jitter: None,
             angles: [1e-4, 0.1],
+            photon: PhotonOptions::default(),
         }
     }
 }
@@ -228,7 +230,7 @@ impl Options {
             "mutations" => self.mutations.to_string(),
             "jitter" => (self.jitter).map_or("veach".to_owned(), |[a, b]| format!("{a}:{b}")),
             "angles" => format!("{}:{}", self.angles[0], self.angles[1]),
-            _ => String::new(),
+            other => self.photon.value(other).unwrap_or_default(),
         }
     }
 
@@ -320,7 +322,7 @@ impl Options {
             "jitter" if value == "veach" => self.jitter = None,
             "jitter" => self.jitter = Some(range(value, 1e6)?),
             "angles" => self.angles = range(value, 3.0)?,
-            _ => return None,
+            other => self.photon.assign(other, value)?,
         }
         Some(())
     }

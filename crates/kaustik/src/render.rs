@@ -12,6 +12,7 @@ use crate::direct::{self, DirectApart};
 use crate::engine::Engine;
 use crate::independent::IndependentEngine;
 use crate::mlt::MltEngine;
+use crate::photon::{PhotonEngine, is_photon};
 use crate::pssmlt::PssmltEngine;
 use crate::relt;
 use crate::{
@@ -150,6 +151,11 @@ fn check(scene: &Scene, settings: &RenderSettings) -> Result<(), RenderError> {
             expected,
         );
     }
+    if is_photon(settings.method) && range != (0..settings.options.ladders) {
+        let expected = "all of them: the iterations of photon methods are shared by all ladders";
+        let found = format!("{}..{}", range.start, range.end);
+        return setting("ladders", found, expected.into());
+    }
     Ok(())
 }
 
@@ -164,6 +170,7 @@ fn engine<'a>(
         Method::Pssmlt | Method::Mmlt => Box::new(PssmltEngine::new(scene, settings)?),
         Method::Relt => relt::engine(scene, settings)?,
         Method::Mlt => Box::new(MltEngine::new(scene, settings)?),
+        Method::Sppm => Box::new(PhotonEngine::new(scene, settings)?),
         Method::Annealing => annealing::engine(scene, settings)?,
         Method::ErptPss => Box::new(IndependentEngine::erpt_pss(scene, settings)?),
     };
