@@ -6,7 +6,11 @@
 //! [`ReplicaDeposit`] do the same for replica exchange.
 
 mod deposit;
+mod photon_deposit;
 mod photon_map;
+mod photon_target;
+mod region_sums;
+mod regions;
 mod replica_set;
 mod replicas;
 mod scalar;
@@ -15,7 +19,11 @@ mod target;
 
 pub use deposit::{KelemenDeposit, Mis, Scale};
 pub use kaustik_path::ScalarTarget;
+pub use photon_deposit::{Combine, PhotonDeposit};
 pub use photon_map::PhotonMap;
+pub use photon_target::{Meeting, PhotonLevels, PhotonTarget, PhotonValue};
+pub use region_sums::{RegionSums, Witnesses};
+pub use regions::{LeafTally, Refinement, Regions, inverse};
 pub use replica_set::{ClassWeights, ReplicaSet, ReplicaSetError};
 pub use replicas::{ReplicaDeposit, ReplicaFamily, ReplicaWeights, light};
 pub use scalar::{Contribution, ScalarContribution};

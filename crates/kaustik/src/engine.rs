@@ -5,8 +5,8 @@ use std::sync::atomic::AtomicBool;
 use kaustik_film::{Counters, Image, Layer};
 
 use crate::{
-    ChainStatistics, DirectStatistics, MutationStatistics, Place, RenderError, RenderSettings,
-    ReplicaStatistics,
+    ChainStatistics, DirectStatistics, MutationStatistics, PhotonStatistics, Place, RenderError,
+    RenderSettings, ReplicaStatistics,
 };
 
 /// A method at work: ladders that can be driven on, and films that can be developed.
@@ -49,6 +49,11 @@ pub(crate) trait Engine: Send + Sync {
     /// The kinds of mutations of paths so far.
     fn mutation_statistics(&self) -> Vec<MutationStatistics> {
         Vec::new()
+    }
+
+    /// The chains of photons so far.
+    fn photon_statistics(&self) -> Option<PhotonStatistics> {
+        None
     }
 
     /// Parts of the picture, each weighted as it is in the whole. After [`develop`](Self::develop).

@@ -54,12 +54,13 @@ pub use error::RenderError;
 pub use method::{KEYS, Key, Method, UnknownMethod};
 pub use mutations::Mutations;
 pub use options::{OptionError, Options};
-pub use photon_options::PhotonOptions;
+pub use photon_options::{PhotonOptions, TargetFunction};
 pub use render::{Outcome, Rendered, Watch, render, render_watched};
 pub use replica_statistics::{ReplicaLevel, ReplicaStatistics};
 pub use settings::{Budget, RenderSettings};
 pub use statistics::{
-    ChainStatistics, DirectStatistics, MutationStatistics, Place, RenderStatistics,
+    ChainStatistics, DirectStatistics, MutationStatistics, PhotonLevel, PhotonStatistics, Place,
+    RenderStatistics,
 };
 
 pub use kaustik_estimate::Mis;

@@ -29,11 +29,17 @@ pub enum Method {
     Mlt,
     /// Stochastic progressive photon mapping (Hachisuka and Jensen 2009).
     Sppm,
+    /// Photons of chains that follow visibility (Hachisuka and Jensen 2011).
+    PhotonVisibility,
+    /// Photons of chains that follow the spatial target function (Gruson 2016).
+    PhotonSpatial,
+    /// The same with regions of the image.
+    PhotonImage,
 }
 
 impl Method {
     /// All methods.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 13] = [
         Self::Path,
         Self::Light,
         Self::Bdpt,
@@ -44,6 +50,9 @@ impl Method {
         Self::Annealing,
         Self::Mlt,
         Self::Sppm,
+        Self::PhotonVisibility,
+        Self::PhotonSpatial,
+        Self::PhotonImage,
     ];
 
     /// The name on the command line.
@@ -59,6 +68,9 @@ impl Method {
             Self::Annealing => "annealing",
             Self::Mlt => "mlt",
             Self::Sppm => "sppm",
+            Self::PhotonVisibility => "photon-visibility",
+            Self::PhotonSpatial => "photon-spatial",
+            Self::PhotonImage => "photon-image",
         }
     }
 
@@ -95,6 +107,13 @@ impl Method {
             Self::Sppm => {
                 "photon mapping: photons counted at points that the camera sees, new ones an iteration (Hachisuka, Jensen 2009)"
             }
+            Self::PhotonVisibility => {
+                "photon mapping with chains that follow what the camera sees (Hachisuka, Jensen 2011)"
+            }
+            Self::PhotonSpatial => {
+                "photon mapping with chains that even out the relative error, by regions of space (Gruson et al. 2016)"
+            }
+            Self::PhotonImage => "the same with regions of the image (Gruson et al. 2016)",
         }
     }
 
@@ -204,6 +223,9 @@ pub const KEYS: &[Key] = &[
             Method::ErptPss,
             Method::Mlt,
             Method::Sppm,
+            Method::PhotonVisibility,
+            Method::PhotonSpatial,
+            Method::PhotonImage,
         ],
     },
     Key {
@@ -402,4 +424,11 @@ pub const KEYS: &[Key] = &[
     photon_options::RADIUS,
     photon_options::REDUCTION,
     photon_options::REMAINDER,
+    photon_options::ACCEPTANCE,
+    photon_options::BURN_IN,
+    photon_options::COMBINE,
+    photon_options::LEVELS,
+    photon_options::TARGET_FUNCTION,
+    photon_options::PSI,
+    photon_options::REFINEMENT,
 ];

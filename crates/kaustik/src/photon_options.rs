@@ -1,5 +1,7 @@
 //! The settings of photon methods.
 
+use kaustik_estimate::{Combine, Refinement, Witnesses};
+
 use crate::method::{Key, Method};
 
 /// Settings that only photon methods read.
@@ -12,6 +14,24 @@ pub struct PhotonOptions {
     /// `None`: the radius stays.
     pub reduction: Option<f64>,
     pub remainder: bool,
+    pub acceptance: f64,
+    pub burn_in: u64,
+    pub combine: Combine,
+    /// Chains of a ladder: 2, 3 or 4.
+    pub levels: u32,
+    pub target_function: TargetFunction,
+    pub psi: Witnesses,
+    pub refinement: Refinement,
+}
+
+/// What the last of the chains follows.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum TargetFunction {
+    /// The inverse density of photons in a region times the inverse size of the kernel (G Eq. 11).
+    #[default]
+    Full,
+    /// The second factor alone.
+    InverseKernel,
 }
 
 impl Default for PhotonOptions {
@@ -22,12 +42,32 @@ impl Default for PhotonOptions {
             radius: 1.0,
             reduction: None,
             remainder: true,
+            acceptance: 0.234,
+            burn_in: 64,
+            combine: Combine::Balance,
+            levels: 4,
+            target_function: TargetFunction::Full,
+            psi: Witnesses::Others,
+            refinement: Refinement::Adaptive,
         }
     }
 }
 
 /// Methods that trace photons.
-const PHOTONS: &[Method] = &[Method::Sppm];
+const PHOTONS: &[Method] = &[
+    Method::Sppm,
+    Method::PhotonVisibility,
+    Method::PhotonSpatial,
+    Method::PhotonImage,
+];
+/// Those of them that run chains.
+const CHAINS: &[Method] = &[
+    Method::PhotonVisibility,
+    Method::PhotonSpatial,
+    Method::PhotonImage,
+];
+/// Those whose target goes by regions.
+const REGIONS: &[Method] = &[Method::PhotonSpatial, Method::PhotonImage];
 
 /// Light paths of an iteration.
 pub(crate) const LIGHT_PATHS: Key = Key {
@@ -74,16 +114,102 @@ pub(crate) const REMAINDER: Key = Key {
     methods: PHOTONS,
 };
 
+/// How often small steps are to be accepted.
+pub(crate) const ACCEPTANCE: Key = Key {
+    name: "acceptance",
+    default: "0.234",
+    range: "0.01 <= rate <= 0.99",
+    meaning: "acceptance that the sizes of small steps are driven to between iterations, for each kind of chain by \
+              itself (the authors' code: 0.5)",
+    methods: CHAINS,
+};
+/// What does not count.
+pub(crate) const BURN_IN: Key = Key {
+    name: "burnin",
+    default: "64",
+    range: "0..=100000",
+    meaning: "steps of each chain at the start of an iteration that count for nothing, because targets have \
+              changed (the paper: 10000 of 10 million, in one ladder)",
+    methods: CHAINS,
+};
+/// How chains make one picture.
+pub(crate) const COMBINE: Key = Key {
+    name: "combine",
+    default: "balance",
+    range: "balance|average",
+    meaning: "how the chains of a ladder make one picture: by the balance heuristic, or the plain mean",
+    methods: CHAINS,
+};
+/// Which chains.
+pub(crate) const LEVELS: Key = Key {
+    name: "levels",
+    default: "4",
+    range: "2|3|4",
+    meaning: "chains of a ladder: uniform, visibility, inverse kernel size, full target; without visibility; \
+              uniform and full alone",
+    methods: REGIONS,
+};
+/// What the last one follows.
+pub(crate) const TARGET_FUNCTION: Key = Key {
+    name: "tf",
+    default: "full",
+    range: "full|inverse-kernel",
+    meaning: "the target function: inverse density of photons in the region times inverse kernel size, or the \
+              second alone",
+    methods: REGIONS,
+};
+/// Whose visits tell about regions.
+pub(crate) const PSI: Key = Key {
+    name: "psi",
+    default: "authors",
+    range: "authors|visibility",
+    meaning: "whose visits tell how dense photons are: all chains but the last, as in the authors' code; or the chain of \
+              visibility (with levels=4)",
+    methods: REGIONS,
+};
+/// When regions are divided.
+pub(crate) const REFINEMENT: Key = Key {
+    name: "refinement",
+    default: "adaptive",
+    range: "adaptive|iterations|off",
+    meaning: "when regions are divided: where the halves of their statistics differ by less than 5 % and 10,000 light \
+              paths have touched them; every iteration; never",
+    methods: REGIONS,
+};
+
+const COMBINES: &[(&str, Combine)] =
+    &[("balance", Combine::Balance), ("average", Combine::Average)];
+const TARGET_FUNCTIONS: &[(&str, TargetFunction)] = &[
+    ("full", TargetFunction::Full),
+    ("inverse-kernel", TargetFunction::InverseKernel),
+];
+const PSIS: &[(&str, Witnesses)] = &[
+    ("authors", Witnesses::Others),
+    ("visibility", Witnesses::Visibility),
+];
+const REFINEMENTS: &[(&str, Refinement)] = &[
+    ("adaptive", Refinement::Adaptive),
+    ("iterations", Refinement::Iterations),
+    ("off", Refinement::Off),
+];
+const SWITCH: &[(&str, bool)] = &[("on", true), ("off", false)];
+
 impl PhotonOptions {
     /// A setting as one would write it; `None` if the key is none of these.
     pub(crate) fn value(&self, key: &str) -> Option<String> {
-        let switch = |on| if on { "on" } else { "off" }.to_owned();
         Some(match key {
             "photons" => self.photons.to_string(),
             "roughness" => self.roughness.to_string(),
             "radius" => self.radius.to_string(),
             "reduction" => (self.reduction).map_or("off".to_owned(), |alpha| alpha.to_string()),
-            "remainder" => switch(self.remainder),
+            "remainder" => name(self.remainder, SWITCH),
+            "acceptance" => self.acceptance.to_string(),
+            "burnin" => self.burn_in.to_string(),
+            "combine" => name(self.combine, COMBINES),
+            "levels" => self.levels.to_string(),
+            "tf" => name(self.target_function, TARGET_FUNCTIONS),
+            "psi" => name(self.psi, PSIS),
+            "refinement" => name(self.refinement, REFINEMENTS),
             _ => return None,
         })
     }
@@ -100,19 +226,32 @@ impl PhotonOptions {
             "radius" => self.radius = number().filter(|r| (0.01..=100.0).contains(r))?,
             "reduction" if value == "off" => self.reduction = None,
             "reduction" => self.reduction = Some(number().filter(|a| *a > 0.0 && *a < 1.0)?),
-            "remainder" => self.remainder = switch(value)?,
+            "remainder" => self.remainder = meaning(value, SWITCH)?,
+            "acceptance" => {
+                self.acceptance = number().filter(|a| (0.01..=0.99).contains(a))?;
+            }
+            "burnin" => self.burn_in = value.parse().ok().filter(|n| *n <= 100_000)?,
+            "combine" => self.combine = meaning(value, COMBINES)?,
+            "levels" => self.levels = value.parse().ok().filter(|n| (2..=4).contains(n))?,
+            "tf" => self.target_function = meaning(value, TARGET_FUNCTIONS)?,
+            "psi" => self.psi = meaning(value, PSIS)?,
+            "refinement" => self.refinement = meaning(value, REFINEMENTS)?,
             _ => return None,
         }
         Some(())
     }
 }
 
-fn switch(value: &str) -> Option<bool> {
-    match value {
-        "on" => Some(true),
-        "off" => Some(false),
-        _ => None,
-    }
+fn meaning<T: Copy>(value: &str, words: &[(&str, T)]) -> Option<T> {
+    let mut known = words.iter();
+    known.find(|(word, _)| *word == value).map(|(_, it)| *it)
+}
+
+fn name<T: PartialEq>(value: T, words: &[(&str, T)]) -> String {
+    let mut known = words.iter();
+    known
+        .find(|(_, it)| *it == value)
+        .map_or(String::new(), |(word, _)| (*word).to_owned())
 }
 
 #[cfg(test)]
@@ -129,12 +268,21 @@ mod tests {
             "radius=2.5",
             "reduction=0.7",
             "remainder=off",
+            "acceptance=0.5",
+            "burnin=100",
+            "combine=average",
+            "levels=3",
+            "tf=inverse-kernel",
+            "psi=visibility",
+            "refinement=off",
         ] {
-            options.set(Method::Sppm, text).unwrap();
+            options.set(Method::PhotonSpatial, text).unwrap();
         }
         let mut again = Options::default();
-        for (key, value) in options.entries(Method::Sppm) {
-            again.set(Method::Sppm, &format!("{key}={value}")).unwrap();
+        for (key, value) in options.entries(Method::PhotonSpatial) {
+            again
+                .set(Method::PhotonSpatial, &format!("{key}={value}"))
+                .unwrap();
         }
         assert_eq!(again, options);
         assert_ne!(options.photon, PhotonOptions::default());
@@ -144,8 +292,11 @@ mod tests {
             "radius=0",
             "reduction=1",
             "remainder=some",
+            "acceptance=1",
+            "levels=5",
+            "tf=half",
         ] {
-            assert!(again.set(Method::Sppm, wrong).is_err(), "{wrong}");
+            assert!(again.set(Method::PhotonSpatial, wrong).is_err(), "{wrong}");
         }
         assert_eq!(again, options);
     }

@@ -170,7 +170,9 @@ fn engine<'a>(
         Method::Pssmlt | Method::Mmlt => Box::new(PssmltEngine::new(scene, settings)?),
         Method::Relt => relt::engine(scene, settings)?,
         Method::Mlt => Box::new(MltEngine::new(scene, settings)?),
-        Method::Sppm => Box::new(PhotonEngine::new(scene, settings)?),
+        Method::Sppm | Method::PhotonVisibility | Method::PhotonSpatial | Method::PhotonImage => {
+            Box::new(PhotonEngine::new(scene, settings)?)
+        }
         Method::Annealing => annealing::engine(scene, settings)?,
         Method::ErptPss => Box::new(IndependentEngine::erpt_pss(scene, settings)?),
     };
@@ -273,6 +275,7 @@ impl Work<'_> {
             direct: engine.direct_statistics(),
             replicas: engine.replica_statistics(),
             mutations: engine.mutation_statistics(),
+            photons: engine.photon_statistics(),
         };
         if settings.features {
             for layer in engine.layers()? {

@@ -4,8 +4,10 @@
 //! An iteration is whole or it is not: `--time` and signals end a render between two. All ladders share the points of
 //! an iteration, so that a process runs all of them; independent renders may be averaged instead.
 
+mod chains;
 mod sppm;
 mod stage;
+mod targets;
 
 use std::sync::atomic::AtomicBool;
 
@@ -15,9 +17,13 @@ use kaustik_scene::Scene;
 use crate::control::is_stopped;
 use crate::engine::{Engine, Nonfinite, add_counters, add_nonfinite};
 use crate::independent::IndependentEngine;
-use crate::{Budget, ChainStatistics, Method, Place, RenderError, RenderSettings};
+use crate::{
+    Budget, ChainStatistics, Method, PhotonStatistics, Place, RenderError, RenderSettings,
+};
+use chains::PhotonChains;
 use sppm::IndependentPhotons;
 use stage::Stage;
+use targets::Space;
 
 /// Passes of the remainder for each iteration.
 const PASSES: u64 = 2;
@@ -32,7 +38,13 @@ trait Tracer: Send + Sync {
     /// The picture of all iterations.
     fn develop(&mut self, stage: &Stage<'_>) -> Result<Image, RenderError>;
 
-    fn chain_statistics(&self) -> Option<ChainStatistics>;
+    fn chain_statistics(&self) -> Option<ChainStatistics> {
+        None
+    }
+
+    fn photon_statistics(&self) -> Option<PhotonStatistics> {
+        None
+    }
 
     fn nonfinite(&self) -> Nonfinite;
 
@@ -42,7 +54,7 @@ trait Tracer: Send + Sync {
 /// A photon method at work. A step is a light path.
 pub(crate) struct PhotonEngine<'a> {
     stage: Stage<'a>,
-    tracer: Box<dyn Tracer + 'a>,
+    tracer: Box<dyn Tracer>,
     remainder: IndependentEngine<'a>,
     /// Steps of each ladder for one round of the remainder.
     passes: Vec<u64>,
@@ -52,14 +64,40 @@ pub(crate) struct PhotonEngine<'a> {
 
 /// Is it one of these methods?
 pub(crate) fn is_photon(method: Method) -> bool {
-    matches!(method, Method::Sppm)
+    matches!(
+        method,
+        Method::Sppm | Method::PhotonVisibility | Method::PhotonSpatial | Method::PhotonImage
+    )
+}
+
+/// What traces the light paths of a method.
+fn tracer(stage: &Stage<'_>, settings: &RenderSettings) -> Result<Box<dyn Tracer>, RenderError> {
+    let space = match settings.method {
+        Method::PhotonImage => Space::Image,
+        _ => Space::World,
+    };
+    Ok(match (settings.method, settings.options.photon.levels) {
+        (Method::PhotonVisibility, _) => {
+            Box::new(PhotonChains::new(stage, settings, [0, 1], space)?)
+        }
+        (Method::PhotonSpatial | Method::PhotonImage, 2) => {
+            Box::new(PhotonChains::new(stage, settings, [0, 3], space)?)
+        }
+        (Method::PhotonSpatial | Method::PhotonImage, 3) => {
+            Box::new(PhotonChains::new(stage, settings, [0, 2, 3], space)?)
+        }
+        (Method::PhotonSpatial | Method::PhotonImage, _) => {
+            Box::new(PhotonChains::new(stage, settings, [0, 1, 2, 3], space)?)
+        }
+        _ => Box::new(IndependentPhotons::new(stage, settings)?),
+    })
 }
 
 impl<'a> PhotonEngine<'a> {
     pub(crate) fn new(scene: &'a Scene, settings: &RenderSettings) -> Result<Self, RenderError> {
         let mut stage = Stage::new(scene, settings);
         stage.begin();
-        let tracer: Box<dyn Tracer> = Box::new(IndependentPhotons::new(&stage, settings)?);
+        let tracer = tracer(&stage, settings)?;
         let mut of_remainder = RenderSettings {
             seed: settings.seed ^ SEED,
             ..settings.clone()
@@ -122,6 +160,10 @@ impl Engine for PhotonEngine<'_> {
 
     fn chain_statistics(&self) -> Option<ChainStatistics> {
         self.tracer.chain_statistics()
+    }
+
+    fn photon_statistics(&self) -> Option<PhotonStatistics> {
+        self.tracer.photon_statistics()
     }
 
     fn layers(&self) -> Result<Vec<Layer>, RenderError> {

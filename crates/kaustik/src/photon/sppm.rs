@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use super::Tracer;
 use super::stage::Stage;
 use crate::engine::Nonfinite;
-use crate::{ChainStatistics, RenderError, RenderSettings};
+use crate::{RenderError, RenderSettings};
 
 /// Light paths that one thread traces at a time.
 const CHUNK: u64 = 1024;
@@ -61,10 +61,6 @@ impl Tracer for IndependentPhotons {
 
     fn develop(&mut self, stage: &Stage<'_>) -> Result<Image, RenderError> {
         Ok(develop(&[(&self.film, stage.factor())])?)
-    }
-
-    fn chain_statistics(&self) -> Option<ChainStatistics> {
-        None
     }
 
     fn nonfinite(&self) -> Nonfinite {

@@ -137,6 +137,26 @@ impl<'a> Stage<'a> {
         (self.walk).trace(self.scene, &self.wavelengths, &mut coordinates, out);
     }
 
+    /// Positions of points from so many walks a cell, for nothing but a look at where things are.
+    pub(super) fn pilot(&self, passes: u64) -> Vec<[f32; 3]> {
+        let chunks = (0..self.cells.count().div_ceil(CHUNK)).into_par_iter();
+        let positions = |points: &mut MeasurementPoints, chunk: u64| {
+            points.clear();
+            for cell in chunk * CHUNK..((chunk + 1) * CHUNK).min(self.cells.count()) {
+                for pass in 0..passes {
+                    // far from the indices that iterations will have
+                    self.measure(cell, u64::MAX / self.cells.count() / 2 + pass, points);
+                }
+            }
+            let points = points.points().iter();
+            points.map(|p| p.position.to_array()).collect::<Vec<_>>()
+        };
+        let found: Vec<Vec<[f32; 3]>> = chunks
+            .map_init(MeasurementPoints::default, positions)
+            .collect();
+        found.concat()
+    }
+
     pub(super) fn map(&self) -> PhotonMap<'_> {
         PhotonMap {
             points: &self.points,
@@ -148,6 +168,11 @@ impl<'a> Stage<'a> {
 
     pub(super) fn wavelengths(&self) -> &Wavelengths {
         &self.wavelengths
+    }
+
+    /// Raster area of a cell in pixels.
+    pub(super) fn cell_area(&self) -> f64 {
+        self.cell_area
     }
 
     /// What turns sums over whole iterations, of light paths that each weigh one, into a picture.
