@@ -29,6 +29,8 @@ mod by_the_book;
 mod direct;
 /// Pictures known in closed form.
 mod furnace;
+/// Photon methods: as the radius shrinks, and against each other.
+mod photon;
 /// Replica exchange: variants, parts, replicas that do not run.
 mod replicas;
 /// Nothing depends on the unit of length.

@@ -20,7 +20,7 @@ use crate::{ChainStatistics, PhotonOptions, RenderError, RenderSettings};
 const POOL_LADDER: u64 = u64::MAX;
 const CHOICE_LADDER: u64 = u64::MAX - 1;
 /// Before the first iteration step sizes learn for so many rounds of so many sweeps.
-const WARM_UP: (u64, u64) = (16, 64);
+const WARM_UP: (u64, u64) = (8, 32);
 
 /// Ladders of K chains each: the first draws uniform light paths, the others follow targets.
 pub(super) struct PhotonChains<const K: usize> {
