@@ -143,7 +143,10 @@ fn chains_tell_their_normalisers() {
     let photons = statistics.photons.expect("of chains");
     assert_eq!((photons.iterations, photons.levels.len()), (4, 4));
     for pair in photons.levels.windows(2) {
-        assert!(pair[1].normaliser <= 1.001 * pair[0].normaliser, "{photons:?}");
+        assert!(
+            pair[1].normaliser <= 1.001 * pair[0].normaliser,
+            "{photons:?}"
+        );
         assert!(pair[1].normaliser > 0.0 && pair[1].error < 0.2 * pair[1].normaliser);
         assert!((pair[1].acceptance - 0.234).abs() < 0.15, "{photons:?}");
     }

@@ -12,7 +12,7 @@ const MOST_ERROR: f64 = 0.05;
 /// Light paths that a region must have been touched by.
 const LEAST_PATHS: f64 = 10_000.0;
 /// The compression of both factors of the target (G Eq. 11).
-pub const EPSILON: f64 = 1e-4;
+const EPSILON: f64 = 1e-4;
 
 /// A tree of regions with a cut.
 #[derive(Clone, Debug)]

@@ -103,11 +103,11 @@ impl<const K: usize> PhotonChains<K> {
         let target = self.target(stage);
         let generators = SampleGenerators::new(settings.seed, POOL_LADDER);
         let levels = self.levels;
-        let evaluate = |value: &mut PhotonValue, index: u64| {
-            target.evaluate(&mut Independent::new(generators.at(index)), value);
+        let evaluate = |value: &mut PhotonValue, index: usize| {
+            target.evaluate(&mut Independent::new(generators.at(index as u64)), value);
             levels.0.map(|level| value.targets[level])
         };
-        let samples: Vec<[f64; K]> = (0..settings.options.pilot)
+        let samples: Vec<[f64; K]> = (0..settings.options.pilot as usize)
             .into_par_iter()
             .with_min_len(256)
             .map_init(PhotonValue::default, evaluate)
@@ -241,7 +241,13 @@ impl<const K: usize> PhotonChains<K> {
         let found = stone.normalisers(1.0);
         let values = found.values();
         for (level, estimate) in found.estimates().iter().enumerate() {
-            self.normalisers[level] = [values[level], estimate.relative_error() * values[level]];
+            let value = values[level];
+            let error = if value > 0.0 {
+                estimate.relative_error() * value
+            } else {
+                0.0
+            };
+            self.normalisers[level] = [value, error];
         }
         std::array::from_fn(|level| {
             let count: f64 = self.ladders.iter().map(|chains| chains.counts[level]).sum();
