@@ -110,7 +110,7 @@ fn furniture(stage: &mut Stage, oak: usize) {
         }
     }
     stage.place("chairs", oak, shapes::join(chairs));
-    let leaf = Vec3::new(5.44, 1.1, ROOM.z - 0.42);
+    let leaf = Vec3::new(5.44, 1.1, ROOM.z - 0.44);
     let leaf = shapes::cuboid(leaf, Vec3::new(0.48, 1.08, 0.02), 1.05);
     stage.place("door", oak, leaf);
 }

@@ -11,7 +11,7 @@ use rayon::prelude::*;
 
 use super::Tracer;
 use super::stage::Stage;
-use super::targets::{NAMES, Space, Targets};
+use super::targets::{Space, Targets};
 use crate::engine::{Nonfinite, add_counters};
 use crate::statistics::{PhotonLevel, PhotonStatistics};
 use crate::{ChainStatistics, PhotonOptions, RenderError, RenderSettings};
@@ -63,7 +63,7 @@ impl<const K: usize> PhotonChains<K> {
         for _ in 0..K {
             films.push(stage.film(settings)?);
         }
-        let films = films.try_into().unwrap_or_else(|_| unreachable!("K films"));
+        let films: [Film; K] = films.try_into().unwrap_or_else(|_| unreachable!("K films"));
         let mut targets = Targets::new(stage, options, levels, space);
         targets.assign(stage);
         let adaptation = AcceptanceAdaptation::new(Power::new(1.0)).with_target(options.acceptance);
@@ -336,7 +336,7 @@ impl<const K: usize> Tracer for PhotonChains<K> {
 
     fn photon_statistics(&self) -> Option<PhotonStatistics> {
         let level = |level: usize| PhotonLevel {
-            target: NAMES[self.levels.0[level]],
+            target: self.targets.name(self.levels.0[level]),
             normaliser: self.normalisers[level][0],
             error: self.normalisers[level][1],
             acceptance: self.small_steps(level).rate(),

@@ -5,6 +5,7 @@
 //! an iteration, so that a process runs all of them; independent renders may be averaged instead.
 
 mod chains;
+mod density;
 mod sppm;
 mod stage;
 mod targets;
@@ -66,7 +67,11 @@ pub(crate) struct PhotonEngine<'a> {
 pub(crate) fn is_photon(method: Method) -> bool {
     matches!(
         method,
-        Method::Sppm | Method::PhotonVisibility | Method::PhotonSpatial | Method::PhotonImage
+        Method::Sppm
+            | Method::PhotonVisibility
+            | Method::PhotonDensity
+            | Method::PhotonSpatial
+            | Method::PhotonImage
     )
 }
 
@@ -77,6 +82,10 @@ fn tracer(stage: &Stage<'_>, settings: &RenderSettings) -> Result<Box<dyn Tracer
         _ => Space::World,
     };
     Ok(match (settings.method, settings.options.photon.levels) {
+        (Method::PhotonDensity, _) => {
+            let space = Space::Densities(density::pilot(stage.scene, settings));
+            Box::new(PhotonChains::new(stage, settings, [0, 2], space)?)
+        }
         (Method::PhotonVisibility, _) => {
             Box::new(PhotonChains::new(stage, settings, [0, 1], space)?)
         }

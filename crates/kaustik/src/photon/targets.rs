@@ -1,23 +1,26 @@
 //! What chains follow: the targets of measurement points, and the regions that they go by.
 
-use kaustik_estimate::{Refinement, RegionSums, Regions, inverse};
+use kaustik_estimate::{DensityTarget, Refinement, RegionSums, Regions, inverse};
+use kaustik_path::MeasurementPoint;
 use rayon::prelude::*;
 
 use super::stage::Stage;
 use crate::photon_options::{PhotonOptions, TargetFunction};
 
 /// Names of the four targets of spec stf-photon.md (9).
-pub(super) const NAMES: [&str; 4] = ["uniform", "visibility", "inverse-kernel", "full"];
+const NAMES: [&str; 4] = ["uniform", "visibility", "inverse-kernel", "full"];
 /// Camera walks a pixel before the first iteration, which the tree is made from (G sec. 4.2).
 const PILOT_PASSES: u64 = 4;
 
-/// Where regions lie.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// Where regions lie, or what stands for them.
+#[derive(Debug)]
 pub(super) enum Space {
     /// In the scene.
     World,
     /// On the image.
     Image,
+    /// No regions: a pilot's map of the image.
+    Densities(DensityTarget),
 }
 
 /// `T_3` and `T_4` of all points, and the regions behind them.
@@ -41,8 +44,8 @@ impl<const K: usize> Targets<K> {
         space: Space,
     ) -> Self {
         let wanted = levels.contains(&3) && options.target_function == TargetFunction::Full;
-        let regions = wanted.then(|| match space {
-            Space::World => Regions::spatial(&mut stage.pilot(PILOT_PASSES)),
+        let regions = wanted.then(|| match &space {
+            Space::World | Space::Densities(_) => Regions::spatial(&mut stage.pilot(PILOT_PASSES)),
             Space::Image => Regions::image(),
         });
         let sums = (regions.as_ref())
@@ -70,8 +73,12 @@ impl<const K: usize> Targets<K> {
         let leaves = self.leaves(stage);
         match &mut self.regions {
             None => {
-                let of = |area| [kernel(area) as f32; 2];
-                self.of_points.extend(points.iter().map(|p| of(p.area())));
+                let space = &self.space;
+                let of = |point: &MeasurementPoint| match space {
+                    Space::Densities(map) => map.at(point.raster.x, point.raster.y),
+                    _ => kernel(point.area()) as f32,
+                };
+                self.of_points.extend(points.iter().map(|p| [of(p); 2]));
             }
             Some(regions) => {
                 let mut areas = vec![0.0; regions.leaves()];
@@ -109,9 +116,9 @@ impl<const K: usize> Targets<K> {
         let points = stage.map().points.points().par_iter().with_min_len(4096);
         let leaf = |place| regions.leaf(place);
         points
-            .map(|point| match self.space {
-                Space::World => leaf(point.position.to_array()),
+            .map(|point| match &self.space {
                 Space::Image => leaf([point.raster.x as f32, point.raster.y as f32, 0.0]),
+                _ => leaf(point.position.to_array()),
             })
             .collect()
     }
@@ -130,6 +137,14 @@ impl<const K: usize> Targets<K> {
     pub(super) fn learn(&mut self, factors: &[f64; K], refinement: Refinement) {
         if let (Some(regions), Some(sums)) = (&mut self.regions, &self.sums) {
             regions.learn(&sums.tallies(factors), refinement);
+        }
+    }
+
+    /// The name of one of the four targets.
+    pub(super) fn name(&self, level: usize) -> &'static str {
+        match (level, &self.space) {
+            (2, Space::Densities(_)) => "density",
+            _ => NAMES[level],
         }
     }
 
