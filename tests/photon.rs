@@ -104,6 +104,7 @@ fn photon_methods_agree_with_each_other() {
         (Method::PhotonSpatial, 3, Combine::Balance),
         (Method::PhotonSpatial, 2, Combine::Balance),
         (Method::PhotonImage, 4, Combine::Balance),
+        (Method::PhotonDensity, 2, Combine::Balance),
     ];
     for (method, levels, combine) in chains {
         let mut settings = photons(method, 16, 60_000);

@@ -97,7 +97,11 @@ mod tests {
         let target = DensityTarget::new(columns, rows, &densities);
         assert!((target.at(0.1, 0.5) - 1.0).abs() < 1e-6);
         // 1 + 10 (exp(1 - 0.05 / 0.325) - 1)
-        assert!((target.at(0.9, 0.5) - 14.31).abs() < 0.01, "{}", target.at(0.9, 0.5));
+        assert!(
+            (target.at(0.9, 0.5) - 14.31).abs() < 0.01,
+            "{}",
+            target.at(0.9, 0.5)
+        );
         let edge = target.at(0.5, 0.5);
         assert!(edge > 1.0 && edge < 14.0, "{edge}: a blur");
         assert!((target.at(5.0, -1.0) - target.at(0.999, 0.0)).abs() < 1e-6);

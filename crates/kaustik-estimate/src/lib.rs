@@ -5,6 +5,7 @@
 //! off them, [`KelemenDeposit`] weighs and splats every visit. [`ReplicaFamily`] and
 //! [`ReplicaDeposit`] do the same for replica exchange.
 
+mod density_target;
 mod deposit;
 mod photon_deposit;
 mod photon_map;
@@ -17,6 +18,7 @@ mod scalar;
 mod shares;
 mod target;
 
+pub use density_target::DensityTarget;
 pub use deposit::{KelemenDeposit, Mis, Scale};
 pub use kaustik_path::ScalarTarget;
 pub use photon_deposit::{Combine, PhotonDeposit};

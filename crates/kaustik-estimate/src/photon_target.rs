@@ -23,7 +23,7 @@ pub struct PhotonValue {
     pub path: PhotonPath,
     /// All pairs that meet, by photon.
     pub meetings: Vec<Meeting>,
-    /// `T_1` to `T_4` of spec stf-photon.md (9): 1; visibility; inverse kernel size; all of it. Positive and at most 1
+    /// `T_1` to `T_4` of spec stf-photon.md (9): 1; visibility; inverse kernel size; all of it. Positive
     /// where the path is visible, else but for the first 0.
     pub targets: [f64; 4],
 }

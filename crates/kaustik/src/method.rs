@@ -31,6 +31,8 @@ pub enum Method {
     Sppm,
     /// Photons of chains that follow visibility (Hachisuka and Jensen 2011).
     PhotonVisibility,
+    /// Photons of chains that follow the inverse of a pilot's density (Chen 2011).
+    PhotonDensity,
     /// Photons of chains that follow the spatial target function (Gruson 2016).
     PhotonSpatial,
     /// The same with regions of the image.
@@ -39,7 +41,7 @@ pub enum Method {
 
 impl Method {
     /// All methods.
-    pub const ALL: [Self; 13] = [
+    pub const ALL: [Self; 14] = [
         Self::Path,
         Self::Light,
         Self::Bdpt,
@@ -51,6 +53,7 @@ impl Method {
         Self::Mlt,
         Self::Sppm,
         Self::PhotonVisibility,
+        Self::PhotonDensity,
         Self::PhotonSpatial,
         Self::PhotonImage,
     ];
@@ -69,6 +72,7 @@ impl Method {
             Self::Mlt => "mlt",
             Self::Sppm => "sppm",
             Self::PhotonVisibility => "photon-visibility",
+            Self::PhotonDensity => "photon-density",
             Self::PhotonSpatial => "photon-spatial",
             Self::PhotonImage => "photon-image",
         }
@@ -109,6 +113,9 @@ impl Method {
             }
             Self::PhotonVisibility => {
                 "photon mapping with chains that follow what the camera sees (Hachisuka, Jensen 2011)"
+            }
+            Self::PhotonDensity => {
+                "photon mapping with chains that go where a pilot found few photons (Chen, Wang, Yong 2011)"
             }
             Self::PhotonSpatial => {
                 "photon mapping with chains that even out the relative error, by regions of space (Gruson et al. 2016)"
@@ -224,6 +231,7 @@ pub const KEYS: &[Key] = &[
             Method::Mlt,
             Method::Sppm,
             Method::PhotonVisibility,
+            Method::PhotonDensity,
             Method::PhotonSpatial,
             Method::PhotonImage,
         ],

@@ -57,12 +57,14 @@ impl Default for PhotonOptions {
 const PHOTONS: &[Method] = &[
     Method::Sppm,
     Method::PhotonVisibility,
+    Method::PhotonDensity,
     Method::PhotonSpatial,
     Method::PhotonImage,
 ];
 /// Those of them that run chains.
 const CHAINS: &[Method] = &[
     Method::PhotonVisibility,
+    Method::PhotonDensity,
     Method::PhotonSpatial,
     Method::PhotonImage,
 ];

@@ -170,9 +170,11 @@ fn engine<'a>(
         Method::Pssmlt | Method::Mmlt => Box::new(PssmltEngine::new(scene, settings)?),
         Method::Relt => relt::engine(scene, settings)?,
         Method::Mlt => Box::new(MltEngine::new(scene, settings)?),
-        Method::Sppm | Method::PhotonVisibility | Method::PhotonSpatial | Method::PhotonImage => {
-            Box::new(PhotonEngine::new(scene, settings)?)
-        }
+        Method::Sppm
+        | Method::PhotonVisibility
+        | Method::PhotonDensity
+        | Method::PhotonSpatial
+        | Method::PhotonImage => Box::new(PhotonEngine::new(scene, settings)?),
         Method::Annealing => annealing::engine(scene, settings)?,
         Method::ErptPss => Box::new(IndependentEngine::erpt_pss(scene, settings)?),
     };
