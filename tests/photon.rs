@@ -77,6 +77,28 @@ fn the_error_falls_with_the_radius_to_one_percent() {
     }
 }
 
+/// A surface that is diffuse and glossy shows the one by photons and the other by what is left to the camera: with any
+/// threshold each light path counts once.
+#[test]
+fn surfaces_of_two_parts_count_once() {
+    let scene = scene("glossy-cornell", SIDE);
+    let truth = reference(&scene, 256);
+    for roughness in [0.05, 0.39] {
+        let mut settings = photons(Method::Sppm, 12, 60_000);
+        settings.options.photon.radius = 0.5;
+        settings.options.photon.roughness = roughness;
+        let image = picture(&scene, &settings);
+        let (error, bias) = (
+            distance(&image, &truth),
+            luminance(means(&image)) / luminance(means(&truth)) - 1.0,
+        );
+        assert!(
+            error < 0.06 && bias.abs() < 0.03,
+            "{roughness}: {error}, {bias}"
+        );
+    }
+}
+
 /// A radius that shrinks from iteration to iteration ends nearer to the truth.
 #[test]
 fn reduction_takes_the_error_away() {
