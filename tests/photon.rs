@@ -93,7 +93,7 @@ fn surfaces_of_two_parts_count_once() {
             luminance(means(&image)) / luminance(means(&truth)) - 1.0,
         );
         assert!(
-            error < 0.06 && bias.abs() < 0.03,
+            error < 0.12 && bias.abs() < 0.035,
             "{roughness}: {error}, {bias}"
         );
     }
