@@ -20,14 +20,14 @@ pub struct Parts {
 }
 
 impl Parts {
-    const fn wide(bsdf: Bsdf) -> Self {
+    const fn all_wide(bsdf: Bsdf) -> Self {
         Self {
             wide: Some(bsdf),
             narrow: None,
         }
     }
 
-    const fn narrow(bsdf: Bsdf) -> Self {
+    const fn all_narrow(bsdf: Bsdf) -> Self {
         Self {
             wide: None,
             narrow: Some(bsdf),
@@ -36,9 +36,9 @@ impl Parts {
 
     const fn one(bsdf: Bsdf, wide: bool) -> Self {
         if wide {
-            Self::wide(bsdf)
+            Self::all_wide(bsdf)
         } else {
-            Self::narrow(bsdf)
+            Self::all_narrow(bsdf)
         }
     }
 }
@@ -48,11 +48,11 @@ impl Bsdf {
     /// the same width, `sqrt(2 / (n + 2))`. With 0 everything is wide that is not Dirac.
     pub fn parts(&self, threshold: f64) -> Parts {
         match self {
-            Self::Lambertian(_) => Parts::wide(*self),
+            Self::Lambertian(_) => Parts::all_wide(*self),
             Self::Mirror(_)
             | Self::Conductor(_)
             | Self::Dielectric(_)
-            | Self::ThinDielectric(_) => Parts::narrow(*self),
+            | Self::ThinDielectric(_) => Parts::all_narrow(*self),
             Self::RoughConductor(lobe) => Parts::one(*self, lobe.alpha() >= threshold),
             Self::RoughDielectric(lobe) => Parts::one(*self, lobe.alpha() >= threshold),
             Self::RoughThinDielectric(lobe) => Parts::one(*self, lobe.alpha() >= threshold),
@@ -74,7 +74,7 @@ impl Bsdf {
 
 fn phong(lobe: &Phong, threshold: f64) -> Parts {
     if lobe.alpha() >= threshold {
-        return Parts::wide(Bsdf::Phong(*lobe));
+        return Parts::all_wide(Bsdf::Phong(*lobe));
     }
     let lit = |colour: Spectrum, part: Phong| (!colour.is_zero()).then_some(Bsdf::Phong(part));
     let (diffuse, specular) = lobe.colours();
