@@ -31,6 +31,8 @@ mod direct;
 mod erpt;
 /// Pictures known in closed form.
 mod furnace;
+/// Photon methods: as the radius shrinks, and against each other.
+mod photon;
 /// Replica exchange: variants, parts, replicas that do not run.
 mod replicas;
 /// Nothing depends on the unit of length.

@@ -1,4 +1,4 @@
-use crate::{Delta, Lobe, Mode, Sample, fresnel, local, warp};
+use crate::{Conductor, Delta, Lobe, Mode, Reflectance, Sample, fresnel, local, warp};
 use glam::DVec3;
 use kaustik_spectrum::Spectrum;
 use std::f64::consts::FRAC_1_PI;
@@ -31,6 +31,16 @@ impl Coated {
             ior,
             body: base * ((FRAC_1_PI / (ior * ior)) as f32),
             share: base * ((out / (ior * ior)) as f32),
+        }
+    }
+
+    /// The coat alone: a mirror of the same reflectance.
+    pub(crate) fn varnish(&self) -> Conductor {
+        Conductor {
+            reflectance: Reflectance::Conductor {
+                eta: Spectrum::splat(self.ior as f32),
+                k: Spectrum::ZERO,
+            },
         }
     }
 

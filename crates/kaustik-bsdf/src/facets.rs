@@ -51,6 +51,12 @@ impl Facets {
         }
     }
 
+    /// GGX roughness.
+    #[inline]
+    pub(crate) fn alpha(&self) -> f64 {
+        self.ggx.alpha()
+    }
+
     /// With or without compensation by the reflectance's own mean.
     #[inline]
     pub(crate) fn compensated(reflectance: Reflectance, alpha: f64, compensation: bool) -> Self {

@@ -30,6 +30,26 @@ impl Phong {
         }
     }
 
+    /// The GGX roughness of a lobe as wide as this one.
+    #[inline]
+    pub fn alpha(&self) -> f64 {
+        (2.0 / (self.exponent + 2.0)).sqrt()
+    }
+
+    /// `k_d` and `k_s` as they are used.
+    pub(crate) fn colours(&self) -> (Spectrum, Spectrum) {
+        (self.diffuse, self.specular)
+    }
+
+    /// The same lobe with other colours, which sum to at most 1.
+    pub(crate) fn with_colours(self, diffuse: Spectrum, specular: Spectrum) -> Self {
+        Self {
+            diffuse,
+            specular,
+            ..self
+        }
+    }
+
     /// Albedo of the lobe for `k_s` of 1: the mean of `(n + 2) / (n + 1) cos wi` over the lobe,
     /// whose cosines spread by `sin wo / sqrt(n + 3)`, within a few per cent.
     #[inline]

@@ -1,6 +1,7 @@
 mod body;
 mod clear;
 mod parameters;
+mod parts;
 
 pub use parameters::{PrincipledParameters, Wall};
 

@@ -18,6 +18,12 @@ impl RoughConductor {
             facets: Facets::compensated(reflectance, alpha, compensation),
         }
     }
+
+    /// GGX roughness.
+    #[inline]
+    pub fn alpha(&self) -> f64 {
+        self.facets.alpha()
+    }
 }
 
 impl Lobe for RoughConductor {

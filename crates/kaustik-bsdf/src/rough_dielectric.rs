@@ -35,6 +35,12 @@ pub struct RoughDielectric {
 }
 
 impl RoughDielectric {
+    /// GGX roughness.
+    #[inline]
+    pub fn alpha(&self) -> f64 {
+        self.ggx.alpha()
+    }
+
     /// From the media and `alpha` in `[SMOOTH_ALPHA, 1]` (clamped). The hero's index ratio must
     /// not be 1, where facets have no effect (the [`Bsdf`](crate::Bsdf) constructor sees to it).
     #[inline]

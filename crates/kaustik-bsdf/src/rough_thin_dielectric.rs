@@ -25,6 +25,12 @@ pub struct RoughThinDielectric {
 }
 
 impl RoughThinDielectric {
+    /// GGX roughness.
+    #[inline]
+    pub fn alpha(&self) -> f64 {
+        self.ggx.alpha()
+    }
+
     /// From the media and `alpha` in `[SMOOTH_ALPHA, 1]` (clamped).
     #[inline]
     pub fn new(interface: Interface, alpha: f64, compensation: bool) -> Self {

@@ -5,15 +5,27 @@
 //! off them, [`KelemenDeposit`] weighs and splats every visit. [`ReplicaFamily`] and
 //! [`ReplicaDeposit`] do the same for replica exchange.
 
+mod density_target;
 mod deposit;
+mod photon_deposit;
+mod photon_map;
+mod photon_target;
+mod region_sums;
+mod regions;
 mod replica_set;
 mod replicas;
 mod scalar;
 mod shares;
 mod target;
 
+pub use density_target::DensityTarget;
 pub use deposit::{KelemenDeposit, Mis, Scale};
 pub use kaustik_path::ScalarTarget;
+pub use photon_deposit::{Combine, PhotonDeposit};
+pub use photon_map::PhotonMap;
+pub use photon_target::{Meeting, PhotonLevels, PhotonTarget, PhotonValue};
+pub use region_sums::{RegionSums, Witnesses};
+pub use regions::{LeafTally, Place, Refinement, Regions, inverse};
 pub use replica_set::{ClassWeights, ReplicaSet, ReplicaSetError};
 pub use replicas::{ReplicaDeposit, ReplicaFamily, ReplicaWeights, light};
 pub use scalar::{Contribution, ScalarContribution};

@@ -398,6 +398,18 @@ impl<M: Mutation, V: Default, const K: usize> Ladder<Point<M>, V, K> {
         }))
     }
 
+    /// Evaluates all states under a target that has changed: see [`Metropolis::evaluate_anew`].
+    pub fn evaluate_anew<T, F, D>(&mut self, target: &T, family: &F, draws: &mut D)
+    where
+        T: Target<Value = V>,
+        F: Family<V, K> + ?Sized,
+        D: Draws + ?Sized,
+    {
+        for replica in &mut self.replicas {
+            replica.evaluate_anew(target, family, draws);
+        }
+    }
+
     /// Changes the sizes of small steps at a level, after paying what is owed to the old ones.
     ///
     /// # Panics

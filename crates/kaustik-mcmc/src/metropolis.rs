@@ -383,6 +383,22 @@ impl<M: Mutation, V: Default, const K: usize> Metropolis<Point<M>, V, K> {
         self.state.refresh();
     }
 
+    /// Evaluates the current state under a target that has changed, and reads its densities. What was
+    /// gathered and not [flushed](Self::flush) before is forgotten. Coordinates that the new target reads and
+    /// the old did not are brought up to date or drawn; do not [refresh](Self::refresh) before the next
+    /// accepted step.
+    pub fn evaluate_anew<T, F, D>(&mut self, target: &T, family: &F, draws: &mut D)
+    where
+        T: Target<Value = V>,
+        F: Family<V, K> + ?Sized,
+        D: Draws + ?Sized,
+    {
+        target.evaluate(&mut self.state.current(draws), &mut self.value);
+        self.pending = Pending::default();
+        self.stay = 0;
+        self.read_densities(family);
+    }
+
     /// Evaluates the current state again, into `value`: a target that is a function of its
     /// coordinates gives what it gave before.
     pub fn evaluate_again<T, D>(&mut self, target: &T, value: &mut V, draws: &mut D)

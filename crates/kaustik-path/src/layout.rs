@@ -25,6 +25,15 @@ pub const LENGTH: u32 = 2;
 /// Its strategy.
 pub const STRATEGY: u32 = 3;
 
+/// Technique stream: the first of one number a vertex of a camera walk, which part of its surface is taken.
+pub const PARTS: u32 = 8;
+
+/// Which part is taken of the surface that this edge leads to.
+#[inline]
+pub(crate) fn part(edge: u32) -> u32 {
+    PARTS + edge
+}
+
 /// First of a vertex's [`BOUNCE`] coordinates in a stream with this head.
 #[inline]
 pub(crate) fn bounce(head: u32, edge: u32) -> u32 {

@@ -15,6 +15,7 @@ mod features;
 pub mod layout;
 mod light;
 mod next_event;
+mod photon;
 mod roulette;
 mod scalar;
 mod sighting;
@@ -30,6 +31,10 @@ pub use contributions::{Contributions, Splat};
 pub use endpoint::Endpoint;
 pub use features::{Features, features};
 pub use light::LightTracing;
+pub use photon::{
+    Lookup, MeasurementPoint, MeasurementPoints, MeasurementWalk, Photon, PhotonPath,
+    PhotonTracing, Remainder,
+};
 pub use scalar::ScalarTarget;
 pub use sighting::{Sighting, sight};
 pub use unidirectional::Unidirectional;

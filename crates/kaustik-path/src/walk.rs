@@ -137,6 +137,25 @@ impl Walk<'_> {
         self.throughput /= survival;
         true
     }
+
+    /// Roulette after a bounce, by the albedo: what goes on carries what the walk began with. `false` when the
+    /// walk ends.
+    #[inline]
+    pub(crate) fn survives_by_albedo(
+        &mut self,
+        u: &mut dyn Coordinates,
+        (stream, head): (Stream, u32),
+    ) -> bool {
+        let survival = self.throughput.mean() / self.start;
+        if survival >= 1.0 {
+            return true;
+        }
+        if u.get(stream, layout::bounce(head, self.edges) + 3) >= f64::from(survival) {
+            return false;
+        }
+        self.throughput /= survival;
+        true
+    }
 }
 
 /// Camera and light walks take turns in the stream of transparency.

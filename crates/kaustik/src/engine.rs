@@ -5,8 +5,8 @@ use std::sync::atomic::AtomicBool;
 use kaustik_film::{Counters, Image, Layer};
 
 use crate::{
-    ChainStatistics, DirectStatistics, EnergyStatistics, MutationStatistics, Place, RenderError,
-    RenderSettings, ReplicaStatistics,
+    ChainStatistics, DirectStatistics, EnergyStatistics, MutationStatistics, PhotonStatistics,
+    Place, RenderError, RenderSettings, ReplicaStatistics,
 };
 
 /// A method at work: ladders that can be driven on, and films that can be developed.
@@ -56,6 +56,11 @@ pub(crate) trait Engine: Send + Sync {
         None
     }
 
+    /// The chains of photons so far.
+    fn photon_statistics(&self) -> Option<PhotonStatistics> {
+        None
+    }
+
     /// Parts of the picture, each weighted as it is in the whole. After [`develop`](Self::develop).
     fn layers(&self) -> Result<Vec<Layer>, RenderError> {
         Ok(Vec::new())
@@ -92,6 +97,18 @@ impl Nonfinite {
                 self.first_step = step;
             }
             self.count += found;
+        }
+    }
+
+    /// Both, with the first step of either.
+    pub(crate) fn and(self, other: Self) -> Self {
+        Self {
+            count: self.count + other.count,
+            first_step: match (self.count, other.count) {
+                (0, _) => other.first_step,
+                (_, 0) => self.first_step,
+                _ => self.first_step.min(other.first_step),
+            },
         }
     }
 

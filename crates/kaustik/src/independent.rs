@@ -6,7 +6,9 @@ use std::sync::atomic::AtomicBool;
 use kaustik_estimate::Scale;
 use kaustik_film::{Counters, Film, Image, Quantum, develop};
 use kaustik_mcmc::{Independent, Mean, SampleGenerators};
-use kaustik_path::{Bidirectional, Contributions, Form, LightTracing, PathBuilder, Unidirectional};
+use kaustik_path::{
+    Bidirectional, Contributions, Form, LightTracing, PathBuilder, Remainder, Unidirectional,
+};
 use kaustik_pss::Coordinates;
 use kaustik_scene::Scene;
 use rayon::prelude::*;
@@ -85,6 +87,19 @@ impl<'a> IndependentEngine<'a> {
             settings: builder_settings(settings),
         };
         Self::new(scene, settings, Box::new(builder), None)
+    }
+
+    /// What the photon methods leave out.
+    pub(crate) fn remainder(
+        scene: &'a Scene,
+        settings: &RenderSettings,
+    ) -> Result<Self, RenderError> {
+        let builder = Remainder {
+            settings: builder_settings(settings),
+            threshold: settings.options.photon.roughness,
+        };
+        let cells = Cells::new(settings);
+        Self::new(scene, settings, Box::new(builder), Some(cells))
     }
 
     /// Samples of any builder, each redistributed over the image by short chains.

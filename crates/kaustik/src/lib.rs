@@ -34,12 +34,15 @@ mod erpt_pss;
 mod error;
 mod features;
 mod independent;
+mod key;
 mod lamps;
 mod method;
 mod mlt;
 mod mmlt;
 mod mutations;
 mod options;
+mod photon;
+mod photon_options;
 mod pssmlt;
 mod relt;
 mod render;
@@ -56,14 +59,17 @@ pub use choices::{
 pub use control::{Control, Progress};
 pub use energy_statistics::EnergyStatistics;
 pub use error::RenderError;
-pub use method::{KEYS, Key, Method, UnknownMethod};
+pub use key::{KEYS, Key};
+pub use method::{Method, UnknownMethod};
 pub use mutations::Mutations;
 pub use options::{OptionError, Options};
+pub use photon_options::{PhotonOptions, TargetFunction};
 pub use render::{Outcome, Rendered, Watch, render, render_watched};
 pub use replica_statistics::{ReplicaLevel, ReplicaStatistics};
 pub use settings::{Budget, RenderSettings};
 pub use statistics::{
-    ChainStatistics, DirectStatistics, MutationStatistics, Place, RenderStatistics,
+    ChainStatistics, DirectStatistics, MutationStatistics, PhotonLevel, PhotonStatistics, Place,
+    RenderStatistics,
 };
 
 pub use kaustik_estimate::Mis;

@@ -8,12 +8,13 @@ use kaustik_spectrum::WavelengthSampling;
 mod assign;
 mod value;
 
-use crate::Mutations;
 use crate::choices::{
     Builder, Caustics, Colours, Direct, Energy, Jitter, Normaliser, SmallStep, Starts, Steps,
     Strategies,
 };
-use crate::method::{KEYS, Method};
+use crate::key::KEYS;
+use crate::method::Method;
+use crate::{Mutations, PhotonOptions};
 
 /// All settings; a method reads those that [`Method::keys`] lists.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -56,6 +57,7 @@ pub struct Options {
     pub jitter: Jitter,
     /// Radians, least and most.
     pub angles: [f64; 2],
+    pub photon: PhotonOptions,
 }
 
 impl Default for Options {
@@ -94,6 +96,7 @@ impl Default for Options {
             mutations: Mutations::STANDARD,
             jitter: Jitter::default(),
             angles: [1e-4, 0.1],
+            photon: PhotonOptions::default(),
         }
     }
 }

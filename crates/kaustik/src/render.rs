@@ -13,6 +13,7 @@ use crate::engine::Engine;
 use crate::erpt::ErptEngine;
 use crate::independent::IndependentEngine;
 use crate::mlt::MltEngine;
+use crate::photon::{PhotonEngine, is_photon};
 use crate::pssmlt::PssmltEngine;
 use crate::relt;
 use crate::{
@@ -151,6 +152,11 @@ fn check(scene: &Scene, settings: &RenderSettings) -> Result<(), RenderError> {
             expected,
         );
     }
+    if is_photon(settings.method) && range != (0..settings.options.ladders) {
+        let expected = "all of them: the iterations of photon methods are shared by all ladders";
+        let found = format!("{}..{}", range.start, range.end);
+        return setting("ladders", found, expected.into());
+    }
     Ok(())
 }
 
@@ -166,6 +172,11 @@ fn engine<'a>(
         Method::Relt => relt::engine(scene, settings)?,
         Method::Mlt => Box::new(MltEngine::new(scene, settings)?),
         Method::Erpt => Box::new(ErptEngine::new(scene, settings)?),
+        Method::Sppm
+        | Method::PhotonVisibility
+        | Method::PhotonDensity
+        | Method::PhotonSpatial
+        | Method::PhotonImage => Box::new(PhotonEngine::new(scene, settings)?),
         Method::Annealing => annealing::engine(scene, settings)?,
         Method::ErptPss => Box::new(IndependentEngine::erpt_pss(scene, settings)?),
     };
@@ -269,6 +280,7 @@ impl Work<'_> {
             replicas: engine.replica_statistics(),
             mutations: engine.mutation_statistics(),
             energy: engine.energy_statistics(),
+            photons: engine.photon_statistics(),
         };
         if settings.features {
             for layer in engine.layers()? {

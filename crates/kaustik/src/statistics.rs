@@ -39,6 +39,35 @@ pub struct RenderStatistics {
     /// Of energy redistribution on paths.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub energy: Option<EnergyStatistics>,
+    /// Of chains of photons.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub photons: Option<PhotonStatistics>,
+}
+
+/// What chains of photons tell about themselves.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct PhotonStatistics {
+    /// Iterations so far.
+    pub iterations: u64,
+    /// Regions that the target goes by; 0 without any.
+    pub regions: usize,
+    /// The levels of a ladder, the uniform one first.
+    pub levels: Vec<PhotonLevel>,
+}
+
+/// One level of the ladders of a photon method.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct PhotonLevel {
+    /// What its chain follows: `uniform`, `visibility`, `inverse-kernel` or `full`.
+    pub target: &'static str,
+    /// The target's integral, in the last iteration.
+    pub normaliser: f64,
+    /// Its standard error.
+    pub error: f64,
+    /// Mean acceptance of small steps.
+    pub acceptance: f64,
+    /// Their size: `m` of Hachisuka and Jensen's mutation.
+    pub step_size: f64,
 }
 
 /// What one kind of mutation of paths did.

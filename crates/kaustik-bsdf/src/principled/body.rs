@@ -46,6 +46,14 @@ impl Body {
         }
     }
 
+    /// The same without diffuse light.
+    pub(super) fn blackened(&self) -> Self {
+        Self {
+            colour: Spectrum::ZERO,
+            ..*self
+        }
+    }
+
     /// Colour of light rebounding between the cover's facets.
     pub(super) fn rebound(&self) -> Spectrum {
         self.rebound

@@ -2,6 +2,8 @@
 
 use proptest::prelude::*;
 
+mod photon;
+
 use super::*;
 use crate::testing::{
     Enumerator, Law, TransitionMatrix, assert_detailed_balance, assert_stationary,

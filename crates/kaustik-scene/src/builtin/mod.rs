@@ -12,6 +12,7 @@
 mod cornell;
 mod cornell_direct;
 mod cornell_indirect;
+mod dinner_hall;
 mod disco;
 mod furnace;
 mod glass_cube;
@@ -117,6 +118,7 @@ const SCENES: &[BuiltinScene] = &[
     glossy_cornell::SCENE,
     disco::SCENE,
     mirror_statue::SCENE,
+    dinner_hall::SCENE,
     furnace::SCENE,
 ];
 

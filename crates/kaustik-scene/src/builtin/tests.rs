@@ -21,6 +21,7 @@ const ALL: &[&str] = &[
     "glossy-cornell",
     "disco",
     "mirror-statue",
+    "dinner-hall",
     "furnace",
     "furnace?kind=diffuse",
     "furnace?kind=glass",

@@ -133,7 +133,7 @@ impl Options {
                 self.jitter = word(value, &words).or_else(between)?;
             }
             "angles" => self.angles = range(value, 3.0)?,
-            _ => return None,
+            other => self.photon.assign(other, value)?,
         }
         Some(())
     }

@@ -118,7 +118,7 @@ impl Options {
                 Jitter::Between([a, b]) => format!("{a}:{b}"),
             },
             "angles" => format!("{}:{}", self.angles[0], self.angles[1]),
-            _ => String::new(),
+            other => self.photon.value(other).unwrap_or_default(),
         }
     }
 }

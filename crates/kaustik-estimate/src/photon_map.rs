@@ -1,0 +1,70 @@
+//! Where photons and measurement points meet.
+
+use kaustik_film::Film;
+use kaustik_path::{Lookup, MeasurementPoints, Photon, PhotonPath};
+use kaustik_spectrum::Wavelengths;
+
+use crate::Scale;
+
+/// The measurement points of one iteration, and how to find them.
+#[derive(Clone, Copy, Debug)]
+pub struct PhotonMap<'a> {
+    /// The points.
+    pub points: &'a MeasurementPoints,
+    /// Their discs, numbered alike.
+    pub lookup: &'a Lookup,
+    /// The wavelengths of the iteration.
+    pub wavelengths: &'a Wavelengths,
+    /// Longest whole path in edges.
+    pub max_edges: u32,
+}
+
+impl PhotonMap<'_> {
+    /// Calls `meet` with every point that a photon counts at: within the radius, on a surface that looks the same
+    /// way, at the end of a path that is not too long (the geometric test of spec stf-photon.md 1).
+    #[inline]
+    pub fn meetings(&self, photon: &Photon, mut meet: impl FnMut(usize)) {
+        let points = self.points.points();
+        self.lookup.holding(photon.position, |index| {
+            if points[index as usize].accepts(photon, self.max_edges) {
+                meet(index as usize);
+            }
+        });
+    }
+
+    /// Adds what one photon brings to one point, times `weight`, to a film. `false`: the value is not finite or
+    /// negative, and was left out.
+    #[inline]
+    pub fn splat(
+        &self,
+        film: &Film,
+        scale: Scale,
+        photon: &Photon,
+        point: usize,
+        weight: f64,
+    ) -> bool {
+        let xyz = self.points.contribution(point, photon, self.wavelengths);
+        let sum = xyz.sum();
+        if !(sum.is_finite() && xyz.0.iter().all(|&v| v >= 0.0)) {
+            return false;
+        }
+        if sum > 0.0 {
+            let raster = self.points.points()[point].raster;
+            film.splat_weighted(raster.x * scale.width, raster.y * scale.height, xyz, weight);
+        }
+        true
+    }
+
+    /// Adds all that a path brings, times `weight`, to a film: eq. (1). Returns how many values were not finite or
+    /// negative.
+    #[inline]
+    pub fn deposit(&self, film: &Film, scale: Scale, path: &PhotonPath, weight: f64) -> u64 {
+        let mut faults = u64::from(path.nonfinite());
+        for photon in path.photons() {
+            self.meetings(photon, |point| {
+                faults += u64::from(!self.splat(film, scale, photon, point, weight));
+            });
+        }
+        faults
+    }
+}

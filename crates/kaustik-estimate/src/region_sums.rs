@@ -1,0 +1,106 @@
+//! What the visits of one iteration tell about regions, in integers that many threads add to.
+
+use std::sync::atomic::{AtomicI64, Ordering::Relaxed};
+
+use kaustik_mcmc::Visit;
+
+use crate::{LeafTally, PhotonValue};
+
+/// Steps of one: weights are near one, and sums stay below 2^62.
+const STEP: f64 = (1u64 << 24) as f64;
+
+/// Which chains' visits are counted.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Witnesses {
+    /// All chains but the one that follows what is being estimated, by the power heuristic with exponent 2 (spec 8.4).
+    #[default]
+    Others,
+    /// The chain of visibility alone (G Eq. 6).
+    Visibility,
+}
+
+/// Sums for each leaf, of each level and half.
+///
+/// The number of points that a path touches there, weighted by `omega` times `N_l b0_l / b_l` (spec 8.4), and the
+/// share with which the path counts.
+#[derive(Debug)]
+pub struct RegionSums<const K: usize> {
+    /// The leaf of each measurement point.
+    leaves: Vec<u32>,
+    /// For each leaf and level: psi of both halves, paths.
+    sums: Vec<[[AtomicI64; 3]; K]>,
+    counts: [bool; K],
+}
+
+impl<const K: usize> RegionSums<K> {
+    /// For so many leaves. `levels` are the targets of the ladder (see [`PhotonLevels`](crate::PhotonLevels)); the last is
+    /// the full one.
+    pub fn new(leaves: usize, levels: [usize; K], witnesses: Witnesses) -> Self {
+        let counts = std::array::from_fn(|level| match witnesses {
+            Witnesses::Visibility if levels.contains(&1) => levels[level] == 1,
+            _ => level + 1 < K || K == 1,
+        });
+        let zeros = || std::array::from_fn(|_| std::array::from_fn(|_| AtomicI64::new(0)));
+        Self {
+            leaves: Vec::new(),
+            sums: (0..leaves).map(|_| zeros()).collect(),
+            counts,
+        }
+    }
+
+    /// Begins an iteration: all is zero.
+    pub fn begin(&mut self, leaves: Vec<u32>) {
+        self.leaves = leaves;
+        for sum in self.sums.iter_mut().flatten().flatten() {
+            *sum.get_mut() = 0;
+        }
+    }
+
+    /// Takes a visit of a path that touches points.
+    pub(crate) fn take(&self, visit: &Visit<'_, PhotonValue, K>, rough: &[f64; K], half: usize) {
+        let level = visit.level;
+        if !self.counts[level] {
+            return;
+        }
+        let of = |at: usize| {
+            let q = visit.densities[at] / rough[at];
+            if self.counts[at] { q * q } else { 0.0 }
+        };
+        let share = of(level) / (0..K).map(of).sum::<f64>();
+        let omega = share * rough[level] / visit.densities[level];
+        let meetings = &visit.value.meetings;
+        let leaf = |at: usize| self.leaves[meetings[at].point as usize];
+        for at in 0..meetings.len() {
+            // A path counts once at each point, and once in each leaf.
+            let before = &meetings[..at];
+            if before.iter().any(|other| other.point == meetings[at].point) {
+                continue;
+            }
+            let sums = &self.sums[leaf(at) as usize][level];
+            add(&sums[half], visit.weight * omega);
+            if !(0..at).any(|other| leaf(other) == leaf(at)) {
+                add(&sums[2], visit.weight * share);
+            }
+        }
+    }
+
+    /// What was found, for each leaf. `factors` are `b_l / (b0_l N_l)`.
+    pub fn tallies(&self, factors: &[f64; K]) -> Vec<LeafTally> {
+        let tally = |levels: &[[AtomicI64; 3]; K]| {
+            let mut tally = LeafTally::default();
+            for (sums, factor) in levels.iter().zip(factors) {
+                let [first, second, paths] = [0, 1, 2].map(|i| sums[i].load(Relaxed) as f64 / STEP);
+                tally.psi[0] += first * factor;
+                tally.psi[1] += second * factor;
+                tally.paths += paths;
+            }
+            tally
+        };
+        self.sums.iter().map(tally).collect()
+    }
+}
+
+#[inline]
+fn add(sum: &AtomicI64, value: f64) {
+    sum.fetch_add((value * STEP).round_ties_even() as i64, Relaxed);
+}

@@ -1,0 +1,358 @@
+//! Regions that gather how likely photons are: the hierarchy of the spatial target function.
+//!
+//! A tree is built once, from a pilot's measurement points; every node keeps its statistics, and a cut through the tree
+//! says which regions the target goes by (G sec. 4.2). The cut begins at the root and is refined where the statistics
+//! suffice.
+
+/// A position in the world, or in the image (with 0 for z).
+pub type Place = [f32; 3];
+
+/// Half of the error estimate's spread is allowed: G sec. 4.2.
+const MOST_ERROR: f64 = 0.05;
+/// Light paths that a region must have been touched by.
+const LEAST_PATHS: f64 = 10_000.0;
+/// The compression of both factors of the target (G Eq. 11).
+const EPSILON: f64 = 1e-4;
+
+/// A tree of regions with a cut.
+#[derive(Clone, Debug)]
+pub struct Regions {
+    /// Parents before their children.
+    nodes: Vec<Node>,
+    /// The node of each leaf.
+    leaves: Vec<u32>,
+    /// For each leaf its node in the cut.
+    cut: Vec<u32>,
+}
+
+#[derive(Clone, Debug, Default)]
+struct Node {
+    parent: u32,
+    /// Axis, place, children: lower side first.
+    split: Option<(u8, f32, [u32; 2])>,
+    in_cut: bool,
+    /// Number of the leaf, if it is one.
+    leaf: u32,
+    /// Sums over iterations of psi / s, in two halves: Delta of spec (6).
+    delta: [f64; 2],
+    /// Iterations in which it had points.
+    iterations: u64,
+    /// Light paths that touched it, each counted with its share.
+    paths: f64,
+    /// Sum of the areas of this iteration's points (G Eq. 9).
+    area: f64,
+}
+
+/// What an iteration has found out about a leaf.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct LeafTally {
+    /// psi of spec (5) in two halves, which sum to it.
+    pub psi: [f64; 2],
+    /// Light paths, each with its share.
+    pub paths: f64,
+}
+
+/// When regions are divided.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Refinement {
+    /// Where both halves of the statistics agree and there are enough of them.
+    #[default]
+    Adaptive,
+    /// All, once an iteration.
+    Iterations,
+    /// Never.
+    Off,
+}
+
+impl Regions {
+    /// Levels of a tree below its root.
+    pub const MOST_LEVELS: u32 = 15;
+    /// Points of a pilot that a leaf holds at least.
+    pub const LEAST_POINTS: usize = 64;
+
+    /// Splits at medians along the longest side. Leaves at the border reach to infinity.
+    pub fn spatial(points: &mut [Place]) -> Self {
+        Self::build(points, |points| {
+            if points.len() < 2 * Self::LEAST_POINTS {
+                return None;
+            }
+            let axis = longest_side(points);
+            let middle = points.len() / 2;
+            let by = |a: &Place, b: &Place| a[axis].total_cmp(&b[axis]);
+            points.select_nth_unstable_by(middle, by);
+            Some((axis as u8, points[middle][axis]))
+        })
+    }
+
+    fn build(
+        points: &mut [Place],
+        mut split: impl FnMut(&mut [Place]) -> Option<(u8, f32)>,
+    ) -> Self {
+        let mut regions = Self {
+            nodes: vec![Node::default()],
+            leaves: Vec::new(),
+            cut: Vec::new(),
+        };
+        let mut open = vec![(0_u32, points, 0_u32)];
+        while let Some((at, points, level)) = open.pop() {
+            let found = if level < Self::MOST_LEVELS {
+                split(points)
+            } else {
+                None
+            };
+            let Some((axis, place)) = found else {
+                regions.nodes[at as usize].leaf = regions.leaves.len() as u32;
+                regions.leaves.push(at);
+                continue;
+            };
+            let first = regions.nodes.len() as u32;
+            regions.nodes[at as usize].split = Some((axis, place, [first, first + 1]));
+            for _ in 0..2 {
+                regions.nodes.push(Node {
+                    parent: at,
+                    ..Node::default()
+                });
+            }
+            let below = partition(points, usize::from(axis), place);
+            let (low, high) = points.split_at_mut(below);
+            open.push((first, low, level + 1));
+            open.push((first + 1, high, level + 1));
+        }
+        regions.nodes[0].in_cut = true;
+        regions.map_leaves();
+        regions
+    }
+
+    /// Halves the image along both axes in turn (the unit square over all of it): a quad-tree with the levels between.
+    pub fn image() -> Self {
+        let mut regions = Self::build(&mut [], |_| None);
+        regions.leaves.clear();
+        regions.halve(0, [[0.0; 3], [1.0, 1.0, 0.0]], 0);
+        regions.map_leaves();
+        regions
+    }
+
+    fn halve(&mut self, at: u32, [low, high]: [Place; 2], level: u32) {
+        if level == Self::MOST_LEVELS {
+            self.nodes[at as usize].leaf = self.leaves.len() as u32;
+            self.leaves.push(at);
+            return;
+        }
+        let axis = (level % 2) as usize;
+        let place = 0.5 * (low[axis] + high[axis]);
+        let first = self.nodes.len() as u32;
+        self.nodes[at as usize].split = Some((axis as u8, place, [first, first + 1]));
+        for _ in 0..2 {
+            self.nodes.push(Node {
+                parent: at,
+                ..Node::default()
+            });
+        }
+        let (mut upper, mut lower) = (low, high);
+        upper[axis] = place;
+        lower[axis] = place;
+        self.halve(first, [low, lower], level + 1);
+        self.halve(first + 1, [upper, high], level + 1);
+    }
+
+    /// The number of leaves.
+    pub fn leaves(&self) -> usize {
+        self.leaves.len()
+    }
+
+    /// The number of regions in the cut.
+    pub fn cut(&self) -> usize {
+        self.nodes.iter().filter(|node| node.in_cut).count()
+    }
+
+    /// The leaf that holds a point: exactly one does.
+    #[inline]
+    pub fn leaf(&self, point: Place) -> u32 {
+        let mut node = &self.nodes[0];
+        while let Some((axis, place, children)) = node.split {
+            let side = usize::from(point[usize::from(axis)] >= place);
+            node = &self.nodes[children[side] as usize];
+        }
+        node.leaf
+    }
+
+    /// Begins an iteration with the areas of its points, summed for each leaf.
+    pub fn set_areas(&mut self, of_leaves: &[f64]) {
+        for node in &mut self.nodes {
+            node.area = 0.0;
+        }
+        for (&at, &area) in self.leaves.iter().zip(of_leaves) {
+            self.nodes[at as usize].area = area;
+        }
+        self.sum_up(|node| node.area, |node, area| node.area += area);
+    }
+
+    /// Adds what children have to their parents, from below.
+    fn sum_up(&mut self, of: impl Fn(&Node) -> f64, add: impl Fn(&mut Node, f64)) {
+        for at in (1..self.nodes.len()).rev() {
+            let value = of(&self.nodes[at]);
+            let parent = self.nodes[at].parent as usize;
+            add(&mut self.nodes[parent], value);
+        }
+    }
+
+    /// For each leaf the density of photons in its region of the cut, D of spec (6), over the largest of all that have
+    /// points. A region that nothing is known of takes that of the nearest ancestor of which something is; where there is
+    /// none, 1.
+    pub fn densities(&self) -> Vec<f64> {
+        let densities = self.cut.iter().map(|&node| self.known_density(node));
+        let densities: Vec<f64> = densities.collect();
+        let here = densities.iter().zip(&self.cut);
+        let most = here
+            .filter(|(_, node)| self.nodes[**node as usize].area > 0.0)
+            .map(|(density, _)| *density)
+            .fold(0.0, f64::max);
+        let relative = |density: f64| {
+            if most > 0.0 && density > 0.0 {
+                (density / most).min(1.0)
+            } else {
+                1.0
+            }
+        };
+        densities.into_iter().map(relative).collect()
+    }
+
+    fn known_density(&self, mut at: u32) -> f64 {
+        loop {
+            let node = &self.nodes[at as usize];
+            if let Some(density) = node.density() {
+                return density;
+            }
+            if at == 0 {
+                return 0.0;
+            }
+            at = node.parent;
+        }
+    }
+
+    /// Ends an iteration: all nodes take what their leaves have found, then the cut is refined.
+    pub fn learn(&mut self, tallies: &[LeafTally], refinement: Refinement) {
+        let mut sums = vec![LeafTally::default(); self.nodes.len()];
+        for (&at, tally) in self.leaves.iter().zip(tallies) {
+            sums[at as usize] = *tally;
+        }
+        for at in (1..self.nodes.len()).rev() {
+            let tally = sums[at];
+            let parent = &mut sums[self.nodes[at].parent as usize];
+            parent.psi = [0, 1].map(|half| parent.psi[half] + tally.psi[half]);
+            parent.paths += tally.paths;
+        }
+        for (node, tally) in self.nodes.iter_mut().zip(&sums) {
+            node.learn(tally);
+        }
+        match refinement {
+            Refinement::Adaptive => self.refine(|regions, children| regions.suffices(children)),
+            Refinement::Iterations => {
+                let before: Vec<bool> = self.nodes.iter().map(|node| node.in_cut).collect();
+                self.refine(|regions, [child, _]| {
+                    before[regions.nodes[child as usize].parent as usize]
+                });
+            }
+            Refinement::Off => {}
+        }
+    }
+
+    /// Are both children known well enough? One that never had a point does not stand in the way.
+    fn suffices(&self, children: [u32; 2]) -> bool {
+        let seen = children.map(|child| &self.nodes[child as usize]);
+        let fine = |node: &&Node| {
+            node.iterations == 0 || (node.error() < MOST_ERROR && node.paths >= LEAST_PATHS)
+        };
+        seen.iter().all(fine) && seen.iter().any(|node| node.iterations > 0)
+    }
+
+    /// Puts children in the place of their parents in the cut as long as `wanted` says so.
+    fn refine(&mut self, wanted: impl Fn(&Self, [u32; 2]) -> bool) {
+        // Children come after their parents: one pass descends as far as it may.
+        for at in 0..self.nodes.len() {
+            let node = &self.nodes[at];
+            let Some((_, _, children)) = node.split.filter(|_| node.in_cut) else {
+                continue;
+            };
+            if wanted(self, children) {
+                self.nodes[at].in_cut = false;
+                for child in children {
+                    self.nodes[child as usize].in_cut = true;
+                }
+            }
+        }
+        self.map_leaves();
+    }
+
+    fn map_leaves(&mut self) {
+        let cut = self.leaves.iter().map(|&leaf| {
+            let mut at = leaf;
+            while !self.nodes[at as usize].in_cut && at != 0 {
+                at = self.nodes[at as usize].parent;
+            }
+            at
+        });
+        self.cut = cut.collect();
+    }
+}
+
+impl Node {
+    fn learn(&mut self, tally: &LeafTally) {
+        self.paths += tally.paths;
+        if self.area > 0.0 {
+            self.iterations += 1;
+            self.delta = [0, 1].map(|half| self.delta[half] + tally.psi[half] / self.area);
+        }
+    }
+
+    /// Photons an area and light path, under uniform sampling; `None` if nothing is known.
+    fn density(&self) -> Option<f64> {
+        let delta = self.delta[0] + self.delta[1];
+        (self.iterations > 0 && delta > 0.0).then(|| delta / self.iterations as f64)
+    }
+
+    /// By how much the halves disagree: spec (7).
+    fn error(&self) -> f64 {
+        let sum = self.delta[0] + self.delta[1];
+        if sum > 0.0 {
+            2.0 * (self.delta[0] - self.delta[1]).abs() / sum
+        } else {
+            f64::INFINITY
+        }
+    }
+}
+
+/// A factor of the target, of a value relative to the largest: G Eq. 11, in [EPSILON / (1 + EPSILON), 1].
+#[inline]
+pub fn inverse(relative: f64) -> f64 {
+    EPSILON / (relative + EPSILON)
+}
+
+/// The axis along which points reach farthest.
+fn longest_side(points: &[Place]) -> usize {
+    let side = |axis: usize| {
+        let at = points.iter().map(|point| point[axis]);
+        at.clone().fold(f32::MIN, f32::max) - at.fold(f32::MAX, f32::min)
+    };
+    (1..3).fold(
+        0,
+        |best, axis| {
+            if side(axis) > side(best) { axis } else { best }
+        },
+    )
+}
+
+/// Points below a place first; returns how many.
+fn partition(points: &mut [Place], axis: usize, place: f32) -> usize {
+    let mut below = 0;
+    for at in 0..points.len() {
+        if points[at][axis] < place {
+            points.swap(at, below);
+            below += 1;
+        }
+    }
+    below
+}
+
+#[cfg(test)]
+mod tests;

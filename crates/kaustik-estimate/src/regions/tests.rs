@@ -1,0 +1,140 @@
+use kaustik_mcmc::{Draws, generator};
+
+use super::*;
+
+/// Points of a room's floor and of a lump in its corner.
+fn scattered(count: usize) -> Vec<Place> {
+    let mut draws = generator(3, 0);
+    let mut u = || draws.uniform() as f32;
+    (0..count)
+        .map(|index| match index % 3 {
+            0 => [0.1 * u(), 0.1 * u(), 0.1 * u()],
+            _ => [4.0 * u(), 0.0, 3.0 * u()],
+        })
+        .collect()
+}
+
+/// Every point has one leaf, the one its path from the root ends in, and medians share points evenly.
+#[test]
+fn a_tree_holds_each_point_once_and_evenly() {
+    let points = scattered(9_000);
+    let regions = Regions::spatial(&mut points.clone());
+    assert!(regions.leaves() > 60, "{}", regions.leaves());
+    let mut held = vec![0_usize; regions.leaves()];
+    for point in &points {
+        held[regions.leaf(*point) as usize] += 1;
+    }
+    assert_eq!(held.iter().sum::<usize>(), points.len());
+    // Halving 9000 seven times leaves 70 or 71; those in a plane of equal coordinates go together.
+    let uneven = held.iter().filter(|n| !(70..=71).contains(*n)).count();
+    assert!(uneven * 10 < held.len(), "{uneven} of {}", held.len());
+    // Far outside of the pilot there are leaves as well.
+    assert!((regions.leaf([1e9, -1e9, 1e9]) as usize) < regions.leaves());
+}
+
+/// What leaves are told is what their ancestors know: spec (6) against G Eqs. 8 and 10 as printed.
+#[test]
+fn sums_are_those_of_the_recursion() {
+    let mut regions = Regions::spatial(&mut scattered(9_000));
+    let leaves = regions.leaves();
+    let mut draws = generator(5, 0);
+    let (mut kappa, mut last, mut rounds) = (0.0, None, 0.0);
+    let areas: Vec<Vec<f64>> = (0..7)
+        .map(|round| {
+            let empty = round == 3; // a whole iteration without points changes nothing
+            let area = |_| if empty { 0.0 } else { draws.uniform() };
+            (0..leaves).map(area).collect()
+        })
+        .collect();
+    let mut draws = generator(6, 0);
+    for area in &areas {
+        regions.set_areas(area);
+        let s: f64 = area.iter().sum();
+        let tally = |area: &f64| LeafTally {
+            psi: [0, 1].map(|_| area * draws.uniform()),
+            paths: 1.0,
+        };
+        let tallies: Vec<LeafTally> = area.iter().map(tally).collect();
+        let psi: f64 = tallies.iter().map(|t| t.psi[0] + t.psi[1]).sum();
+        if s > 0.0 {
+            if let Some(before) = last {
+                kappa *= s / before; // G Eq. 8, on the way to this iteration
+            }
+            kappa += psi;
+            last = Some(s);
+            rounds += 1.0;
+        }
+        regions.learn(&tallies, Refinement::Off);
+    }
+    let printed = kappa / (rounds * last.unwrap()); // G Eq. 10
+    let ours = regions.known_density(0);
+    assert!((ours / printed - 1.0).abs() < 1e-12, "{ours} {printed}");
+    assert_eq!(regions.cut(), 1);
+}
+
+/// The cut goes where the statistics suffice and nowhere else; densities are those of its regions.
+#[test]
+fn the_cut_follows_what_is_known() {
+    let mut regions = Regions::spatial(&mut scattered(9_000));
+    let leaves = regions.leaves();
+    let areas = vec![1.0; leaves];
+    let with = |paths: f64, halves: [f64; 2]| {
+        (0..leaves)
+            .map(|leaf| LeafTally {
+                psi: halves.map(|half| half * (1.0 + leaf as f64)),
+                paths,
+            })
+            .collect::<Vec<_>>()
+    };
+    regions.set_areas(&areas);
+    regions.learn(&with(20_000.0, [0.5, 0.4]), Refinement::Adaptive);
+    assert_eq!(regions.cut(), 1, "halves that differ by more than 5 %");
+    let mut regions = Regions::spatial(&mut scattered(9_000));
+    regions.set_areas(&areas);
+    regions.learn(&with(3_000.0, [0.5, 0.5]), Refinement::Adaptive);
+    let cut = regions.cut();
+    assert!(
+        cut > 8 && cut < leaves,
+        "{cut}: regions of four leaves or more"
+    );
+    regions.set_areas(&areas);
+    regions.learn(&with(20_000.0, [0.5, 0.5]), Refinement::Adaptive);
+    assert_eq!(regions.cut(), leaves);
+    for (leaf, density) in regions.densities().into_iter().enumerate() {
+        let wanted = (1.0 + leaf as f64) / leaves as f64;
+        assert!((density - wanted).abs() < 1e-12, "{leaf}: {density}");
+    }
+}
+
+/// A region of which nothing is known goes by the nearest ancestor.
+#[test]
+fn the_unknown_go_by_their_ancestors() {
+    let mut regions = Regions::spatial(&mut scattered(9_000));
+    let leaves = regions.leaves();
+    assert!(regions.densities().iter().all(|&d| (d - 1.0).abs() < 1e-15));
+    let mut tallies = vec![LeafTally::default(); leaves];
+    tallies[0].psi = [1.0, 1.0];
+    regions.set_areas(&vec![1.0; leaves]);
+    regions.learn(&tallies, Refinement::Iterations);
+    assert_eq!(regions.cut(), 2);
+    let densities = regions.densities();
+    let dark = densities.iter().filter(|&&d| d < 0.99).count();
+    assert!(dark > leaves / 3 && dark < leaves, "{dark} of {leaves}");
+    assert!(densities.iter().all(|&d| d > 0.0));
+}
+
+#[test]
+fn an_image_is_halved_both_ways() {
+    let regions = Regions::image();
+    assert_eq!(regions.leaves(), 1 << Regions::MOST_LEVELS);
+    let at = |x: f32, y: f32| regions.leaf([x, y, 0.0]);
+    assert_ne!(at(0.1, 0.1), at(0.9, 0.1));
+    assert_ne!(at(0.1, 0.1), at(0.1, 0.9));
+    assert_eq!(at(0.1, 0.1), at(0.1001, 0.1001));
+}
+
+#[test]
+fn factors_stay_in_their_range() {
+    assert!((inverse(0.0) - 1.0).abs() < 1e-15);
+    assert!((inverse(1.0) - EPSILON / (1.0 + EPSILON)).abs() < 1e-15);
+}

@@ -1,0 +1,80 @@
+//! From the camera to the first surface that scatters widely.
+
+use glam::DVec2;
+use kaustik_pss::{Coordinates, Stream};
+use kaustik_scene::{Scene, Vertex};
+use kaustik_spectrum::Wavelengths;
+
+use super::MeasurementPoints;
+use super::narrow::{Part, take};
+use super::point::Seen;
+use crate::walk::Scatter;
+use crate::{BuilderSettings, camera_walk, layout};
+
+const BOUNCES: (Stream, u32) = (Stream::Camera, layout::CAMERA_HEAD);
+/// A pixel's footprint grows as one over the cosine under which a surface is seen, up to this one.
+const LEAST_COSINE: f64 = 0.1;
+
+/// Leaves measurement points.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MeasurementWalk {
+    /// What all builders are told. `wavelengths` is not used.
+    pub settings: BuilderSettings,
+    /// GGX roughness from which on a lobe is wide, in [0, 1].
+    pub threshold: f64,
+    /// Columns and rows of the image.
+    pub pixels: DVec2,
+    /// Radius of a point in widths of a pixel, as projected on the surface over the whole way from the eye.
+    pub radius: f64,
+}
+
+impl MeasurementWalk {
+    /// Walks, and adds the point that it ends in, if there is one.
+    pub fn trace(
+        &self,
+        scene: &Scene,
+        wavelengths: &Wavelengths,
+        u: &mut dyn Coordinates,
+        out: &mut MeasurementPoints,
+    ) {
+        let (mut walk, raster) = camera_walk::start(&self.settings, scene, wavelengths, u);
+        let (origin, direction) = (walk.ray.origin.as_dvec3(), walk.direction);
+        let mut length = 0.0;
+        let mut vertex = Vertex::default();
+        while walk.edges + 1 < self.settings.max_edges {
+            let Some(distance) = walk.advance(scene, u, &mut vertex) else {
+                return;
+            };
+            length += distance;
+            let scatter = walk.scatter(scene, &vertex);
+            match take(&mut walk, &scatter, self.threshold, u) {
+                Part::Wide(bsdf) => {
+                    // What the image shows of one pixel, if nothing on the way spread or gathered the rays.
+                    let density =
+                        (scene.camera()).raster_density(origin, origin + direction * length);
+                    let width = 1.0 / (density * self.pixels.element_product()).sqrt();
+                    let cosine = scatter.wo.dot(scatter.ng).abs().max(LEAST_COSINE);
+                    out.push(Seen {
+                        vertex: &vertex,
+                        bsdf,
+                        wo: scatter.wo,
+                        throughput: walk.throughput,
+                        dispersive: walk.dispersive,
+                        edges: walk.edges,
+                        raster,
+                        radius: self.radius * width / cosine,
+                    });
+                    return;
+                }
+                Part::Narrow(bsdf) => {
+                    let scatter = Scatter { bsdf, ..scatter };
+                    if walk.bounce(scene, &scatter, u, BOUNCES).is_none()
+                        || !walk.survives(u, BOUNCES)
+                    {
+                        return;
+                    }
+                }
+            }
+        }
+    }
+}

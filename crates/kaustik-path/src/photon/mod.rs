@@ -1,0 +1,24 @@
+//! Photon maps: measurement points seen from the camera, photons from the lights, and what brings them together.
+//!
+//! A camera walk goes on through mirrors, glass and narrow lobes to the first surface that scatters widely, and
+//! leaves a [`MeasurementPoint`] there. Light walks leave [`Photon`]s wherever they scatter. A photon that lands
+//! within a point's radius contributes to it (spec: stf-photon.md 1, eq. 1). Light that meets no such surface on its
+//! way to the camera is the [`Remainder`].
+//!
+//! Both walks must carry the same wavelengths, so that these are given and not drawn (spec 10b).
+
+mod camera;
+mod light;
+mod lookup;
+mod narrow;
+mod point;
+mod remainder;
+
+#[cfg(test)]
+mod tests;
+
+pub use camera::MeasurementWalk;
+pub use light::{Photon, PhotonPath, PhotonTracing};
+pub use lookup::Lookup;
+pub use point::{MeasurementPoint, MeasurementPoints};
+pub use remainder::Remainder;

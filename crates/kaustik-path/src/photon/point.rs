@@ -1,0 +1,199 @@
+//! Where photons are counted.
+
+use std::f64::consts::PI;
+
+use glam::{DVec2, DVec3, Vec3};
+use kaustik_bsdf::{Bsdf, Frame, Lobe, Mode, shading};
+use kaustik_scene::Vertex;
+use kaustik_spectrum::{Spectrum, Wavelengths, Xyz};
+
+use super::Photon;
+use crate::contributions::colour;
+
+/// Normals that differ by more (about 84 degrees) belong to different surfaces.
+const LEAST_AGREEMENT: f32 = 0.1;
+
+/// A point that the camera sees, with the disc around it in which photons count.
+#[derive(Clone, Copy, Debug)]
+pub struct MeasurementPoint {
+    /// World position.
+    pub position: Vec3,
+    /// Radius of the disc in scene units, > 0.
+    pub radius: f32,
+    /// Unit geometric normal of the surface's front.
+    pub normal: Vec3,
+    /// Edges of the walk from the camera.
+    pub edges: u32,
+    /// Point of the image: the unit square over the whole image.
+    pub raster: DVec2,
+    /// What the camera walk carries; times the scattering function where that is constant.
+    throughput: Spectrum,
+    /// The shading normal.
+    shading: Vec3,
+    scattering: Scattering,
+    /// The camera walk has refracted where the index depends on the wavelength.
+    dispersive: bool,
+}
+
+/// How light leaves toward the eye.
+#[derive(Clone, Copy, Debug)]
+enum Scattering {
+    /// Evenly, from the front or from the back: the value is in the throughput.
+    Diffuse { front: bool },
+    /// As the entry of a list says.
+    Listed(u32),
+}
+
+/// A scattering function and the direction that it is seen from.
+#[derive(Clone, Copy, Debug)]
+struct Listed {
+    bsdf: Bsdf,
+    frame: Frame,
+    /// Local direction toward the eye.
+    wo: DVec3,
+}
+
+/// What a walk knows of the vertex that it ends in.
+pub(super) struct Seen<'a> {
+    pub(super) vertex: &'a Vertex,
+    /// The wide part of it.
+    pub(super) bsdf: Bsdf,
+    pub(super) wo: DVec3,
+    pub(super) throughput: Spectrum,
+    pub(super) dispersive: bool,
+    pub(super) edges: u32,
+    pub(super) raster: DVec2,
+    pub(super) radius: f64,
+}
+
+/// The points of one iteration. Memory is reused.
+#[derive(Clone, Debug, Default)]
+pub struct MeasurementPoints {
+    points: Vec<MeasurementPoint>,
+    listed: Vec<Listed>,
+}
+
+impl MeasurementPoints {
+    /// Forgets everything but the memory.
+    pub fn clear(&mut self) {
+        self.points.clear();
+        self.listed.clear();
+    }
+
+    /// The points, in the order in which they were made.
+    pub fn points(&self) -> &[MeasurementPoint] {
+        &self.points
+    }
+
+    /// Takes all points of another list, after its own.
+    pub fn append(&mut self, other: &Self) {
+        let first = self.listed.len() as u32;
+        self.listed.extend_from_slice(&other.listed);
+        self.points.extend(other.points.iter().map(|point| {
+            let mut point = *point;
+            if let Scattering::Listed(index) = &mut point.scattering {
+                *index += first;
+            }
+            point
+        }));
+    }
+
+    /// Adds a point; one where nothing can be measured (no radius, no light to carry) is left out.
+    pub(super) fn push(&mut self, seen: Seen<'_>) {
+        let Seen { vertex, wo, .. } = seen;
+        let ng = vertex.local_normal();
+        let radius = seen.radius as f32;
+        let usable = radius.is_normal()
+            && radius > 0.0
+            && seen.throughput.is_finite()
+            && wo.z * wo.dot(ng) > 0.0;
+        if !usable {
+            return;
+        }
+        let mut throughput = seen.throughput;
+        let scattering = if let Bsdf::Lambertian(_) = seen.bsdf {
+            // The same in all directions on this side: the value along the normal will do.
+            let up = DVec3::new(0.0, 0.0, wo.z.signum());
+            throughput *= seen.bsdf.eval(wo, up, Mode::Radiance);
+            Scattering::Diffuse { front: wo.z > 0.0 }
+        } else {
+            self.listed.push(Listed {
+                bsdf: seen.bsdf,
+                frame: vertex.frame,
+                wo,
+            });
+            Scattering::Listed(self.listed.len() as u32 - 1)
+        };
+        self.points.push(MeasurementPoint {
+            position: vertex.surface.position,
+            radius,
+            normal: vertex.normal.as_vec3(),
+            edges: seen.edges,
+            raster: seen.raster,
+            throughput,
+            shading: vertex.frame.z.as_vec3(),
+            scattering,
+            dispersive: seen.dispersive,
+        });
+    }
+
+    /// What a photon brings to a point, if it is within its disc: `C_k` of spec (1), for a photon path that is
+    /// drawn with density 1. Negative or not finite is a fault for the caller to count.
+    #[inline]
+    pub fn contribution(&self, index: usize, photon: &Photon, wavelengths: &Wavelengths) -> Xyz {
+        let point = &self.points[index];
+        let kernel = 1.0 / (PI * f64::from(point.radius) * f64::from(point.radius));
+        let (f, dispersive) = match point.scattering {
+            Scattering::Diffuse { front } => (point.diffuse(photon, front), false),
+            Scattering::Listed(listed) => self.listed[listed as usize].scatter(point, photon),
+        };
+        let value = point.throughput * photon.power * f * (kernel as f32);
+        colour(
+            value,
+            dispersive || point.dispersive || photon.dispersive,
+            wavelengths,
+        )
+    }
+}
+
+impl MeasurementPoint {
+    /// Area of the disc, `s_k`.
+    #[inline]
+    pub fn area(&self) -> f64 {
+        PI * f64::from(self.radius) * f64::from(self.radius)
+    }
+
+    /// May a photon that lies within the radius count here: does its surface look the same way, and is the whole path
+    /// of at most `max_edges` edges?
+    #[inline]
+    pub fn accepts(&self, photon: &Photon, max_edges: u32) -> bool {
+        self.normal.dot(photon.normal) >= LEAST_AGREEMENT && self.edges + photon.edges <= max_edges
+    }
+
+    /// The value but for the colour: 0 for light that lands on the other side.
+    #[inline]
+    fn diffuse(&self, photon: &Photon, front: bool) -> Spectrum {
+        let shading = self.shading.as_dvec3().dot(photon.wi);
+        let side = if front { 1.0 } else { -1.0 };
+        if side * shading <= 0.0 || side * self.normal.as_dvec3().dot(photon.wi) <= 0.0 {
+            return Spectrum::ZERO;
+        }
+        Spectrum::splat(photon.per_cosine(shading))
+    }
+}
+
+impl Listed {
+    #[inline]
+    fn scatter(&self, point: &MeasurementPoint, photon: &Photon) -> (Spectrum, bool) {
+        let wi = self.frame.to_local(photon.wi);
+        let ng = self.frame.to_local(point.normal.as_dvec3());
+        if !shading::sides_agree(self.wo, wi, ng) {
+            return (Spectrum::ZERO, false);
+        }
+        let f = self.bsdf.eval(self.wo, wi, Mode::Radiance);
+        (
+            f * photon.per_cosine(wi.z),
+            self.bsdf.dispersive_between(self.wo, wi),
+        )
+    }
+}

@@ -1,0 +1,138 @@
+mod tree;
+
+use std::time::Instant;
+
+use glam::{DVec2, Vec3};
+use kaustik_mcmc::{Draws, Independent, generator, sample_generator};
+use kaustik_scene::{Scene, SceneOptions, builtin};
+use kaustik_spectrum::{WavelengthSampling, Wavelengths};
+
+use super::{Lookup, MeasurementPoints, MeasurementWalk, PhotonPath, PhotonTracing};
+use crate::BuilderSettings;
+use tree::Tree;
+
+/// Balls of radii over five decades on a wavy sheet: what the grid finds is what holds the point, each once.
+#[test]
+fn a_lookup_finds_all_and_each_once() {
+    let mut draws = generator(7, 0);
+    let place = |draws: &mut dyn Draws| {
+        let [x, y] = [0, 1].map(|_| 40.0 * draws.uniform() as f32 - 20.0);
+        Vec3::new(x, y, (x * 0.3).sin())
+    };
+    let mut lookup = Lookup::default();
+    for count in [0, 1, 3000] {
+        let balls: Vec<(Vec3, f32)> = (0..count)
+            .map(|_| {
+                let center = place(&mut draws);
+                (center, 10f32.powf(5.0 * draws.uniform() as f32 - 4.5))
+            })
+            .collect();
+        lookup.rebuild(balls.iter().copied());
+        let mut met = 0;
+        for query in 0..4000 {
+            let point = match balls.get(query) {
+                // Within a ball, however small.
+                Some((center, radius)) => *center + Vec3::splat(0.5 * radius),
+                None => place(&mut draws),
+            };
+            let mut found = Vec::new();
+            lookup.holding(point, |index| found.push(index as usize));
+            found.sort_unstable();
+            let holds = |(center, radius): &(Vec3, f32)| {
+                (point - *center).length_squared() <= radius * radius
+            };
+            let expected: Vec<usize> = (0..balls.len()).filter(|&i| holds(&balls[i])).collect();
+            met += expected.len();
+            assert_eq!(found, expected, "query {query} of {count}");
+        }
+        assert!(met >= count);
+    }
+}
+
+/// Points of a picture of `side` by `side` pixels, and where photons land.
+fn points_and_photons(words: &str, side: u32, paths: u64) -> (MeasurementPoints, Vec<Vec3>) {
+    let options = SceneOptions {
+        width: side,
+        height: side,
+        ..SceneOptions::default()
+    };
+    let description = builtin::load(words).expect("a built-in scene");
+    let scene = Scene::new(&description, &options).expect("a sound scene");
+    let wavelengths = Wavelengths::sample(0.3, WavelengthSampling::Hero);
+    let walk = MeasurementWalk {
+        settings: BuilderSettings::default(),
+        threshold: 0.39,
+        pixels: DVec2::splat(f64::from(side)),
+        radius: 1.0,
+    };
+    let mut points = MeasurementPoints::default();
+    for pixel in 0..u64::from(side * side) {
+        let mut u = Independent::new(sample_generator(1, 0, pixel));
+        walk.trace(&scene, &wavelengths, &mut u, &mut points);
+    }
+    let (mut path, mut photons) = (PhotonPath::default(), Vec::new());
+    for index in 0..paths {
+        let mut u = Independent::new(sample_generator(1, 1, index));
+        PhotonTracing { max_edges: 12 }.build(&scene, &wavelengths, &mut u, &mut path);
+        photons.extend(path.photons().iter().map(|photon| photon.position));
+    }
+    (points, photons)
+}
+
+/// Grids and tree find the same.
+#[test]
+fn grids_and_a_tree_find_the_same() {
+    let (points, photons) = points_and_photons("ring-and-sphere", 48, 500);
+    let balls = || points.points().iter().map(|p| (p.position, p.radius));
+    let mut lookup = Lookup::default();
+    lookup.rebuild(balls());
+    let tree = Tree::new(balls());
+    let mut total = 0;
+    for photon in photons {
+        let (mut a, mut b) = (Vec::new(), Vec::new());
+        lookup.holding(photon, |index| a.push(index));
+        tree.holding(photon, &mut |index| b.push(index));
+        a.sort_unstable();
+        b.sort_unstable();
+        total += a.len();
+        assert_eq!(a, b);
+    }
+    assert!(total > 1000, "{total}");
+}
+
+#[test]
+#[ignore = "a measurement"]
+fn how_long_a_look_takes() {
+    for (words, side) in [("cornell", 256), ("ring-and-sphere", 512)] {
+        let (points, photons) = points_and_photons(words, side, 100_000);
+        let balls = || points.points().iter().map(|p| (p.position, p.radius));
+        let mut lookup = Lookup::default();
+        lookup.rebuild(balls());
+        let start = Instant::now();
+        lookup.rebuild(balls());
+        let built = start.elapsed();
+        let start = Instant::now();
+        let tree = Tree::new(balls());
+        let planted = start.elapsed();
+        let (mut sums, mut times) = ([0_u64; 2], Vec::new());
+        for _ in 0..3 {
+            let start = Instant::now();
+            for &photon in &photons {
+                lookup.holding(photon, |_| sums[0] += 1);
+            }
+            times.push(start.elapsed());
+            let start = Instant::now();
+            for &photon in &photons {
+                tree.holding(photon, &mut |_| sums[1] += 1);
+            }
+            times.push(start.elapsed());
+        }
+        assert_eq!(sums[0], sums[1]);
+        println!(
+            "{words}, {} points: grids built in {built:?}, tree in {planted:?}; {} looks by turns {times:?}, {} found",
+            points.points().len(),
+            photons.len(),
+            sums[0] / 3
+        );
+    }
+}

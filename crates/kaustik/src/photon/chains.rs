@@ -1,0 +1,359 @@
+//! Photons of Markov chains that exchange states (spec: stf-photon.md 3, 7 and 8).
+
+use kaustik_estimate::{PhotonDeposit, PhotonLevels, PhotonTarget, PhotonValue};
+use kaustik_film::{Counters, Film, Image};
+use kaustik_mcmc::{
+    Acceptance, AcceptanceAdaptation, Ignore, Independent, Ladder, Metropolis, Pcg64Dxsm, Point,
+    PointKernel, Pool, Power, SampleGenerators, Statistics, SteppingStone, Target, generator,
+};
+use kaustik_spectrum::{Rgb, Xyz};
+use rayon::prelude::*;
+
+use super::Tracer;
+use super::stage::Stage;
+use super::targets::{Space, Targets};
+use crate::engine::{Nonfinite, add_counters};
+use crate::statistics::{PhotonLevel, PhotonStatistics};
+use crate::{ChainStatistics, PhotonOptions, RenderError, RenderSettings};
+
+/// Uniform light paths that choose the first states come from a ladder that no render has; so does the choice.
+const POOL_LADDER: u64 = u64::MAX;
+const CHOICE_LADDER: u64 = u64::MAX - 1;
+/// Before the first iteration step sizes learn for so many rounds of so many sweeps.
+const WARM_UP: (u64, u64) = (8, 32);
+
+/// Ladders of K chains each: the first draws uniform light paths, the others follow targets.
+pub(super) struct PhotonChains<const K: usize> {
+    levels: PhotonLevels<K>,
+    options: PhotonOptions,
+    ladders: Vec<Chains<K>>,
+    films: [Film; K],
+    targets: Targets<K>,
+    adaptations: [AcceptanceAdaptation<Power>; K],
+    /// Rough normalisers: those of the iteration before.
+    rough: [f64; K],
+    /// XYZ of each pixel, summed over iterations.
+    sums: Vec<[f64; 3]>,
+    iterations: u64,
+    nonfinite: Nonfinite,
+    /// What films of iterations before have left out.
+    counters: Counters,
+    /// Of the last iteration: normalisers, their errors.
+    normalisers: [[f64; 2]; K],
+}
+
+/// One ladder with its generator.
+struct Chains<const K: usize> {
+    draws: Pcg64Dxsm,
+    ladder: Ladder<Point<Power>, PhotonValue, K>,
+    counts: [f64; K],
+    faults: u64,
+}
+
+impl<const K: usize> PhotonChains<K> {
+    /// For a stage whose first iteration has begun: chooses the first states and lets step sizes learn.
+    pub(super) fn new(
+        stage: &Stage<'_>,
+        settings: &RenderSettings,
+        levels: [usize; K],
+        space: Space,
+    ) -> Result<Self, RenderError> {
+        let options = settings.options.photon;
+        let mut films = Vec::with_capacity(K);
+        for _ in 0..K {
+            films.push(stage.film(settings)?);
+        }
+        let films: [Film; K] = films.try_into().unwrap_or_else(|_| unreachable!("K films"));
+        let mut targets = Targets::new(stage, options, levels, space);
+        targets.assign(stage);
+        let adaptation = AcceptanceAdaptation::new(Power::new(1.0)).with_target(options.acceptance);
+        let mut chains = Self {
+            levels: PhotonLevels(levels),
+            options,
+            ladders: Vec::new(),
+            films,
+            targets,
+            adaptations: std::array::from_fn(|_| adaptation.clone()),
+            rough: [1.0; K],
+            sums: vec![[0.0; 3]; settings.pixels() as usize],
+            iterations: 0,
+            nonfinite: Nonfinite::default(),
+            counters: Counters::default(),
+            normalisers: [[0.0; 2]; K],
+        };
+        chains.start(stage, settings);
+        for _ in 0..WARM_UP.0 {
+            chains.sweep_all(stage, WARM_UP.1);
+            chains.adapt();
+        }
+        Ok(chains)
+    }
+
+    fn target<'t>(&'t self, stage: &'t Stage<'_>) -> PhotonTarget<'t> {
+        PhotonTarget {
+            scene: stage.scene,
+            tracing: stage.tracing,
+            map: stage.map(),
+            targets: self.targets.of_points(),
+        }
+    }
+
+    /// First states from uniform light paths, in proportion to each target; rough normalisers from the same.
+    fn start(&mut self, stage: &Stage<'_>, settings: &RenderSettings) {
+        let target = self.target(stage);
+        let generators = SampleGenerators::new(settings.seed, POOL_LADDER);
+        let levels = self.levels;
+        let evaluate = |value: &mut PhotonValue, index: usize| {
+            target.evaluate(&mut Independent::new(generators.at(index as u64)), value);
+            levels.0.map(|level| value.targets[level])
+        };
+        let samples: Vec<[f64; K]> = (0..settings.options.pilot as usize)
+            .into_par_iter()
+            .with_min_len(256)
+            .map_init(PhotonValue::default, evaluate)
+            .collect();
+        let pools: [Pool; K] =
+            std::array::from_fn(|level| Pool::new(samples.iter().map(|sample| sample[level])));
+        let least = 1.0 / samples.len() as f64;
+        let rough = std::array::from_fn(|level| {
+            let b = pools[level].normaliser().mean();
+            if b > 0.0 { b } else { least }
+        });
+        let mut choice = generator(settings.seed, CHOICE_LADDER);
+        let mutation = Power::new(1.0);
+        let mut ladders = Vec::new();
+        for ladder in 0..settings.options.ladders {
+            let mut draws = generator(settings.seed, u64::from(ladder));
+            let mut level = 0..;
+            let starts = [(); K].map(|()| {
+                let level = level.next().unwrap_or_default();
+                let start = pools[level].choose(&mut choice);
+                let chain = match start {
+                    Some(start) => {
+                        let mut again = generators.at(start.index);
+                        Metropolis::start(&target, &levels, level, mutation, &mut again)
+                    }
+                    // Nothing visible was found: wait for it.
+                    None => Metropolis::start(&target, &levels, level, mutation, &mut draws),
+                };
+                (chain.state().clone(), chain.value().clone())
+            });
+            ladders.push(Chains {
+                ladder: Ladder::new(starts, &levels),
+                draws,
+                counts: [0.0; K],
+                faults: 0,
+            });
+        }
+        self.ladders = ladders;
+        self.rough = rough;
+    }
+
+    /// Sweeps that tell nothing.
+    fn sweep_all(&mut self, stage: &Stage<'_>, sweeps: u64) {
+        let mut ladders = std::mem::take(&mut self.ladders);
+        let target = self.target(stage);
+        let kernels = kernels::<K>(&target);
+        ladders.par_iter_mut().with_max_len(1).for_each(|chains| {
+            let Chains { ladder, draws, .. } = chains;
+            for _ in 0..sweeps {
+                ladder.sweep(&kernels, &self.levels, draws, &mut Ignore);
+            }
+        });
+        self.ladders = ladders;
+    }
+
+    /// New step sizes for every level, from what all ladders have accepted.
+    fn adapt(&mut self) {
+        for level in 1..K {
+            let total = self.small_steps(level);
+            let mutation = self.adaptations[level].end_round(&total);
+            for chains in &mut self.ladders {
+                (chains.ladder).set_mutation(level, mutation, &mut chains.draws);
+            }
+        }
+    }
+
+    fn small_steps(&self, level: usize) -> Acceptance {
+        let mut total = Acceptance::default();
+        for chains in &self.ladders {
+            total.merge(chains.ladder.replicas()[level].statistics().small());
+        }
+        total
+    }
+
+    /// The iteration itself: chains go on from where they were, under targets that have changed.
+    fn run(&mut self, stage: &Stage<'_>) {
+        let mut ladders = std::mem::take(&mut self.ladders);
+        let (sweeps, count) = (stage.photons.div_ceil(K as u64), ladders.len() as u64);
+        let share = |ladder: u64| sweeps / count + u64::from(ladder < sweeps % count);
+        let target = self.target(stage);
+        let kernels = kernels::<K>(&target);
+        let deposit = |half: usize| PhotonDeposit {
+            map: target.map,
+            scale: stage.scale,
+            films: &self.films,
+            rough: self.rough,
+            combine: self.options.combine,
+            regions: self.targets.sums().map(|sums| (sums, half)),
+            counts: [0.0; K],
+            faults: 0,
+        };
+        ladders
+            .par_iter_mut()
+            .enumerate()
+            .with_max_len(1)
+            .for_each(|(index, chains)| {
+                let Chains { ladder, draws, .. } = chains;
+                ladder.evaluate_anew(&target, &self.levels, draws);
+                for _ in 0..self.options.burn_in {
+                    ladder.sweep(&kernels, &self.levels, draws, &mut Ignore);
+                }
+                ladder.flush(&mut Ignore);
+                ladder.reset_statistics();
+                chains.counts = [0.0; K];
+                chains.faults = 0;
+                // Both halves have a block of every ladder.
+                let sweeps = share(index as u64);
+                let first = sweeps / 2;
+                for (half, sweeps) in [(0, first), (1, sweeps - first)] {
+                    let mut recorder = deposit((half + index) % 2);
+                    for _ in 0..sweeps {
+                        ladder.sweep(&kernels, &self.levels, draws, &mut recorder);
+                    }
+                    ladder.flush(&mut recorder);
+                    for level in 0..K {
+                        chains.counts[level] += recorder.counts[level];
+                    }
+                    chains.faults += recorder.faults;
+                }
+            });
+        self.ladders = ladders;
+    }
+
+    /// Normalisers of the iteration, each from the chain below (spec (10)), and what turns sums at each level into
+    /// shares of the picture: `b_l / (b0_l N_l)`.
+    fn normalise(&mut self) -> [f64; K] {
+        let mut stone = SteppingStone::<K>::line();
+        for chains in &self.ladders {
+            stone.merge_as_one(chains.ladder.stepping_stone());
+        }
+        let found = stone.normalisers(1.0);
+        let values = found.values();
+        for (level, estimate) in found.estimates().iter().enumerate() {
+            let value = values[level];
+            let error = if value > 0.0 {
+                estimate.relative_error() * value
+            } else {
+                0.0
+            };
+            self.normalisers[level] = [value, error];
+        }
+        std::array::from_fn(|level| {
+            let count: f64 = self.ladders.iter().map(|chains| chains.counts[level]).sum();
+            if count > 0.0 {
+                values[level] / (self.rough[level] * count)
+            } else {
+                0.0
+            }
+        })
+    }
+
+    /// Adds the films' light to the picture, and makes them black.
+    fn collect(&mut self, factors: &[f64; K]) {
+        for (film, factor) in self.films.iter_mut().zip(factors) {
+            let scale = factor * film.quantum().value();
+            let mut raw = film.sums();
+            for sum in &mut self.sums {
+                for channel in sum {
+                    *channel += raw.next().unwrap_or_default() as f64 * scale;
+                }
+            }
+            drop(raw);
+            self.counters = add_counters(self.counters, film.counters());
+            film.clear();
+        }
+    }
+}
+
+/// Large steps for the first level, small ones for all others.
+fn kernels<'t, const K: usize>(
+    target: &'t PhotonTarget<'t>,
+) -> [PointKernel<&'t PhotonTarget<'t>>; K] {
+    std::array::from_fn(|level| PointKernel::new(target, if level == 0 { 1.0 } else { 0.0 }))
+}
+
+impl<const K: usize> Tracer for PhotonChains<K> {
+    fn trace(&mut self, stage: &Stage<'_>) {
+        let grown = self.targets.assign(stage);
+        for (rough, level) in self.rough.iter_mut().zip(self.levels.0) {
+            *rough *= grown[level];
+        }
+        self.run(stage);
+        self.iterations += 1;
+        let factors = self.normalise();
+        self.collect(&factors);
+        self.targets.learn(&factors, self.options.refinement);
+        let faults = self.ladders.iter().map(|chains| chains.faults).sum();
+        self.nonfinite
+            .count(faults, (self.iterations - 1) * stage.photons);
+        for level in 0..K {
+            if self.normalisers[level][0] > 0.0 {
+                self.rough[level] = self.normalisers[level][0];
+            }
+        }
+        self.adapt();
+    }
+
+    fn develop(&mut self, stage: &Stage<'_>) -> Result<Image, RenderError> {
+        let factor = stage.cell_area() / self.iterations.max(1) as f64;
+        let mut planes = [(); 3].map(|()| Vec::with_capacity(self.sums.len()));
+        for sum in &self.sums {
+            let rgb = Rgb::from(Xyz(sum.map(|v| (v * factor) as f32))).0;
+            for (plane, value) in planes.iter_mut().zip(rgb) {
+                plane.push(value);
+            }
+        }
+        let layout = self.films[0].layout();
+        let (crop, full) = (layout.crop, [layout.width, layout.height]);
+        let image = Image::from_rgb(crop.width(), crop.height(), planes)?;
+        Ok(image.placed([crop.x0 as i32, crop.y0 as i32], full))
+    }
+
+    fn chain_statistics(&self) -> Option<ChainStatistics> {
+        let mut all = Statistics::new();
+        for chains in &self.ladders {
+            for replica in &chains.ladder.replicas()[1..] {
+                all.merge(replica.statistics());
+            }
+        }
+        Some(ChainStatistics::new(
+            &all,
+            self.normalisers[K - 1],
+            self.rough[K - 1],
+        ))
+    }
+
+    fn photon_statistics(&self) -> Option<PhotonStatistics> {
+        let level = |level: usize| PhotonLevel {
+            target: self.targets.name(self.levels.0[level]),
+            normaliser: self.normalisers[level][0],
+            error: self.normalisers[level][1],
+            acceptance: self.small_steps(level).rate(),
+            step_size: self.adaptations[level].mutation().size(),
+        };
+        Some(PhotonStatistics {
+            iterations: self.iterations,
+            regions: self.targets.cut(),
+            levels: (0..K).map(level).collect(),
+        })
+    }
+
+    fn nonfinite(&self) -> Nonfinite {
+        self.nonfinite
+    }
+
+    fn film_counters(&self) -> Counters {
+        self.counters
+    }
+}

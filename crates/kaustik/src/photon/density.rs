@@ -1,0 +1,67 @@
+//! The pilot of `photon-density` (Chen, Wang and Yong 2011; spec: stf-photon.md 4).
+
+use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
+
+use kaustik_estimate::DensityTarget;
+use kaustik_mcmc::{Independent, SampleGenerators};
+use kaustik_path::PhotonPath;
+use kaustik_scene::Scene;
+use rayon::prelude::*;
+
+use super::stage::Stage;
+use crate::RenderSettings;
+
+/// Passes of uniform light paths.
+const PASSES: u64 = 4;
+/// So many times the radius.
+const WIDER: f64 = 3.0;
+/// Light paths of the pilot come from a ladder that no render has.
+const LADDER: u64 = u64::MAX - 4096;
+/// Light paths that one thread traces at a time.
+const CHUNK: u64 = 1024;
+
+/// Counts photons in each pixel, an area.
+pub(super) fn pilot(scene: &Scene, settings: &RenderSettings) -> DensityTarget {
+    let mut settings = settings.clone();
+    settings.options.photon.radius *= WIDER;
+    let mut stage = Stage::new(scene, &settings);
+    let (columns, rows) = (settings.width as usize, settings.height as usize);
+    let counts: Vec<AtomicU64> = (0..columns * rows).map(|_| AtomicU64::new(0)).collect();
+    let mut areas = vec![0.0; columns * rows];
+    let generators = SampleGenerators::new(settings.seed, LADDER);
+    for pass in 0..PASSES {
+        stage.begin();
+        let map = stage.map();
+        let points = map.points.points();
+        let pixel = |index: usize| {
+            let raster = points[index].raster;
+            let at = |u: f64, count: usize| ((u * count as f64).max(0.0) as usize).min(count - 1);
+            at(raster.y, rows) * columns + at(raster.x, columns)
+        };
+        for (index, point) in points.iter().enumerate() {
+            areas[pixel(index)] += point.area();
+        }
+        let chunk = |path: &mut PhotonPath, chunk: u64| {
+            for number in chunk * CHUNK..((chunk + 1) * CHUNK).min(stage.photons) {
+                let mut u = Independent::new(generators.at(pass * stage.photons + number));
+                (stage.tracing).build(scene, stage.wavelengths(), &mut u, path);
+                for photon in path.photons() {
+                    map.meetings(photon, |index| {
+                        counts[pixel(index)].fetch_add(1, Relaxed);
+                    });
+                }
+            }
+        };
+        let chunks = (0..stage.photons.div_ceil(CHUNK)).into_par_iter();
+        chunks.for_each_init(PhotonPath::default, chunk);
+    }
+    let density = |(count, area): (&AtomicU64, &f64)| {
+        if *area > 0.0 {
+            count.load(Relaxed) as f64 / area
+        } else {
+            0.0
+        }
+    };
+    let densities: Vec<f64> = counts.iter().zip(&areas).map(density).collect();
+    DensityTarget::new(columns, rows, &densities)
+}

@@ -1,0 +1,197 @@
+//! Photon methods (spec: stf-photon.md): iterations of new measurement points and light paths that look for them,
+//! and path tracing of what photons cannot carry.
+//!
+//! An iteration is whole or it is not: `--time` and signals end a render between two. All ladders share the points of
+//! an iteration, so that a process runs all of them; independent renders may be averaged instead.
+
+mod chains;
+mod density;
+mod sppm;
+mod stage;
+mod targets;
+
+use std::sync::atomic::AtomicBool;
+
+use kaustik_film::{Counters, Image, Layer};
+use kaustik_scene::Scene;
+
+use crate::control::is_stopped;
+use crate::engine::{Engine, Nonfinite, add_counters, add_nonfinite};
+use crate::independent::IndependentEngine;
+use crate::{
+    Budget, ChainStatistics, Method, PhotonStatistics, Place, RenderError, RenderSettings,
+};
+use chains::PhotonChains;
+use sppm::IndependentPhotons;
+use stage::Stage;
+use targets::Space;
+
+/// Passes of the remainder for each iteration.
+const PASSES: u64 = 2;
+/// Turns the seed of the photons into another one.
+const SEED: u64 = 0x5E3D_0F1B_9C27_A684;
+
+/// How the light paths of an iteration are drawn, and where what they bring is kept.
+trait Tracer: Send + Sync {
+    /// Traces the light paths of the iteration that the stage has begun.
+    fn trace(&mut self, stage: &Stage<'_>);
+
+    /// The picture of all iterations.
+    fn develop(&mut self, stage: &Stage<'_>) -> Result<Image, RenderError>;
+
+    fn chain_statistics(&self) -> Option<ChainStatistics> {
+        None
+    }
+
+    fn photon_statistics(&self) -> Option<PhotonStatistics> {
+        None
+    }
+
+    fn nonfinite(&self) -> Nonfinite;
+
+    fn film_counters(&self) -> Counters;
+}
+
+/// A photon method at work. A step is a light path.
+pub(crate) struct PhotonEngine<'a> {
+    stage: Stage<'a>,
+    tracer: Box<dyn Tracer>,
+    remainder: IndependentEngine<'a>,
+    /// Steps of each ladder for one round of the remainder.
+    passes: Vec<u64>,
+    /// The stage has begun an iteration that was not traced yet.
+    ready: bool,
+}
+
+/// Is it one of these methods?
+pub(crate) fn is_photon(method: Method) -> bool {
+    matches!(
+        method,
+        Method::Sppm
+            | Method::PhotonVisibility
+            | Method::PhotonDensity
+            | Method::PhotonSpatial
+            | Method::PhotonImage
+    )
+}
+
+/// What traces the light paths of a method.
+fn tracer(stage: &Stage<'_>, settings: &RenderSettings) -> Result<Box<dyn Tracer>, RenderError> {
+    let space = match settings.method {
+        Method::PhotonImage => Space::Image,
+        _ => Space::World,
+    };
+    Ok(match (settings.method, settings.options.photon.levels) {
+        (Method::PhotonDensity, _) => {
+            let space = Space::Densities(density::pilot(stage.scene, settings));
+            Box::new(PhotonChains::new(stage, settings, [0, 2], space)?)
+        }
+        (Method::PhotonVisibility, _) => {
+            Box::new(PhotonChains::new(stage, settings, [0, 1], space)?)
+        }
+        (Method::PhotonSpatial | Method::PhotonImage, 2) => {
+            Box::new(PhotonChains::new(stage, settings, [0, 3], space)?)
+        }
+        (Method::PhotonSpatial | Method::PhotonImage, 3) => {
+            Box::new(PhotonChains::new(stage, settings, [0, 2, 3], space)?)
+        }
+        (Method::PhotonSpatial | Method::PhotonImage, _) => {
+            Box::new(PhotonChains::new(stage, settings, [0, 1, 2, 3], space)?)
+        }
+        _ => Box::new(IndependentPhotons::new(stage, settings)?),
+    })
+}
+
+impl<'a> PhotonEngine<'a> {
+    pub(crate) fn new(scene: &'a Scene, settings: &RenderSettings) -> Result<Self, RenderError> {
+        let mut stage = Stage::new(scene, settings);
+        stage.begin();
+        let tracer = tracer(&stage, settings)?;
+        let mut of_remainder = RenderSettings {
+            seed: settings.seed ^ SEED,
+            ..settings.clone()
+        };
+        if !settings.options.photon.remainder {
+            of_remainder.max_depth = 1;
+        }
+        let remainder = IndependentEngine::remainder(scene, &of_remainder)?;
+        let ladders = 0..settings.options.ladders;
+        Ok(Self {
+            passes: ladders.map(|l| PASSES * remainder.grain(l)).collect(),
+            stage,
+            tracer,
+            remainder,
+            ready: true,
+        })
+    }
+
+    fn iterate(&mut self) {
+        if !std::mem::take(&mut self.ready) {
+            self.stage.begin();
+        }
+        self.tracer.trace(&self.stage);
+        self.remainder.advance(&self.passes, None);
+    }
+}
+
+impl Engine for PhotonEngine<'_> {
+    fn advance(&mut self, plan: &[u64], stop: Option<&AtomicBool>) -> u64 {
+        let steps = plan.iter().sum::<u64>();
+        let mut taken = 0;
+        while taken < steps && !is_stopped(stop) {
+            self.iterate();
+            taken += self.stage.photons;
+        }
+        taken
+    }
+
+    /// Whole iterations, on the account of the first ladder.
+    fn planned(&self, ladder: u32, settings: &RenderSettings) -> u64 {
+        let photons = self.stage.photons;
+        let iterations = match settings.budget {
+            _ if ladder > 0 => 0,
+            Budget::PerPixel(n) => n,
+            Budget::Total(n) => (n / photons).max(u64::from(n > 0)),
+            Budget::Time(_) => u64::MAX / photons,
+        };
+        iterations.saturating_mul(photons)
+    }
+
+    fn grain(&self, ladder: u32) -> u64 {
+        if ladder > 0 { 1 } else { self.stage.photons }
+    }
+
+    fn develop(&mut self) -> Result<Image, RenderError> {
+        let mut image = self.tracer.develop(&self.stage)?;
+        image.add(&self.remainder.picture()?)?;
+        Ok(image)
+    }
+
+    fn chain_statistics(&self) -> Option<ChainStatistics> {
+        self.tracer.chain_statistics()
+    }
+
+    fn photon_statistics(&self) -> Option<PhotonStatistics> {
+        self.tracer.photon_statistics()
+    }
+
+    fn layers(&self) -> Result<Vec<Layer>, RenderError> {
+        let image = self.remainder.picture()?;
+        let channels = ["R", "G", "B"].into_iter().zip(image.rgb());
+        let channels = channels.map(|(name, plane)| (name, plane.to_vec()));
+        Ok(vec![Layer::new("remainder", channels.collect())])
+    }
+
+    fn nonfinite(&self) -> (u64, Option<Place>) {
+        let photons = Nonfinite::all(std::iter::once((0, self.tracer.nonfinite())));
+        add_nonfinite(photons, Some(self.remainder.nonfinite()))
+    }
+
+    fn film_counters(&self) -> Counters {
+        add_counters(self.tracer.film_counters(), self.remainder.film_counters())
+    }
+
+    fn is_lit(&self) -> bool {
+        self.remainder.is_lit()
+    }
+}

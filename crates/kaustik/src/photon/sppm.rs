@@ -1,0 +1,73 @@
+//! Independent photons (Hachisuka and Jensen 2009).
+
+use kaustik_film::{Counters, Film, Image, develop};
+use kaustik_mcmc::{Independent, SampleGenerators};
+use kaustik_path::PhotonPath;
+use rayon::prelude::*;
+
+use super::Tracer;
+use super::stage::Stage;
+use crate::engine::Nonfinite;
+use crate::{RenderError, RenderSettings};
+
+/// Light paths that one thread traces at a time.
+const CHUNK: u64 = 1024;
+
+/// Every light path is a sample of its own: that of its number alone.
+pub(super) struct IndependentPhotons {
+    generators: Vec<SampleGenerators>,
+    film: Film,
+    nonfinite: Nonfinite,
+}
+
+impl IndependentPhotons {
+    /// For a stage whose first iteration has begun.
+    pub(super) fn new(stage: &Stage<'_>, settings: &RenderSettings) -> Result<Self, RenderError> {
+        let ladders = 0..u64::from(settings.options.ladders);
+        Ok(Self {
+            generators: ladders
+                .map(|ladder| SampleGenerators::new(settings.seed, ladder))
+                .collect(),
+            film: stage.film(settings)?,
+            nonfinite: Nonfinite::default(),
+        })
+    }
+}
+
+impl Tracer for IndependentPhotons {
+    fn trace(&mut self, stage: &Stage<'_>) {
+        let map = stage.map();
+        let before = (stage.iterations - 1) * stage.photons;
+        let ladders = self.generators.len() as u64;
+        let chunk = |path: &mut PhotonPath, chunk: u64| {
+            let mut faults = Nonfinite::default();
+            for number in chunk * CHUNK..((chunk + 1) * CHUNK).min(stage.photons) {
+                let step = before + number;
+                let generators = &self.generators[(step % ladders) as usize];
+                let mut u = Independent::new(generators.at(step / ladders));
+                (stage.tracing).build(stage.scene, stage.wavelengths(), &mut u, path);
+                let found = map.deposit(&self.film, stage.scale, path, 1.0);
+                faults.count(found, step);
+            }
+            faults
+        };
+        let chunks = 0..stage.photons.div_ceil(CHUNK);
+        let found = chunks
+            .into_par_iter()
+            .map_init(PhotonPath::default, chunk)
+            .reduce(Nonfinite::default, Nonfinite::and);
+        self.nonfinite = self.nonfinite.and(found);
+    }
+
+    fn develop(&mut self, stage: &Stage<'_>) -> Result<Image, RenderError> {
+        Ok(develop(&[(&self.film, stage.factor())])?)
+    }
+
+    fn nonfinite(&self) -> Nonfinite {
+        self.nonfinite
+    }
+
+    fn film_counters(&self) -> Counters {
+        self.film.counters()
+    }
+}

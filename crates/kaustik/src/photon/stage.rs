@@ -1,0 +1,205 @@
+//! What an iteration of a photon method stands on: its wavelengths, measurement points, and their lookup.
+
+use glam::DVec2;
+use kaustik_estimate::{PhotonMap, Scale};
+use kaustik_film::{Film, Quantum};
+use kaustik_mcmc::{Draws, Independent, Mean, SampleGenerators};
+use kaustik_path::{Lookup, MeasurementPoints, MeasurementWalk, PhotonPath, PhotonTracing};
+use kaustik_scene::Scene;
+use kaustik_spectrum::{WavelengthSampling, Wavelengths};
+use rayon::prelude::*;
+
+use crate::cells::Cells;
+use crate::render::builder_settings;
+use crate::stratified::{Stratified, mix};
+use crate::{RenderError, RenderSettings};
+
+/// The camera's generators come from a ladder that no render has; so do the pilot's.
+const CAMERA_LADDER: u64 = u64::MAX - 2048;
+const PILOT_LADDER: u64 = u64::MAX;
+/// Cells whose points one thread makes at a time.
+const CHUNK: u64 = 2048;
+/// Chunks that are made before they are put together: what this takes beside the points themselves is bounded.
+const BATCH: u64 = 64;
+/// The golden ratio less one: its multiples fill the unit interval evenly.
+const GOLDEN: f64 = 0.618_033_988_749_894_9;
+/// Light paths that tell how bright photons are.
+const PILOT: u64 = 1024;
+
+/// One iteration after the other.
+pub(super) struct Stage<'a> {
+    pub(super) scene: &'a Scene,
+    pub(super) tracing: PhotonTracing,
+    pub(super) scale: Scale,
+    pub(super) seed: u64,
+    /// Light paths an iteration.
+    pub(super) photons: u64,
+    /// Iterations begun so far.
+    pub(super) iterations: u64,
+    walk: MeasurementWalk,
+    cells: Cells,
+    generators: SampleGenerators,
+    sampling: WavelengthSampling,
+    /// Of the first iteration, in [0, 1).
+    first_wavelength: f64,
+    wavelengths: Wavelengths,
+    points: MeasurementPoints,
+    lookup: Lookup,
+    parts: Vec<MeasurementPoints>,
+    reduction: Option<f64>,
+    /// Raster area of a cell in pixels.
+    cell_area: f64,
+}
+
+impl<'a> Stage<'a> {
+    pub(super) fn new(scene: &'a Scene, settings: &RenderSettings) -> Self {
+        let options = settings.options;
+        let builder = builder_settings(settings);
+        let cells = Cells::new(settings);
+        let generators = SampleGenerators::new(settings.seed, CAMERA_LADDER);
+        let first_wavelength = generators.at(u64::MAX).uniform();
+        let size = DVec2::new(f64::from(settings.width), f64::from(settings.height));
+        Self {
+            scene,
+            tracing: PhotonTracing {
+                max_edges: settings.max_depth,
+            },
+            scale: Scale {
+                width: size.x,
+                height: size.y,
+            },
+            seed: settings.seed,
+            photons: options.photon.photons,
+            iterations: 0,
+            walk: MeasurementWalk {
+                settings: builder,
+                threshold: options.photon.roughness,
+                pixels: size,
+                radius: options.photon.radius,
+            },
+            cells,
+            generators,
+            sampling: options.wavelengths,
+            first_wavelength,
+            wavelengths: Wavelengths::sample(first_wavelength, options.wavelengths),
+            points: MeasurementPoints::default(),
+            lookup: Lookup::default(),
+            parts: vec![MeasurementPoints::default(); BATCH as usize],
+            reduction: options.photon.reduction,
+            cell_area: settings.layout().extended_bounds().area() / cells.count() as f64,
+        }
+    }
+
+    /// Sees the scene anew: other wavelengths, other points of every pixel, and smaller discs if these shrink.
+    pub(super) fn begin(&mut self) {
+        let index = self.iterations;
+        self.iterations += 1;
+        let turned = self.first_wavelength + GOLDEN * index as f64;
+        self.wavelengths = Wavelengths::sample(turned - turned.floor(), self.sampling);
+        if let (Some(alpha), true) = (self.reduction, index > 0) {
+            // spec 1: r_{i+1}^2 = r_i^2 (i + alpha) / (i + 1), i >= 1
+            let i = index as f64;
+            self.walk.radius *= ((i + alpha) / (i + 1.0)).sqrt();
+        }
+        self.look(index);
+        let balls = self.points.points().iter();
+        self.lookup.rebuild(balls.map(|p| (p.position, p.radius)));
+    }
+
+    /// One walk a cell, put together in the order of the cells.
+    fn look(&mut self, index: u64) {
+        self.points.clear();
+        let mut parts = std::mem::take(&mut self.parts);
+        let count = self.cells.count();
+        for batch in (0..count).step_by((CHUNK * BATCH) as usize) {
+            let (this, first) = (&*self, batch / CHUNK);
+            parts.par_iter_mut().enumerate().for_each(|(at, part)| {
+                part.clear();
+                let start = (first + at as u64) * CHUNK;
+                for cell in start..(start + CHUNK).min(count) {
+                    this.measure(cell, index, part);
+                }
+            });
+            for part in &parts {
+                self.points.append(part);
+            }
+        }
+        self.parts = parts;
+    }
+
+    fn measure(&self, cell: u64, index: u64, out: &mut MeasurementPoints) {
+        let (columns, rows) = (self.cells.columns(), self.cells.rows());
+        let corner = [cell % columns, cell / columns].map(|at| at as f64);
+        let size = [columns, rows].map(|side| 1.0 / side as f64);
+        let inner = Independent::new(self.generators.at(index * self.cells.count() + cell));
+        let seed = mix(self.seed) ^ cell;
+        let mut coordinates = Stratified::new(inner, corner, size, index, seed);
+        (self.walk).trace(self.scene, &self.wavelengths, &mut coordinates, out);
+    }
+
+    /// Positions of points from so many walks a cell, for nothing but a look at where things are.
+    pub(super) fn pilot(&self, passes: u64) -> Vec<[f32; 3]> {
+        let chunks = (0..self.cells.count().div_ceil(CHUNK)).into_par_iter();
+        let positions = |points: &mut MeasurementPoints, chunk: u64| {
+            points.clear();
+            for cell in chunk * CHUNK..((chunk + 1) * CHUNK).min(self.cells.count()) {
+                for pass in 0..passes {
+                    // far from the indices that iterations will have
+                    self.measure(cell, u64::MAX / self.cells.count() / 2 + pass, points);
+                }
+            }
+            let points = points.points().iter();
+            points.map(|p| p.position.to_array()).collect::<Vec<_>>()
+        };
+        let found: Vec<Vec<[f32; 3]>> = chunks
+            .map_init(MeasurementPoints::default, positions)
+            .collect();
+        found.concat()
+    }
+
+    pub(super) fn map(&self) -> PhotonMap<'_> {
+        PhotonMap {
+            points: &self.points,
+            lookup: &self.lookup,
+            wavelengths: &self.wavelengths,
+            max_edges: self.tracing.max_edges,
+        }
+    }
+
+    pub(super) fn wavelengths(&self) -> &Wavelengths {
+        &self.wavelengths
+    }
+
+    /// Raster area of a cell in pixels.
+    pub(super) fn cell_area(&self) -> f64 {
+        self.cell_area
+    }
+
+    /// What turns sums over whole iterations, of light paths that each weigh one, into a picture.
+    pub(super) fn factor(&self) -> f64 {
+        let paths = self.photons as f64 * self.iterations.max(1) as f64;
+        self.cell_area / paths
+    }
+
+    /// A film for contributions of single photons. Their size comes from the mean power of photons and the mean area
+    /// of discs, which are known even where the two never meet.
+    pub(super) fn film(&self, settings: &RenderSettings) -> Result<Film, RenderError> {
+        let mut path = PhotonPath::default();
+        let mut power = Mean::new();
+        let generators = SampleGenerators::new(settings.seed, PILOT_LADDER);
+        for index in 0..PILOT {
+            let mut u = Independent::new(generators.at(index));
+            (self.tracing).build(self.scene, &self.wavelengths, &mut u, &mut path);
+            for photon in path.photons() {
+                power.push(f64::from(photon.power.mean()));
+            }
+        }
+        let points = self.points.points().iter();
+        let inverse: Mean = points.map(|point| 1.0 / point.area()).collect();
+        let typical = power.mean() * inverse.mean() / std::f64::consts::PI;
+        Ok(Film::with_layout(
+            &settings.layout(),
+            Quantum::from_mean(typical),
+        )?)
+    }
+}

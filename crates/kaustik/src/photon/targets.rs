@@ -1,0 +1,155 @@
+//! What chains follow: the targets of measurement points, and the regions that they go by.
+
+use kaustik_estimate::{DensityTarget, Refinement, RegionSums, Regions, inverse};
+use kaustik_path::MeasurementPoint;
+use rayon::prelude::*;
+
+use super::stage::Stage;
+use crate::photon_options::{PhotonOptions, TargetFunction};
+
+/// Names of the four targets of spec stf-photon.md (9).
+const NAMES: [&str; 4] = ["uniform", "visibility", "inverse-kernel", "full"];
+/// Camera walks a pixel before the first iteration, which the tree is made from (G sec. 4.2).
+const PILOT_PASSES: u64 = 4;
+
+/// Where regions lie, or what stands for them.
+#[derive(Debug)]
+pub(super) enum Space {
+    /// In the scene.
+    World,
+    /// On the image.
+    Image,
+    /// No regions: a pilot's map of the image.
+    Densities(DensityTarget),
+}
+
+/// `T_3` and `T_4` of all points, and the regions behind them.
+pub(super) struct Targets<const K: usize> {
+    space: Space,
+    /// Visibility asks nothing of points.
+    plain: bool,
+    regions: Option<Regions>,
+    sums: Option<RegionSums<K>>,
+    of_points: Vec<[f32; 2]>,
+    /// Mean of either target over the points.
+    means: [f64; 2],
+}
+
+impl<const K: usize> Targets<K> {
+    /// For a ladder of these levels.
+    pub(super) fn new(
+        stage: &Stage<'_>,
+        options: PhotonOptions,
+        levels: [usize; K],
+        space: Space,
+    ) -> Self {
+        let wanted = levels.contains(&3) && options.target_function == TargetFunction::Full;
+        let regions = wanted.then(|| match &space {
+            Space::World | Space::Densities(_) => Regions::spatial(&mut stage.pilot(PILOT_PASSES)),
+            Space::Image => Regions::image(),
+        });
+        let sums = (regions.as_ref())
+            .map(|regions| RegionSums::new(regions.leaves(), levels, options.psi));
+        Self {
+            space,
+            plain: levels.iter().all(|&level| level < 2),
+            regions,
+            sums,
+            of_points: Vec::new(),
+            means: [1.0; 2],
+        }
+    }
+
+    /// For the iteration that the stage has begun (spec (8)). Returns by how much each of the four targets has grown in the
+    /// mean over the points.
+    pub(super) fn assign(&mut self, stage: &Stage<'_>) -> [f64; 4] {
+        self.of_points.clear();
+        if self.plain {
+            return [1.0; 4];
+        }
+        let points = stage.map().points.points();
+        let largest = points.iter().map(|p| p.area()).fold(0.0, f64::max);
+        let kernel = |area: f64| inverse(area / largest);
+        let leaves = self.leaves(stage);
+        match &mut self.regions {
+            None => {
+                let space = &self.space;
+                let of = |point: &MeasurementPoint| match space {
+                    Space::Densities(map) => map.at(point.raster.x, point.raster.y),
+                    _ => kernel(point.area()) as f32,
+                };
+                self.of_points.extend(points.iter().map(|p| [of(p); 2]));
+            }
+            Some(regions) => {
+                let mut areas = vec![0.0; regions.leaves()];
+                for (point, &leaf) in points.iter().zip(&leaves) {
+                    areas[leaf as usize] += point.area();
+                }
+                regions.set_areas(&areas);
+                let densities = regions.densities();
+                self.of_points
+                    .extend(points.iter().zip(&leaves).map(|(point, &leaf)| {
+                        let kernel = kernel(point.area());
+                        let full = kernel * inverse(densities[leaf as usize]);
+                        [kernel as f32, full as f32]
+                    }));
+            }
+        }
+        if let Some(sums) = &mut self.sums {
+            sums.begin(leaves);
+        }
+        let before = self.means;
+        let count = self.of_points.len().max(1) as f64;
+        self.means = [0, 1].map(|which| {
+            let sum: f64 = self.of_points.iter().map(|of| f64::from(of[which])).sum();
+            (sum / count).max(f64::MIN_POSITIVE)
+        });
+        let [kernel, full] = [0, 1].map(|which| self.means[which] / before[which]);
+        [1.0, 1.0, kernel, full]
+    }
+
+    /// The leaf of each point.
+    fn leaves(&self, stage: &Stage<'_>) -> Vec<u32> {
+        let Some(regions) = &self.regions else {
+            return Vec::new();
+        };
+        let points = stage.map().points.points().par_iter().with_min_len(4096);
+        let leaf = |place| regions.leaf(place);
+        points
+            .map(|point| match &self.space {
+                Space::Image => leaf([point.raster.x as f32, point.raster.y as f32, 0.0]),
+                _ => leaf(point.position.to_array()),
+            })
+            .collect()
+    }
+
+    /// `T_3` and `T_4` of each point; empty where nobody asks.
+    pub(super) fn of_points(&self) -> &[[f32; 2]] {
+        &self.of_points
+    }
+
+    /// Where visits tell about regions.
+    pub(super) fn sums(&self) -> Option<&RegionSums<K>> {
+        self.sums.as_ref()
+    }
+
+    /// Ends an iteration: regions take what visits have told.
+    pub(super) fn learn(&mut self, factors: &[f64; K], refinement: Refinement) {
+        if let (Some(regions), Some(sums)) = (&mut self.regions, &self.sums) {
+            regions.learn(&sums.tallies(factors), refinement);
+        }
+    }
+
+    /// The name of one of the four targets.
+    pub(super) fn name(&self, level: usize) -> &'static str {
+        match (level, &self.space) {
+            (2, Space::Densities(_)) => "density",
+            _ => NAMES[level],
+        }
+    }
+
+    /// Regions in the cut; 0 without a tree.
+    pub(super) fn cut(&self) -> usize {
+        self.regions.as_ref().map_or(0, Regions::cut)
+    }
+}

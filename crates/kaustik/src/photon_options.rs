@@ -1,0 +1,306 @@
+//! The settings of photon methods.
+
+use kaustik_estimate::{Combine, Refinement, Witnesses};
+
+use crate::key::Key;
+use crate::method::Method;
+
+/// Settings that only photon methods read.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[expect(missing_docs, reason = "the table of keys says what each does")]
+pub struct PhotonOptions {
+    pub photons: u64,
+    pub roughness: f64,
+    pub radius: f64,
+    /// `None`: the radius stays.
+    pub reduction: Option<f64>,
+    pub remainder: bool,
+    pub acceptance: f64,
+    pub burn_in: u64,
+    pub combine: Combine,
+    /// Chains of a ladder: 2, 3 or 4.
+    pub levels: u32,
+    pub target_function: TargetFunction,
+    pub psi: Witnesses,
+    pub refinement: Refinement,
+}
+
+/// What the last of the chains follows.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum TargetFunction {
+    /// The inverse density of photons in a region times the inverse size of the kernel (G Eq. 11).
+    #[default]
+    Full,
+    /// The second factor alone.
+    InverseKernel,
+}
+
+impl Default for PhotonOptions {
+    fn default() -> Self {
+        Self {
+            photons: 250_000,
+            roughness: 0.39,
+            radius: 1.0,
+            reduction: None,
+            remainder: true,
+            acceptance: 0.234,
+            burn_in: 64,
+            combine: Combine::Balance,
+            levels: 4,
+            target_function: TargetFunction::Full,
+            psi: Witnesses::Others,
+            refinement: Refinement::Adaptive,
+        }
+    }
+}
+
+/// Methods that trace photons.
+const PHOTONS: &[Method] = &[
+    Method::Sppm,
+    Method::PhotonVisibility,
+    Method::PhotonDensity,
+    Method::PhotonSpatial,
+    Method::PhotonImage,
+];
+/// Those of them that run chains.
+const CHAINS: &[Method] = &[
+    Method::PhotonVisibility,
+    Method::PhotonDensity,
+    Method::PhotonSpatial,
+    Method::PhotonImage,
+];
+/// Those whose target goes by regions.
+const REGIONS: &[Method] = &[Method::PhotonSpatial, Method::PhotonImage];
+
+/// Light paths of an iteration.
+pub(crate) const LIGHT_PATHS: Key = Key {
+    name: "photons",
+    default: "250000",
+    range: "1000..=100000000",
+    meaning: "light paths an iteration: each iteration sees the scene from new points, with new wavelengths \
+              (the paper on the spatial target function takes 10 million)",
+    methods: PHOTONS,
+};
+/// Where measurement points stand.
+pub(crate) const ROUGHNESS: Key = Key {
+    name: "roughness",
+    default: "0.39",
+    range: "0 <= alpha <= 1",
+    meaning: "lobes of this GGX roughness or more show the light of photons; narrower ones are followed \
+              further from the camera",
+    methods: PHOTONS,
+};
+/// Their size.
+pub(crate) const RADIUS: Key = Key {
+    name: "radius",
+    default: "1",
+    range: "0.01 <= widths <= 100",
+    meaning: "radius within which a photon counts, in widths of a pixel on the surface that it shows",
+    methods: PHOTONS,
+};
+/// How that changes.
+pub(crate) const REDUCTION: Key = Key {
+    name: "reduction",
+    default: "off",
+    range: "off|0 < alpha < 1",
+    meaning: "shrinks the radius from iteration to iteration so that its error vanishes in the end: the square by \
+              (i + alpha) / (i + 1); 0.7 is usual (Hachisuka and Jensen 2009)",
+    methods: PHOTONS,
+};
+/// What they cannot carry.
+pub(crate) const REMAINDER: Key = Key {
+    name: "remainder",
+    default: "on",
+    range: "on|off",
+    meaning: "path tracing of what photons cannot carry, light that reaches the camera by mirrors, glass and \
+              narrow lobes alone; off: emitters seen directly are all that is left of it",
+    methods: PHOTONS,
+};
+
+/// How often small steps are to be accepted.
+pub(crate) const ACCEPTANCE: Key = Key {
+    name: "acceptance",
+    default: "0.234",
+    range: "0.01 <= rate <= 0.99",
+    meaning: "acceptance that the sizes of small steps are driven to between iterations, for each kind of chain by \
+              itself (the authors' code: 0.5)",
+    methods: CHAINS,
+};
+/// What does not count.
+pub(crate) const BURN_IN: Key = Key {
+    name: "burnin",
+    default: "64",
+    range: "0..=100000",
+    meaning: "steps of each chain at the start of an iteration that count for nothing, because targets have \
+              changed (the paper: 10000 of 10 million, in one ladder)",
+    methods: CHAINS,
+};
+/// How chains make one picture.
+pub(crate) const COMBINE: Key = Key {
+    name: "combine",
+    default: "balance",
+    range: "balance|average",
+    meaning: "how the chains of a ladder make one picture: by the balance heuristic, or the plain mean",
+    methods: CHAINS,
+};
+/// Which chains.
+pub(crate) const LEVELS: Key = Key {
+    name: "levels",
+    default: "4",
+    range: "2|3|4",
+    meaning: "chains of a ladder: uniform, visibility, inverse kernel size, full target; without visibility; \
+              uniform and full alone",
+    methods: REGIONS,
+};
+/// What the last one follows.
+pub(crate) const TARGET_FUNCTION: Key = Key {
+    name: "tf",
+    default: "full",
+    range: "full|inverse-kernel",
+    meaning: "the target function: inverse density of photons in the region times inverse kernel size, or the \
+              second alone",
+    methods: REGIONS,
+};
+/// Whose visits tell about regions.
+pub(crate) const PSI: Key = Key {
+    name: "psi",
+    default: "authors",
+    range: "authors|visibility",
+    meaning: "whose visits tell how dense photons are: all chains but the last, as in the authors' code; or the chain of \
+              visibility (with levels=4)",
+    methods: REGIONS,
+};
+/// When regions are divided.
+pub(crate) const REFINEMENT: Key = Key {
+    name: "refinement",
+    default: "adaptive",
+    range: "adaptive|iterations|off",
+    meaning: "when regions are divided: where the halves of their statistics differ by less than 5 % and 10,000 light \
+              paths have touched them; every iteration; never",
+    methods: REGIONS,
+};
+
+const COMBINES: &[(&str, Combine)] =
+    &[("balance", Combine::Balance), ("average", Combine::Average)];
+const TARGET_FUNCTIONS: &[(&str, TargetFunction)] = &[
+    ("full", TargetFunction::Full),
+    ("inverse-kernel", TargetFunction::InverseKernel),
+];
+const PSIS: &[(&str, Witnesses)] = &[
+    ("authors", Witnesses::Others),
+    ("visibility", Witnesses::Visibility),
+];
+const REFINEMENTS: &[(&str, Refinement)] = &[
+    ("adaptive", Refinement::Adaptive),
+    ("iterations", Refinement::Iterations),
+    ("off", Refinement::Off),
+];
+const SWITCH: &[(&str, bool)] = &[("on", true), ("off", false)];
+
+impl PhotonOptions {
+    /// A setting as one would write it; `None` if the key is none of these.
+    pub(crate) fn value(&self, key: &str) -> Option<String> {
+        Some(match key {
+            "photons" => self.photons.to_string(),
+            "roughness" => self.roughness.to_string(),
+            "radius" => self.radius.to_string(),
+            "reduction" => (self.reduction).map_or("off".to_owned(), |alpha| alpha.to_string()),
+            "remainder" => name(self.remainder, SWITCH),
+            "acceptance" => self.acceptance.to_string(),
+            "burnin" => self.burn_in.to_string(),
+            "combine" => name(self.combine, COMBINES),
+            "levels" => self.levels.to_string(),
+            "tf" => name(self.target_function, TARGET_FUNCTIONS),
+            "psi" => name(self.psi, PSIS),
+            "refinement" => name(self.refinement, REFINEMENTS),
+            _ => return None,
+        })
+    }
+
+    /// `None` if the key is none of these or the value is out of range.
+    pub(crate) fn assign(&mut self, key: &str, value: &str) -> Option<()> {
+        let number = || value.parse().ok().filter(|x: &f64| x.is_finite());
+        match key {
+            "photons" => {
+                let photons = value.parse().ok();
+                self.photons = photons.filter(|n| (1_000..=100_000_000).contains(n))?;
+            }
+            "roughness" => self.roughness = number().filter(|a| (0.0..=1.0).contains(a))?,
+            "radius" => self.radius = number().filter(|r| (0.01..=100.0).contains(r))?,
+            "reduction" if value == "off" => self.reduction = None,
+            "reduction" => self.reduction = Some(number().filter(|a| *a > 0.0 && *a < 1.0)?),
+            "remainder" => self.remainder = meaning(value, SWITCH)?,
+            "acceptance" => {
+                self.acceptance = number().filter(|a| (0.01..=0.99).contains(a))?;
+            }
+            "burnin" => self.burn_in = value.parse().ok().filter(|n| *n <= 100_000)?,
+            "combine" => self.combine = meaning(value, COMBINES)?,
+            "levels" => self.levels = value.parse().ok().filter(|n| (2..=4).contains(n))?,
+            "tf" => self.target_function = meaning(value, TARGET_FUNCTIONS)?,
+            "psi" => self.psi = meaning(value, PSIS)?,
+            "refinement" => self.refinement = meaning(value, REFINEMENTS)?,
+            _ => return None,
+        }
+        Some(())
+    }
+}
+
+fn meaning<T: Copy>(value: &str, words: &[(&str, T)]) -> Option<T> {
+    let mut known = words.iter();
+    known.find(|(word, _)| *word == value).map(|(_, it)| *it)
+}
+
+fn name<T: PartialEq>(value: T, words: &[(&str, T)]) -> String {
+    let mut known = words.iter();
+    known
+        .find(|(_, it)| *it == value)
+        .map_or(String::new(), |(word, _)| (*word).to_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Options;
+
+    #[test]
+    fn what_is_written_of_photons_is_what_was_set() {
+        let mut options = Options::default();
+        for text in [
+            "photons=5000",
+            "roughness=0.05",
+            "radius=2.5",
+            "reduction=0.7",
+            "remainder=off",
+            "acceptance=0.5",
+            "burnin=100",
+            "combine=average",
+            "levels=3",
+            "tf=inverse-kernel",
+            "psi=visibility",
+            "refinement=off",
+        ] {
+            options.set(Method::PhotonSpatial, text).unwrap();
+        }
+        let mut again = Options::default();
+        for (key, value) in options.entries(Method::PhotonSpatial) {
+            again
+                .set(Method::PhotonSpatial, &format!("{key}={value}"))
+                .unwrap();
+        }
+        assert_eq!(again, options);
+        assert_ne!(options.photon, PhotonOptions::default());
+        for wrong in [
+            "photons=10",
+            "roughness=2",
+            "radius=0",
+            "reduction=1",
+            "remainder=some",
+            "acceptance=1",
+            "levels=5",
+            "tf=half",
+        ] {
+            assert!(again.set(Method::PhotonSpatial, wrong).is_err(), "{wrong}");
+        }
+        assert_eq!(again, options);
+    }
+}

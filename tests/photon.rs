@@ -1,0 +1,198 @@
+//! Photon methods: against path tracing as the radius shrinks, against each other at any radius.
+
+use kaustik::estimate::Combine;
+use kaustik::film::Image;
+use kaustik::scene::Scene;
+use kaustik::{Budget, Control, Method, RenderSettings, RenderStatistics, render};
+
+use crate::support::{means, picture, scene, settings, tile_means};
+
+const SIDE: u32 = 32;
+
+/// Settings for so many iterations of so many light paths.
+fn photons(method: Method, iterations: u64, photons: u64) -> RenderSettings {
+    let mut settings = settings(method, SIDE, iterations);
+    settings.budget = Budget::PerPixel(iterations);
+    settings.options.photon.photons = photons;
+    settings.options.ladders = 16;
+    settings
+}
+
+fn luminance([r, g, b]: [f64; 3]) -> f64 {
+    0.2126 * r + 0.7152 * g + 0.0722 * b
+}
+
+/// Root of the mean squared relative difference of tiles.
+fn distance(a: &Image, b: &Image) -> f64 {
+    let tiles = tile_means(a).into_iter().zip(tile_means(b));
+    let squares: Vec<f64> = tiles
+        .map(|(a, b)| {
+            let (a, b) = (luminance(a), luminance(b));
+            ((a - b) / b.max(1e-3)).powi(2)
+        })
+        .collect();
+    (squares.iter().sum::<f64>() / squares.len() as f64).sqrt()
+}
+
+fn reference(scene: &Scene, spp: u64) -> Image {
+    picture(scene, &settings(Method::Bdpt, SIDE, spp))
+}
+
+/// Errors against bidirectional paths, for each of the radii.
+fn errors(words: &str, method: Method, spp: u64, each: u64, radii: &[f64]) -> Vec<f64> {
+    let scene = scene(words, SIDE);
+    let truth = reference(&scene, spp);
+    let error = |&radius: &f64| {
+        let mut settings = photons(method, 12, each);
+        settings.options.photon.radius = radius;
+        distance(&picture(&scene, &settings), &truth)
+    };
+    radii.iter().map(error).collect()
+}
+
+#[test]
+fn the_error_falls_with_the_radius() {
+    let errors = errors("cornell", Method::Sppm, 128, 60_000, &[2.0, 0.5]);
+    assert!(
+        errors[1] < 0.45 * errors[0] && errors[1] < 0.1,
+        "{errors:?}"
+    );
+}
+
+#[test]
+#[ignore = "long"]
+fn the_error_falls_with_the_radius_to_one_percent() {
+    for (words, method) in [
+        ("cornell", Method::Sppm),
+        ("ring-and-sphere?light=0.8", Method::Sppm),
+        ("glass-cube?light=0.8", Method::Sppm),
+        ("ring-and-sphere?light=0.8", Method::PhotonVisibility),
+        ("ring-and-sphere?light=0.8", Method::PhotonSpatial),
+    ] {
+        let errors = errors(words, method, 8_000, 1_000_000, &[2.0, 0.6, 0.15]);
+        assert!(
+            errors[1] < 0.5 * errors[0] && errors[2] < 0.5 * errors[1] && errors[2] < 0.015,
+            "{words}, {method}: {errors:?}"
+        );
+    }
+}
+
+/// A surface that is diffuse and glossy shows the one by photons and the other by what is left to the camera: with any
+/// threshold each light path counts once.
+#[test]
+fn surfaces_of_two_parts_count_once() {
+    let scene = scene("glossy-cornell", SIDE);
+    let truth = reference(&scene, 256);
+    for roughness in [0.05, 0.39] {
+        let mut settings = photons(Method::Sppm, 12, 60_000);
+        settings.options.photon.radius = 0.5;
+        settings.options.photon.roughness = roughness;
+        let image = picture(&scene, &settings);
+        let (error, bias) = (
+            distance(&image, &truth),
+            luminance(means(&image)) / luminance(means(&truth)) - 1.0,
+        );
+        assert!(
+            error < 0.12 && bias.abs() < 0.035,
+            "{roughness}: {error}, {bias}"
+        );
+    }
+}
+
+/// A radius that shrinks from iteration to iteration ends nearer to the truth.
+#[test]
+fn reduction_takes_the_error_away() {
+    let scene = scene("cornell", SIDE);
+    let truth = reference(&scene, 256);
+    let [kept, reduced] = [None, Some(0.1)].map(|reduction| {
+        let mut settings = photons(Method::Sppm, 32, 20_000);
+        settings.options.photon.radius = 2.0;
+        settings.options.photon.reduction = reduction;
+        distance(&picture(&scene, &settings), &truth)
+    });
+    assert!(reduced < 0.7 * kept, "{reduced} and {kept}");
+}
+
+/// All methods estimate the same, the kernel's error included; so do the ways of combining chains.
+#[test]
+fn photon_methods_agree_with_each_other() {
+    let scene = scene("ring-and-sphere?light=0.8", SIDE);
+    let independent = picture(&scene, &photons(Method::Sppm, 16, 60_000));
+    let chains = [
+        (Method::PhotonVisibility, 2, Combine::Balance),
+        (Method::PhotonVisibility, 2, Combine::Average),
+        (Method::PhotonSpatial, 4, Combine::Balance),
+        (Method::PhotonSpatial, 4, Combine::Average),
+        (Method::PhotonSpatial, 3, Combine::Balance),
+        (Method::PhotonSpatial, 2, Combine::Balance),
+        (Method::PhotonImage, 4, Combine::Balance),
+        (Method::PhotonDensity, 2, Combine::Balance),
+    ];
+    for (method, levels, combine) in chains {
+        let mut settings = photons(method, 16, 60_000);
+        settings.options.photon.levels = levels;
+        settings.options.photon.combine = combine;
+        let image = picture(&scene, &settings);
+        let error = distance(&image, &independent);
+        let bias = luminance(means(&image)) / luminance(means(&independent)) - 1.0;
+        assert!(
+            error < 0.05 && bias.abs() < 0.015,
+            "{method}, {levels} levels, {combine:?}: {error}, {bias}"
+        );
+    }
+}
+
+/// Without the remainder mirrors and glass show nothing; with it they do, and lamps are there in either.
+#[test]
+fn the_remainder_is_what_photons_leave_out() {
+    let scene = scene("ring-and-sphere?light=0.8", SIDE);
+    let truth = reference(&scene, 256);
+    let [with, without] = [true, false].map(|remainder| {
+        let mut settings = photons(Method::Sppm, 8, 30_000);
+        settings.options.photon.remainder = remainder;
+        settings.options.photon.radius = 0.25;
+        settings.options.photon.roughness = 1.0;
+        picture(&scene, &settings)
+    });
+    let brightness = |image: &Image| luminance(means(image));
+    let (with, without, truth) = (brightness(&with), brightness(&without), brightness(&truth));
+    assert!((with / truth - 1.0).abs() < 0.05, "{with}, {truth}");
+    assert!(without < 0.995 * with, "{without}, {with}");
+}
+
+fn statistics(scene: &Scene, settings: &RenderSettings) -> RenderStatistics {
+    let done = render(scene, settings, &mut Control::default());
+    done.expect("a render").statistics
+}
+
+/// Chains report their levels; each normaliser is at most that of the level below, and visibility is what a plain
+/// count says.
+#[test]
+fn chains_tell_their_normalisers() {
+    let scene = scene("cornell", SIDE);
+    let statistics = statistics(&scene, &photons(Method::PhotonSpatial, 4, 60_000));
+    let photons = statistics.photons.expect("of chains");
+    assert_eq!((photons.iterations, photons.levels.len()), (4, 4));
+    for pair in photons.levels.windows(2) {
+        assert!(
+            pair[1].normaliser <= 1.001 * pair[0].normaliser,
+            "{photons:?}"
+        );
+        assert!(pair[1].normaliser > 0.0 && pair[1].error < 0.5 * pair[1].normaliser);
+        assert!(pair[1].acceptance > 0.05, "{photons:?}");
+    }
+    assert_eq!(statistics.nonfinite, 0);
+    assert_eq!(statistics.steps, 4 * 60_000);
+}
+
+/// A share of the ladders would see other iterations than the rest: it is refused.
+#[test]
+fn shares_of_ladders_are_refused() {
+    let scene = scene("cornell", SIDE);
+    let settings = RenderSettings {
+        ladders: Some(0..8),
+        ..photons(Method::PhotonVisibility, 1, 1_000)
+    };
+    let error = render(&scene, &settings, &mut Control::default()).expect_err("a part");
+    assert!(error.to_string().contains("0..16") || error.to_string().contains("all of them"));
+}
