@@ -16,9 +16,11 @@ mod generate;
 mod interface;
 mod quadrature;
 mod reflector;
+mod sheen;
 
 pub(crate) use interface::{InterfaceLoss, interface_loss};
 pub(crate) use reflector::{ReflectorLoss, reflector_loss};
+pub(crate) use sheen::{sheen_albedo, sheen_peak};
 
 /// Calls `f(t, weight)` for a quadrature of `[0, 1]` that respects the cells between `nodes`
 /// nodes: three-point Gauss in each, weights summing to 1.

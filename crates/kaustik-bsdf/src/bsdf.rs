@@ -1,7 +1,7 @@
 use crate::{
-    Coated, Conductor, Delta, Dielectric, Interface, Lambertian, Lobe, Mirror, Mode, Phong,
-    Principled, PrincipledParameters, Reflectance, RoughConductor, RoughDielectric,
-    RoughThinDielectric, Sample, ThinDielectric,
+    Coated, Conductor, Delta, Dielectric, Interface, Lambertian, LayerParameters, Layered, Lobe,
+    Mirror, Mode, OrenNayar, Phong, Principled, PrincipledParameters, Reflectance, RoughConductor,
+    RoughDielectric, RoughThinDielectric, Sample, ThinDielectric,
 };
 use glam::DVec3;
 use kaustik_spectrum::Spectrum;
@@ -28,6 +28,8 @@ pub enum Bsdf {
     Coated(Coated),
     Phong(Phong),
     Principled(Principled),
+    Layered(Layered),
+    OrenNayar(OrenNayar),
 }
 
 impl Bsdf {
@@ -99,13 +101,32 @@ impl Bsdf {
         Self::Phong(Phong::new(diffuse, specular, exponent))
     }
 
+    /// Rough diffuse reflection, see [`OrenNayar::new`]; roughness 0 is [`lambertian`](Self::lambertian).
+    #[inline]
+    pub fn oren_nayar(reflectance: Spectrum, roughness: f64) -> Self {
+        if roughness > 0.0 {
+            Self::OrenNayar(OrenNayar::new(reflectance, roughness))
+        } else {
+            Self::lambertian(reflectance)
+        }
+    }
+
+    /// glTF's material under sheen and clearcoat, or without them if there are none.
+    pub fn layered(base: &PrincipledParameters, layers: &LayerParameters) -> Self {
+        if layers.is_bare() {
+            Self::principled(base)
+        } else {
+            Self::Layered(Layered::new(base, layers))
+        }
+    }
+
     /// Does [`sample`](Lobe::sample) read its `uc`? Where it does not, a walk need not ask for the
     /// number.
     #[inline]
     pub fn has_choice(&self) -> bool {
         !matches!(
             self,
-            Self::Lambertian(_) | Self::Mirror(_) | Self::Conductor(_)
+            Self::Lambertian(_) | Self::Mirror(_) | Self::Conductor(_) | Self::OrenNayar(_)
         )
     }
 
@@ -133,6 +154,8 @@ macro_rules! each {
             Bsdf::Coated($lobe) => $body,
             Bsdf::Phong($lobe) => $body,
             Bsdf::Principled($lobe) => $body,
+            Bsdf::Layered($lobe) => $body,
+            Bsdf::OrenNayar($lobe) => $body,
         }
     };
 }

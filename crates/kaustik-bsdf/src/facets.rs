@@ -1,4 +1,3 @@
-use crate::albedo::{ReflectorLoss, reflector_loss};
 use crate::ggx::Ggx;
 use crate::rebound::Rebound;
 use crate::{Reflectance, local};
@@ -32,19 +31,19 @@ pub(crate) fn rebound_colour(mean_reflectance: Spectrum, mean_loss: f32) -> Spec
 impl Facets {
     /// `rebound` is the colour of what scatters between facets, see [`rebound_colour`].
     #[inline]
-    pub(crate) fn new(reflectance: Reflectance, alpha: f64, rebound: Spectrum) -> Self {
-        let ggx = Ggx::new(alpha);
+    pub(crate) fn new(reflectance: Reflectance, ggx: Ggx, rebound: Spectrum) -> Self {
+        let rebound = rebound * ggx.returned();
         let mean = f64::from(reflectance.mean().mean());
         let bounce = if mean > 0.0 {
             f64::from(rebound.mean()) / mean
         } else {
             0.0
         };
-        let loss = ReflectorLoss::mean(ggx.alpha()).loss;
+        let loss = ggx.mean_loss().loss;
         let rebound = rebound * (FRAC_1_PI as f32 / loss.max(1e-9));
         Self {
             ggx,
-            way: Rebound::new(ggx.alpha()),
+            way: Rebound::new(ggx.rebound_width()),
             reflectance,
             rebound,
             bounce,
@@ -59,19 +58,23 @@ impl Facets {
 
     /// With or without compensation by the reflectance's own mean.
     #[inline]
-    pub(crate) fn compensated(reflectance: Reflectance, alpha: f64, compensation: bool) -> Self {
+    pub(crate) fn compensated(reflectance: Reflectance, ggx: Ggx, compensation: bool) -> Self {
         let rebound = if compensation {
-            let loss = ReflectorLoss::mean(Ggx::new(alpha).alpha()).loss;
-            rebound_colour(reflectance.mean(), loss)
+            rebound_colour(reflectance.mean(), ggx.mean_loss().loss)
         } else {
             Spectrum::ZERO
         };
-        Self::new(reflectance, alpha, rebound)
+        Self::new(reflectance, ggx, rebound)
+    }
+
+    /// GGX alpha.
+    pub(crate) fn roughness(&self) -> f64 {
+        self.ggx.rebound_width()
     }
 
     #[inline]
     fn loss(&self, w: DVec3) -> f64 {
-        f64::from(reflector_loss(w.z, self.ggx.alpha()).loss)
+        f64::from(self.ggx.loss(w).loss)
     }
 
     /// Does any light scatter between facets?
@@ -144,12 +147,13 @@ impl Facets {
     /// Share that leaves again, to the accuracy of taking the facets' mean angle for the angle.
     #[inline]
     pub(crate) fn albedo(&self, w: DVec3) -> Spectrum {
-        let at = reflector_loss(w.z, self.ggx.alpha());
+        let at = self.ggx.loss(w);
         let once = match self.reflectance {
             Reflectance::Schlick { f0, f90 } => f0 * (1.0 - at.loss - at.edge) + f90 * at.edge,
+            Reflectance::Filmed(film) => film.at(at.mean_cosine()) * (1.0 - at.loss),
             conductor => conductor.at(w.z.min(1.0)) * (1.0 - at.loss),
         };
-        let mean = ReflectorLoss::mean(self.ggx.alpha()).loss;
+        let mean = self.ggx.mean_loss().loss;
         once + self.rebound * (std::f32::consts::PI * mean * at.loss)
     }
 }

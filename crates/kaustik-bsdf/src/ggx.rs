@@ -2,47 +2,125 @@
 //!
 //! Smith's shadowing with heights correlated, `G2 = 1 / (1 + L(wo) + L(wi))`, for reflection and
 //! transmission alike: symmetric, so everything built on it is reciprocal. All formulas are
-//! written with `reach(w) = sqrt(z^2 + alpha^2 (x^2 + y^2))`, for which `1 + 2 L = reach / z`; no
+//! written with `reach(w) = sqrt(z^2 + ax^2 x^2 + ay^2 y^2)`, for which `1 + 2 L = reach / z`; no
 //! quotient by a cosine is left that could blow up at grazing.
 
+use crate::albedo::{ReflectorLoss, reflector_loss};
 use crate::local::within;
 use crate::warp;
 use glam::DVec3;
 use std::f64::consts::PI;
 
-/// Isotropic GGX facets about z. Directions are meant on the upper side unless said otherwise.
+/// GGX facets about z, as rough along x as they are along y or not. Directions are meant on the upper side
+/// unless said otherwise.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Ggx {
-    alpha: f64,
+    /// Roughness along x and y.
+    alpha: [f64; 2],
+    /// Their product.
+    product: f64,
+    /// `[ay / ax, ax / ay]`: factors of 1 where both are equal, so that nothing changes there.
+    ratio: [f64; 2],
 }
 
 impl Ggx {
     /// Roughness `alpha`, clamped to `[1e-4, 1]`.
     #[inline]
     pub(crate) fn new(alpha: f64) -> Self {
+        let alpha = within(alpha, 1e-4, 1.0);
         Self {
-            alpha: within(alpha, 1e-4, 1.0),
+            alpha: [alpha; 2],
+            product: alpha * alpha,
+            ratio: [1.0; 2],
         }
     }
 
-    /// Roughness.
+    /// Roughness along x and along y, each clamped.
+    pub(crate) fn brushed(alpha: [f64; 2]) -> Self {
+        let [x, y] = alpha.map(|alpha| within(alpha, 1e-4, 1.0));
+        Self {
+            alpha: [x, y],
+            product: x * y,
+            ratio: [y / x, x / y],
+        }
+    }
+
+    /// Roughness; along x if it is not the same all around.
     #[inline]
     pub(crate) fn alpha(self) -> f64 {
-        self.alpha
+        self.alpha[0]
+    }
+
+    /// Roughness that the rebound is drawn by.
+    #[inline]
+    pub(crate) fn rebound_width(self) -> f64 {
+        if self.is_brushed() {
+            self.product.sqrt()
+        } else {
+            self.alpha[0]
+        }
+    }
+
+    #[inline]
+    fn is_brushed(self) -> bool {
+        self.alpha[0].to_bits() != self.alpha[1].to_bits()
+    }
+
+    /// What light from `w` loses by a second facet. For brushed facets about: the mean of what facets as rough all
+    /// around as these are along x, and along y, would lose.
+    #[inline]
+    pub(crate) fn loss(self, w: DVec3) -> ReflectorLoss {
+        if self.is_brushed() {
+            self.mean_of(|alpha| reflector_loss(w.z, alpha))
+        } else {
+            reflector_loss(w.z, self.alpha[0])
+        }
+    }
+
+    /// Its cosine-weighted mean over the hemisphere.
+    #[inline]
+    pub(crate) fn mean_loss(self) -> ReflectorLoss {
+        if self.is_brushed() {
+            self.mean_of(ReflectorLoss::mean)
+        } else {
+            ReflectorLoss::mean(self.alpha[0])
+        }
+    }
+
+    fn mean_of(self, loss: impl Fn(f64) -> ReflectorLoss) -> ReflectorLoss {
+        let [x, y] = self.alpha.map(loss);
+        ReflectorLoss {
+            loss: 0.5 * (x.loss + y.loss),
+            edge: 0.5 * (x.edge + y.edge),
+        }
+    }
+
+    /// Share of [`loss`](Self::loss) that may be given back without making light: all of it, or for brushed
+    /// facets, whose loss is estimated from above at grazing angles, down to half.
+    #[inline]
+    pub(crate) fn returned(self) -> f32 {
+        if self.is_brushed() {
+            let [a, b] = self.ratio;
+            (0.5 + 0.5 * a.min(b)) as f32
+        } else {
+            1.0
+        }
     }
 
     /// Density of facet normals per area and solid angle; even in z.
     #[inline]
     pub(crate) fn density(self, h: DVec3) -> f64 {
-        let a2 = self.alpha * self.alpha;
-        let spread = h.x * h.x + h.y * h.y + a2 * h.z * h.z;
+        let a2 = self.product;
+        let [x, y] = self.ratio;
+        let spread = h.x * h.x * x + h.y * h.y * y + a2 * h.z * h.z;
         a2 / (PI * spread * spread)
     }
 
     /// `|z| (1 + 2 Lambda)`; even in z.
     #[inline]
     fn reach(self, w: DVec3) -> f64 {
-        (w.z * w.z + self.alpha * self.alpha * (w.x * w.x + w.y * w.y)).sqrt()
+        let [x, y] = self.ratio;
+        (w.z * w.z + self.product * (w.x * w.x * y + w.y * w.y * x)).sqrt()
     }
 
     /// `G2 / (|cos wo| |cos wi|)`; even in both z.
@@ -77,13 +155,15 @@ impl Ggx {
     /// `wo` where the facets are a hemisphere.
     #[inline]
     pub(crate) fn stretch(self, wo: DVec3) -> DVec3 {
-        DVec3::new(self.alpha * wo.x, self.alpha * wo.y, wo.z).normalize()
+        let [x, y] = self.alpha;
+        DVec3::new(x * wo.x, y * wo.y, wo.z).normalize()
     }
 
     /// The normal that mirrors stretched `wo` into `away`, taken back to the facets.
     #[inline]
     pub(crate) fn unstretch(self, stretched: DVec3, away: DVec3) -> DVec3 {
         let h = stretched + away;
-        DVec3::new(self.alpha * h.x, self.alpha * h.y, h.z.max(0.0)).normalize()
+        let [x, y] = self.alpha;
+        DVec3::new(x * h.x, y * h.y, h.z.max(0.0)).normalize()
     }
 }

@@ -48,7 +48,7 @@ impl Bsdf {
     /// the same width, `sqrt(2 / (n + 2))`. With 0 everything is wide that is not Dirac.
     pub fn parts(&self, threshold: f64) -> Parts {
         match self {
-            Self::Lambertian(_) => Parts::all_wide(*self),
+            Self::Lambertian(_) | Self::OrenNayar(_) => Parts::all_wide(*self),
             Self::Mirror(_)
             | Self::Conductor(_)
             | Self::Dielectric(_)
@@ -61,6 +61,13 @@ impl Bsdf {
                 narrow: Some(Self::Conductor(lobe.varnish())),
             },
             Self::Phong(lobe) => phong(lobe, threshold),
+            Self::Layered(lobe) => {
+                let [wide, narrow] = lobe.parts(threshold);
+                Parts {
+                    wide: wide.map(Self::Layered),
+                    narrow: narrow.map(Self::Layered),
+                }
+            }
             Self::Principled(lobe) => {
                 let [wide, narrow] = lobe.parts(threshold);
                 Parts {
@@ -89,7 +96,7 @@ mod tests {
     use glam::DVec3;
 
     use super::*;
-    use crate::{Interface, Lobe, Mode, PrincipledParameters, Reflectance, Wall};
+    use crate::{Interface, LayerParameters, Lobe, Mode, PrincipledParameters, Reflectance, Wall};
 
     fn grey(value: f32) -> Spectrum {
         Spectrum::new([value, value * 0.8, value * 0.6, value * 0.9])
@@ -125,6 +132,29 @@ mod tests {
                         ..PrincipledParameters::default()
                     }));
                 }
+            }
+        }
+        kinds.push(Bsdf::oren_nayar(grey(0.7), 0.5));
+        for (roughness, clearcoat_roughness) in [(0.0, 0.0), (0.3, 0.0), (0.8, 0.3), (0.3, 0.8)] {
+            for metallic in [0.0, 1.0] {
+                let base = PrincipledParameters {
+                    base_color: grey(0.6),
+                    metallic,
+                    roughness,
+                    ..PrincipledParameters::default()
+                };
+                let coat = LayerParameters {
+                    clearcoat: 0.8,
+                    clearcoat_roughness,
+                    ..LayerParameters::default()
+                };
+                let sheen = LayerParameters {
+                    sheen_color: grey(0.7),
+                    sheen_roughness: 0.4,
+                    ..coat
+                };
+                kinds.push(Bsdf::layered(&base, &coat));
+                kinds.push(Bsdf::layered(&base, &sheen));
             }
         }
         for exponent in [5.0, 200.0] {

@@ -3,9 +3,10 @@ mod clear;
 mod parameters;
 mod parts;
 
-pub use parameters::{PrincipledParameters, Wall};
+pub use parameters::{FilmParameters, PrincipledParameters, Wall};
 
 use crate::facets::{Facets, rebound_colour};
+use crate::ggx::Ggx;
 use crate::{Bsdf, Delta, Lobe, Mode, Reflectance, Sample, local, warp};
 use body::Body;
 use clear::Clear;
@@ -49,15 +50,15 @@ impl Principled {
         let opaque = ((1.0 - p.metallic) * (1.0 - p.transmission)) as f32;
         let body = Body::new(&p, opaque);
         let (f0, f90) = p.dielectric_ends();
-        let reflectance = Reflectance::Schlick {
-            f0: p.base_color * metal + f0 * opaque,
-            f90: Spectrum::splat(metal) + f90 * opaque,
-        };
+        let reflectance = p.reflectance(
+            p.base_color * metal + f0 * opaque,
+            Spectrum::splat(metal) + f90 * opaque,
+        );
         let glossy = if reflectance.mean().is_zero() {
             Glossy::None
-        } else if p.alpha() > 0.0 {
-            let rebound = metal_rebound(&p) * metal + body.rebound() * opaque;
-            Glossy::Rough(Facets::new(reflectance, p.alpha(), rebound))
+        } else if let Some(ggx) = p.facets() {
+            let rebound = metal_rebound(&p, ggx) * metal + body.rebound() * opaque;
+            Glossy::Rough(Facets::new(reflectance, ggx, rebound))
         } else {
             Glossy::Smooth(reflectance)
         };
@@ -73,6 +74,9 @@ impl Principled {
     /// The one simpler function that this is, if it is one: pure metal, pure glass, pure diffuse.
     pub(crate) fn simplified(parameters: &PrincipledParameters) -> Option<Bsdf> {
         let p = parameters.in_range();
+        if p.film.is_some() || p.facets().is_some() && p.anisotropy > 0.0 {
+            return None;
+        }
         if p.metallic >= 1.0 {
             let base = p.base_color;
             return Some(match p.alpha() > 0.0 {
@@ -105,6 +109,16 @@ impl Principled {
         } else {
             [0.0, 1.0, 0.0]
         }
+    }
+
+    /// Share of what it sends back that goes about where a mirror would send it, in `[0, 1]`.
+    pub(crate) fn mirrored(&self, wo: DVec3) -> f64 {
+        let sharp = match &self.glossy {
+            Glossy::None => 0.0,
+            Glossy::Smooth(_) => 1.0,
+            Glossy::Rough(facets) => 1.0 - facets.roughness(),
+        };
+        self.choice(wo)[0] * sharp
     }
 
     #[inline]
@@ -151,18 +165,12 @@ impl Principled {
 }
 
 /// Colour of light rebounding between the metal's facets.
-fn metal_rebound(p: &PrincipledParameters) -> Spectrum {
+fn metal_rebound(p: &PrincipledParameters, ggx: Ggx) -> Spectrum {
     if !p.compensation {
         return Spectrum::ZERO;
     }
-    let metal = Reflectance::Schlick {
-        f0: p.base_color,
-        f90: Spectrum::ONE,
-    };
-    rebound_colour(
-        metal.mean(),
-        crate::albedo::ReflectorLoss::mean(p.alpha()).loss,
-    )
+    let metal = p.reflectance(p.base_color, Spectrum::ONE);
+    rebound_colour(metal.mean(), ggx.mean_loss().loss)
 }
 
 impl Lobe for Principled {

@@ -1,4 +1,6 @@
-use crate::fresnel;
+use crate::ggx::Ggx;
+use crate::{Film, fresnel};
+use glam::DVec3;
 use kaustik_spectrum::Spectrum;
 
 /// How an opaque interface reflects at each angle: measured metal, or two colours.
@@ -18,6 +20,8 @@ pub enum Reflectance {
         /// Reflectance at grazing, each lane in `[0, 1]`.
         f90: Spectrum,
     },
+    /// A thin film over what Schlick's colours describe.
+    Filmed(Film),
 }
 
 impl Reflectance {
@@ -27,6 +31,7 @@ impl Reflectance {
         match *self {
             Self::Conductor { eta, k } => fresnel::conductor(cosine, eta, k),
             Self::Schlick { f0, f90 } => f0.lerp(f90, fresnel::schlick_weight(cosine) as f32),
+            Self::Filmed(ref film) => film.at(cosine),
         }
     }
 
@@ -36,11 +41,22 @@ impl Reflectance {
         match *self {
             // 2 * integral of (1 - mu)^5 mu = 1/21
             Self::Schlick { f0, f90 } => f0.lerp(f90, 1.0 / 21.0),
-            Self::Conductor { .. } => GAUSS
+            Self::Conductor { .. } | Self::Filmed(_) => GAUSS
                 .iter()
                 .map(|&(mu, weight)| self.at(mu) * (weight as f32))
                 .sum(),
         }
+    }
+
+    /// The same of what facets reflect at once, about.
+    pub(crate) fn mean_over(&self, ggx: Ggx) -> Spectrum {
+        let at = |mu| {
+            let loss = ggx.loss(DVec3::new(0.0, 0.0, mu));
+            self.at(loss.mean_cosine()) * (1.0 - loss.loss)
+        };
+        (GAUSS.iter())
+            .map(|&(mu, weight)| at(mu) * (weight as f32))
+            .sum()
     }
 }
 

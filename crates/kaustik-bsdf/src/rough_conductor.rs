@@ -1,4 +1,5 @@
 use crate::facets::Facets;
+use crate::ggx::Ggx;
 use crate::{Lobe, Mode, Reflectance, Sample, local};
 use glam::DVec3;
 use kaustik_spectrum::Spectrum;
@@ -15,7 +16,7 @@ impl RoughConductor {
     #[inline]
     pub fn new(reflectance: Reflectance, alpha: f64, compensation: bool) -> Self {
         Self {
-            facets: Facets::compensated(reflectance, alpha, compensation),
+            facets: Facets::compensated(reflectance, Ggx::new(alpha), compensation),
         }
     }
 

@@ -15,6 +15,8 @@ mod degenerate;
 mod energy;
 #[path = "laws/faults.rs"]
 mod faults;
+#[path = "laws/layers.rs"]
+mod layers;
 #[path = "laws/maps.rs"]
 mod maps;
 #[path = "laws/models.rs"]

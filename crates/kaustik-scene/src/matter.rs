@@ -52,7 +52,7 @@ impl Matter {
         if normal.dot(surface.geometric_normal) < 0.0 {
             normal = -normal;
         }
-        if self.material(material).has_normal_texture() {
+        if self.material(material).needs_tangent() {
             self.bent_frame(hit, surface, material, normal)
         } else {
             Frame::from_z(normal.as_dvec3())
@@ -60,20 +60,27 @@ impl Matter {
     }
 
     fn bent_frame(&self, hit: &Hit, surface: &Surface, material: u32, normal: Vec3) -> Frame {
-        let texel = self
-            .material(material)
-            .tangent_normal(&self.textures, surface);
-        let (Some([x, y, z]), Some(tangent)) = (texel, self.world.tangent(hit, normal)) else {
+        let Some(tangent) = self.world.tangent(hit, normal) else {
             return Frame::from_z(normal.as_dvec3());
         };
+        let material = self.material(material);
         let frame = Frame::from_z_x(normal.as_dvec3(), tangent.truncate().as_dvec3());
         let bitangent = frame.y * f64::from(tangent.w);
+        let along = if material.is_brushed() {
+            let [cos, sin] = material.brush_direction(&self.textures, surface);
+            frame.x * cos + bitangent * sin
+        } else {
+            frame.x
+        };
+        let Some([x, y, z]) = material.tangent_normal(&self.textures, surface) else {
+            return Frame::from_z_x(frame.z, along);
+        };
         let bent = frame.x * f64::from(x) + bitangent * f64::from(y) + frame.z * f64::from(z);
         match bent.try_normalize() {
             Some(bent) if bent.dot(surface.geometric_normal.as_dvec3()) > 0.0 => {
-                Frame::from_z_x(bent, frame.x)
+                Frame::from_z_x(bent, along)
             }
-            _ => frame,
+            _ => Frame::from_z_x(frame.z, along),
         }
     }
 

@@ -1,7 +1,7 @@
 use super::PrincipledParameters;
-use crate::albedo::{ReflectorLoss, reflector_loss};
+use crate::Reflectance;
 use crate::facets::rebound_colour;
-use crate::{Reflectance, fresnel};
+use crate::ggx::Ggx;
 use glam::DVec3;
 use kaustik_spectrum::Spectrum;
 use std::f64::consts::FRAC_1_PI;
@@ -9,12 +9,11 @@ use std::f64::consts::FRAC_1_PI;
 /// Diffuse light under the glossy cover.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Body {
-    f0: Spectrum,
-    f90: Spectrum,
+    cover: Reflectance,
     /// Colour of light rebounding between the cover's facets.
     rebound: Spectrum,
-    /// Roughness of the cover; 0 where it is smooth.
-    alpha: f64,
+    /// Facets of the cover; `None` where it is smooth.
+    ggx: Option<Ggx>,
     /// Base colour times its share of the material.
     colour: Spectrum,
     /// `1 - A_mean`, positive.
@@ -25,22 +24,26 @@ impl Body {
     /// `share` is the part of the material that is opaque dielectric.
     pub(super) fn new(p: &PrincipledParameters, share: f32) -> Self {
         let (f0, f90) = p.dielectric_ends();
-        let alpha = p.alpha();
-        let mut mean = Reflectance::Schlick { f0, f90 }.mean();
+        let ggx = p.facets();
+        let cover = p.reflectance(f0, f90);
+        let mut mean = cover.mean();
         let mut rebound = Spectrum::ZERO;
-        if alpha > 0.0 {
-            let at = ReflectorLoss::mean(alpha);
+        if let Some(ggx) = ggx {
+            let at = ggx.mean_loss();
             if p.compensation {
                 rebound = rebound_colour(mean, at.loss);
             }
-            mean = f0 * (1.0 - at.loss - at.edge) + f90 * at.edge + rebound * at.loss;
+            let once = match cover {
+                Reflectance::Schlick { .. } => f0 * (1.0 - at.loss - at.edge) + f90 * at.edge,
+                _ => cover.mean_over(ggx),
+            };
+            mean = once + rebound * (at.loss * ggx.returned());
         }
         let passed = mean.map(|a| (1.0 - a).max(1e-6));
         Self {
-            f0,
-            f90,
+            cover,
             rebound,
-            alpha,
+            ggx,
             colour: p.base_color * share,
             passed,
         }
@@ -69,11 +72,25 @@ impl Body {
     #[inline]
     fn admitted(&self, w: DVec3) -> Spectrum {
         let mu = w.z.abs().min(1.0);
-        let cover = if self.alpha > 0.0 {
-            let at = reflector_loss(mu, self.alpha);
-            self.f0 * (1.0 - at.loss - at.edge) + self.f90 * at.edge + self.rebound * at.loss
-        } else {
-            self.f0.lerp(self.f90, fresnel::schlick_weight(mu) as f32)
+        let cover = match self.ggx {
+            None => self.cover.at(mu),
+            Some(ggx) => {
+                let at = ggx.loss(DVec3 { z: mu, ..w });
+                let once = match self.cover {
+                    Reflectance::Schlick { f0, f90 } => {
+                        f0 * (1.0 - at.loss - at.edge) + f90 * at.edge
+                    }
+                    // of two guesses the one that leaves less to the body, so that no light is made
+                    _ => {
+                        let facets = self
+                            .cover
+                            .at(at.mean_cosine())
+                            .zip(self.cover.at(mu), f32::max);
+                        facets * (1.0 - at.loss)
+                    }
+                };
+                once + self.rebound * (at.loss * ggx.returned())
+            }
         };
         cover.map(|a| (1.0 - a).max(0.0))
     }

@@ -1,4 +1,6 @@
+use crate::ggx::Ggx;
 use crate::local::within;
+use crate::{Film, Reflectance, SMOOTH_ALPHA};
 use kaustik_spectrum::Spectrum;
 
 /// What stands behind a transmitting glTF surface.
@@ -33,8 +35,25 @@ pub struct PrincipledParameters {
     pub transmission: f64,
     /// Pane or solid, for the clear share.
     pub wall: Wall,
+    /// `anisotropyStrength`, `[0, 1]`: how much rougher the reflecting facets are along the frame's x than along y.
+    pub anisotropy: f64,
+    /// A thin film on what reflects.
+    pub film: Option<FilmParameters>,
     /// Give back what scatters between facets.
     pub compensation: bool,
+}
+
+/// `KHR_materials_iridescence`, at one point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FilmParameters {
+    /// `iridescenceFactor`, `[0, 1]`.
+    pub strength: f64,
+    /// `iridescenceIor` relative to the outside.
+    pub ior: f64,
+    /// Thickness in nanometres.
+    pub thickness: f64,
+    /// The path's wavelengths in nanometres.
+    pub wavelengths: Spectrum,
 }
 
 impl Default for PrincipledParameters {
@@ -48,6 +67,8 @@ impl Default for PrincipledParameters {
             ior: Spectrum::splat(1.5),
             transmission: 0.0,
             wall: Wall::Thin,
+            anisotropy: 0.0,
+            film: None,
             compensation: true,
         }
     }
@@ -72,6 +93,8 @@ impl PrincipledParameters {
                 .map(|n| if n > 0.0 && n.is_finite() { n } else { 1.0 }),
             transmission: unit(self.transmission),
             wall: self.wall,
+            anisotropy: unit(self.anisotropy),
+            film: self.film.filter(|film| film.strength > 0.0),
             compensation: self.compensation,
         }
     }
@@ -84,6 +107,35 @@ impl PrincipledParameters {
             0.0
         } else {
             alpha
+        }
+    }
+
+    /// The facets that reflect; `None` where the surface counts as smooth.
+    ///
+    /// Along x the roughness goes from alpha to 1 with the square of the anisotropy, as the extension has it.
+    #[inline]
+    pub(super) fn facets(&self) -> Option<Ggx> {
+        let alpha = self.alpha();
+        let strength = self.anisotropy * self.anisotropy;
+        let along = alpha + (1.0 - alpha) * strength;
+        match self.anisotropy > 0.0 {
+            true if along >= SMOOTH_ALPHA => Some(Ggx::brushed([along, alpha.max(SMOOTH_ALPHA)])),
+            _ => (alpha > 0.0).then(|| Ggx::new(alpha)),
+        }
+    }
+
+    /// Reflection between two colours, under the film if there is one.
+    #[inline]
+    pub(super) fn reflectance(&self, f0: Spectrum, f90: Spectrum) -> Reflectance {
+        match self.film {
+            None => Reflectance::Schlick { f0, f90 },
+            Some(film) => Reflectance::Filmed(Film::new(
+                film.strength,
+                film.ior,
+                film.thickness,
+                film.wavelengths,
+                [f0, f90],
+            )),
         }
     }
 

@@ -1,5 +1,6 @@
 //! Every variant over a grid of its parameters.
 
+use crate::layers::layers;
 use kaustik_bsdf::{Bsdf, Interface, Principled, PrincipledParameters, Wall};
 use kaustik_spectrum::Spectrum;
 
@@ -293,6 +294,7 @@ pub(crate) fn some() -> Vec<Case> {
     all.extend(facets(0.3, false));
     for roughness in [0.0, 0.2, 0.5, 1.0] {
         all.extend(principled(roughness));
+        all.extend(layers(roughness));
     }
     all
 }

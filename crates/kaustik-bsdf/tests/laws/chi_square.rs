@@ -5,6 +5,7 @@
 //! `pdf` over it; delta directions and absorption are cells too.
 
 use crate::catalogue::{Case, facets, principled, some};
+use crate::layers::layers;
 use crate::support::{Random, at};
 use glam::DVec3;
 use kaustik_bsdf::{Frame, Lobe, Mode};
@@ -314,5 +315,6 @@ fn many_samples_follow_the_density() {
     }
     cases.extend(facets(1.0, false));
     cases.extend(principled(0.35));
+    cases.extend(layers(0.35));
     check(&cases, 1_000_000);
 }

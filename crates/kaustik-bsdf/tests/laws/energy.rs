@@ -3,7 +3,7 @@
 use crate::catalogue::{Case, facets, grey, some};
 use crate::support::{at, spread};
 use glam::DVec3;
-use kaustik_bsdf::{Bsdf, Interface, Lobe, Mode};
+use kaustik_bsdf::{Bsdf, Interface, Lobe, Mode, PrincipledParameters};
 
 /// Mean of the sampled weights over an even spread of numbers, in energy: radiance weights are
 /// brought from radiance to energy by the squared index. The hero's lane.
@@ -35,7 +35,7 @@ fn check(case: &Case, mode: Mode) {
         };
         // if in doubt, more samples; how near it is in truth the long tests say
         let fine = off(4096) < 0.006 || off(1 << 17) < 0.005;
-        assert!(fine, "{} at {z} in {mode:?}", case.name);
+        assert!(fine, "{} at {z} in {mode:?}: {}", case.name, off(1 << 17));
     }
 }
 
@@ -98,4 +98,31 @@ fn white_facets_disappear() {
     }
     println!("worst {} {}", worst.0, worst.1);
     assert!(worst.0 < 0.003, "{}", worst.1);
+}
+
+/// Brushed facets give back only what they may: over a fine grid, no light is made.
+#[test]
+#[ignore = "long"]
+fn brushed_metal_makes_no_light() {
+    let mut worst = (f64::NEG_INFINITY, String::new());
+    for roughness in [0.0, 0.1, 0.2, 0.35, 0.5, 0.7, 0.9] {
+        for anisotropy in [0.1, 0.25, 0.4, 0.6, 0.8, 1.0] {
+            let metal = PrincipledParameters {
+                roughness,
+                anisotropy,
+                ..Default::default()
+            };
+            let bsdf = Bsdf::principled(&metal);
+            for z in COSINES {
+                for turns in [0.0, 0.06, 0.125, 0.19, 0.25] {
+                    let got = throughput(&bsdf, 1.0, at(z, turns), Mode::Radiance, 1 << 14) - 1.0;
+                    if got > worst.0 {
+                        worst = (got, format!("{roughness} {anisotropy} {z} {turns}"));
+                    }
+                }
+            }
+        }
+    }
+    println!("worst {} at {}", worst.0, worst.1);
+    assert!(worst.0 < 0.005, "{} at {}", worst.0, worst.1);
 }

@@ -1,6 +1,6 @@
 use kaustik_spectrum::{Glass, Metal};
 
-use super::TextureSlot;
+use super::{Anisotropy, Clearcoat, Iridescence, Sheen, TextureSlot};
 
 /// What alpha means.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -66,6 +66,11 @@ pub enum Model {
         /// Exponent, >= 0.
         exponent: f32,
     },
+    /// A rough diffuse surface that loses no energy (Oren and Nayar's in a newer form).
+    OrenNayar {
+        /// Roughness in [0, 1]; 0 is Lambertian.
+        sigma: f32,
+    },
 }
 
 /// A material as a file gives it: glTF's core model with its extensions, and kaustik's own keys.
@@ -107,6 +112,14 @@ pub struct MaterialDescription {
     pub transmission: Option<Transmission>,
     /// The interior, if any.
     pub volume: Option<Volume>,
+    /// Varnish, if any.
+    pub clearcoat: Option<Clearcoat>,
+    /// Fibres, if any.
+    pub sheen: Option<Sheen>,
+    /// Brushed facets, if any.
+    pub anisotropy: Option<Anisotropy>,
+    /// A thin film, if any.
+    pub iridescence: Option<Iridescence>,
     /// Replaces the base colour's uplift: a measured reflectance.
     pub reflectance: Option<SpectralInput>,
     /// Replaces the emission's uplift: radiance.
@@ -148,6 +161,10 @@ impl Default for MaterialDescription {
             },
             transmission: None,
             volume: None,
+            clearcoat: None,
+            sheen: None,
+            anisotropy: None,
+            iridescence: None,
             reflectance: None,
             emission: None,
             metal: None,

@@ -8,6 +8,7 @@
 mod camera;
 mod environment;
 mod image;
+mod layers;
 mod light;
 mod material;
 mod texture;
@@ -20,6 +21,7 @@ use kaustik_geometry::Mesh;
 pub use camera::{CameraDescription, Lens, Projection, Shutter};
 pub use environment::EnvironmentDescription;
 pub use image::{ImageData, Pixels};
+pub use layers::{Anisotropy, Clearcoat, Iridescence, Sheen};
 pub use light::{LightDescription, LightKind};
 pub use material::{
     AlphaMode, MaterialDescription, Model, SpectralInput, Specular, Transmission, Volume,

@@ -3,13 +3,17 @@ use super::warning::Warnings;
 use super::{ErrorKind, LoadError};
 
 /// The extensions that are read, and written where a scene needs them.
-pub const EXTENSIONS: [&str; 12] = [
+pub const EXTENSIONS: [&str; 16] = [
     "EXT_mesh_gpu_instancing",
     "KHR_lights_punctual",
+    "KHR_materials_anisotropy",
+    "KHR_materials_clearcoat",
     "KHR_materials_dispersion",
     "KHR_materials_emissive_strength",
     "KHR_materials_ior",
+    "KHR_materials_iridescence",
     "KHR_materials_pbrSpecularGlossiness",
+    "KHR_materials_sheen",
     "KHR_materials_specular",
     "KHR_materials_transmission",
     "KHR_materials_unlit",
@@ -19,14 +23,10 @@ pub const EXTENSIONS: [&str; 12] = [
 ];
 
 /// Known, but not read yet: a scene that merely uses them loads without what they add.
-const LATER: [&str; 8] = [
+const LATER: [&str; 4] = [
     "EXT_lights_image_based",
     "EXT_meshopt_compression",
     "EXT_texture_webp",
-    "KHR_materials_anisotropy",
-    "KHR_materials_clearcoat",
-    "KHR_materials_iridescence",
-    "KHR_materials_sheen",
     "KHR_materials_variants",
 ];
 

@@ -13,7 +13,7 @@ use crate::description::{Lens, MaterialDescription, Model, Shutter, SpectralInpu
 type Result<T> = std::result::Result<T, LoadError>;
 
 /// Keys of materials that are read.
-const MATERIAL: [&str; 7] = [
+const MATERIAL: [&str; 8] = [
     "reflectance",
     "emission",
     "metal",
@@ -21,6 +21,7 @@ const MATERIAL: [&str; 7] = [
     "model",
     "exponent",
     "priority",
+    "sigma",
 ];
 /// Keys of cameras that are read.
 const CAMERA: [&str; 3] = ["aperture", "focus", "shutter"];
@@ -55,7 +56,7 @@ pub(super) fn material(
     place: &Cursor<'_>,
     material: &mut MaterialDescription,
 ) -> Result<()> {
-    warn_of_unknown(reader, place, &MATERIAL, &["sigma"])?;
+    warn_of_unknown(reader, place, &MATERIAL, &[])?;
     if let Some(input) = place.get("reflectance")? {
         material.reflectance = Some(reflectance(&input)?);
     }
@@ -95,10 +96,14 @@ fn model(reader: &mut Reader<'_>, place: &Cursor<'_>) -> Result<Option<Model>> {
             Ok(Some(Model::Phong { exponent: value }))
         }
         "oren-nayar" => {
-            reader.warn(&model, "not read yet; the surface is glTF's own model");
-            Ok(None)
+            let sigma = place.need("sigma")?;
+            let value = sigma.f32()?;
+            if !(0.0..=1.0).contains(&value) {
+                return Err(sigma.mismatch("a roughness from 0 to 1"));
+            }
+            Ok(Some(Model::OrenNayar { sigma: value }))
         }
-        _ => Err(model.mismatch("coated or phong")),
+        _ => Err(model.mismatch("coated, phong or oren-nayar")),
     }
 }
 

@@ -1,15 +1,15 @@
 use super::json::Cursor;
 use super::reader::Reader;
 use super::texture::Textures;
-use super::{LoadError, extras};
+use super::{LoadError, extras, layers};
 use crate::description::{
     AlphaMode, MaterialDescription, Specular, TextureSlot, Transmission, Volume,
 };
 
 type Result<T> = std::result::Result<T, LoadError>;
 
-const UNIT: (f32, f32) = (0.0, 1.0);
-const POSITIVE: (f32, f32) = (0.0, f32::INFINITY);
+pub(super) const UNIT: (f32, f32) = (0.0, 1.0);
+pub(super) const POSITIVE: (f32, f32) = (0.0, f32::INFINITY);
 
 /// Reads all materials of the file.
 pub(super) fn load(
@@ -26,6 +26,7 @@ pub(super) fn load(
             specular_glossiness(reader, textures, &place, &mut material)?;
         }
         extensions(reader, textures, &place, &mut material)?;
+        layers::load(reader, textures, &place, &mut material)?;
         if let Some(ours) = place.extras()? {
             extras::material(reader, &ours, &mut material)?;
         }
@@ -35,7 +36,7 @@ pub(super) fn load(
 }
 
 /// The texture `key`, if there is one that can be read.
-fn slot<'a>(
+pub(super) fn slot<'a>(
     reader: &mut Reader<'_>,
     textures: &Textures,
     place: &Cursor<'a>,

@@ -30,6 +30,7 @@ mod extras;
 mod folder;
 mod image;
 mod json;
+mod layers;
 mod light;
 mod load;
 mod material;

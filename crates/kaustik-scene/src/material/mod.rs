@@ -8,6 +8,7 @@
 mod color;
 mod emission;
 mod interior;
+mod layers;
 
 use kaustik_bsdf::{Bsdf, Interface, PrincipledParameters, SMOOTH_ALPHA, Wall};
 use kaustik_geometry::{Surface, World};
@@ -19,6 +20,7 @@ use crate::texture::{Coding, Texture};
 pub(crate) use color::{ColorSource, Slot, luminance};
 use emission::Emission;
 pub(crate) use interior::Solid;
+use layers::Layers;
 
 /// A material at rest.
 #[derive(Debug)]
@@ -39,6 +41,7 @@ pub(crate) struct Material {
     glass: Glass,
     emission: Option<Emission>,
     solid: Option<Solid>,
+    layers: Option<Box<Layers>>,
     both_sides: bool,
     compensation: bool,
 }
@@ -54,6 +57,7 @@ enum Kind {
     Measured(Metal),
     Coated,
     Phong(f32),
+    OrenNayar(f32),
     /// A transparent solid.
     Solid,
     /// A transparent pane.
@@ -105,6 +109,9 @@ impl Material {
                 slot(description.base_color_texture)?,
             )?,
             solid: Solid::new(description),
+            layers: Layers::exist(description)
+                .then(|| Layers::new(description, textures).map(Box::new))
+                .transpose()?,
             both_sides: description.double_sided || description.unlit,
             compensation,
         })
@@ -164,6 +171,7 @@ impl Material {
                     Bsdf::thin_dielectric(interface, alpha, self.compensation)
                 }
             }
+            Kind::OrenNayar(sigma) => Bsdf::oren_nayar(base, f64::from(sigma)),
             Kind::Black | Kind::Lambertian | Kind::Principled => Bsdf::lambertian(base),
         }
     }
@@ -181,7 +189,8 @@ impl Material {
                 slot.read(textures, surface, Coding::Linear)[channel]
             })
         };
-        Bsdf::principled(&PrincipledParameters {
+        let layers = self.layers.as_deref();
+        let base = PrincipledParameters {
             base_color: self.base.eval(textures, surface, wavelengths),
             metallic: f64::from(metallic),
             roughness: f64::from(roughness),
@@ -196,8 +205,14 @@ impl Material {
             } else {
                 Wall::Thin
             },
+            anisotropy: layers.map_or(0.0, |layers| layers.anisotropy(textures, surface)),
+            film: layers.and_then(|layers| layers.film(textures, surface, wavelengths, around)),
             compensation: self.compensation,
-        })
+        };
+        match layers {
+            None => Bsdf::principled(&base),
+            Some(layers) => Bsdf::layered(&base, &layers.on_top(textures, surface, wavelengths)),
+        }
     }
 
     fn metallic_roughness(&self, textures: &[Texture], surface: &Surface) -> (f32, f32) {
@@ -210,10 +225,24 @@ impl Material {
         }
     }
 
-    /// Do normals come from a texture?
+    /// Does the shading frame need the tangent: for a normal texture, or for brush marks?
     #[inline]
-    pub(crate) fn has_normal_texture(&self) -> bool {
-        self.normal.is_some()
+    pub(crate) fn needs_tangent(&self) -> bool {
+        self.normal.is_some() || self.is_brushed()
+    }
+
+    #[inline]
+    pub(crate) fn is_brushed(&self) -> bool {
+        self.layers
+            .as_ref()
+            .is_some_and(|layers| layers.is_brushed())
+    }
+
+    /// Cosine and sine of the angle from the tangent to where brushed facets are rougher.
+    pub(crate) fn brush_direction(&self, textures: &[Texture], surface: &Surface) -> [f64; 2] {
+        self.layers
+            .as_ref()
+            .map_or([1.0, 0.0], |layers| layers.direction(textures, surface))
     }
 
     /// The normal texture's normal in the tangent frame and its scale applied; `None` without one.
@@ -343,8 +372,10 @@ impl Kind {
             _ if description.unlit => Self::Black,
             Some(Model::Coated) => Self::Coated,
             Some(Model::Phong { exponent }) => Self::Phong(exponent),
+            Some(Model::OrenNayar { sigma }) => Self::OrenNayar(sigma),
             None => match description.metal {
                 Some(metal) => Self::Measured(metal),
+                None if Layers::exist(description) => Self::Principled,
                 None if black => Self::Black,
                 None if plain_metal => Self::Reflector,
                 None if plain_dielectric && clear && full_specular => {

@@ -1,6 +1,7 @@
 use kaustik_spectrum::Glass;
 use serde_json::{Value, json};
 
+use super::layers;
 use super::writer::{Object, Writer, extras, number, numbers};
 use crate::description::{
     AlphaMode, MaterialDescription, Model, SpectralInput, TextureSlot, UvTransform,
@@ -68,7 +69,7 @@ fn normal(writer: &mut Writer, m: &MaterialDescription) -> Option<Value> {
 }
 
 /// A texture info.
-fn slot(writer: &mut Writer, slot: Option<TextureSlot>) -> Option<Value> {
+pub(super) fn slot(writer: &mut Writer, slot: Option<TextureSlot>) -> Option<Value> {
     let slot = slot?;
     let transform = (slot.transform != UvTransform::IDENTITY).then(|| {
         writer.uses("KHR_texture_transform");
@@ -137,15 +138,19 @@ fn extensions(writer: &mut Writer, m: &MaterialDescription, strength: Option<Val
             .with("attenuationColor", numbers(&volume.attenuation_color));
         add(writer, "KHR_materials_volume", members);
     }
+    for (name, members) in layers::layers(writer, m) {
+        add(writer, name, members);
+    }
     all
 }
 
 /// What stands in `extras.kaustik`.
 fn ours(m: &MaterialDescription) -> Object {
-    let (model, exponent) = match m.model {
-        None => (None, None),
-        Some(Model::Coated) => (Some("coated"), None),
-        Some(Model::Phong { exponent }) => (Some("phong"), Some(number(exponent))),
+    let (model, exponent, sigma) = match m.model {
+        None => (None, None, None),
+        Some(Model::Coated) => (Some("coated"), None, None),
+        Some(Model::Phong { exponent }) => (Some("phong"), Some(number(exponent)), None),
+        Some(Model::OrenNayar { sigma }) => (Some("oren-nayar"), None, Some(number(sigma))),
     };
     Object::default()
         .maybe("reflectance", m.reflectance.as_ref().map(spectrum))
@@ -154,6 +159,7 @@ fn ours(m: &MaterialDescription) -> Object {
         .maybe("glass", m.glass.map(|g| glass(&g)))
         .maybe("model", model)
         .maybe("exponent", exponent)
+        .maybe("sigma", sigma)
         .maybe("priority", (m.priority != 0).then_some(m.priority))
 }
 

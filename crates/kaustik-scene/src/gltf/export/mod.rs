@@ -8,6 +8,7 @@ mod error;
 mod file;
 mod geometry;
 mod image;
+mod layers;
 mod material;
 mod scene;
 mod writer;

@@ -140,6 +140,7 @@ fn material(rng: &mut Rng, textures: usize) -> MaterialDescription {
         Some(Model::Phong {
             exponent: 99.0 * unit(rng),
         }),
+        Some(Model::OrenNayar { sigma: unit(rng) }),
     ];
     let bright = |rng: &mut Rng| number(rng).abs();
     MaterialDescription {
@@ -173,11 +174,35 @@ fn material(rng: &mut Rng, textures: usize) -> MaterialDescription {
             attenuation_distance: maybe(rng, bright).unwrap_or(f32::INFINITY),
             attenuation_color: numbers(rng, unit),
         }),
+        clearcoat: maybe(rng, |rng| Clearcoat {
+            factor: unit(rng),
+            texture: texture(rng),
+            roughness: unit(rng),
+            roughness_texture: texture(rng),
+        }),
+        sheen: maybe(rng, |rng| Sheen {
+            color: numbers(rng, unit),
+            color_texture: texture(rng),
+            roughness: unit(rng),
+            roughness_texture: texture(rng),
+        }),
+        anisotropy: maybe(rng, |rng| Anisotropy {
+            strength: unit(rng),
+            rotation: number(rng),
+            texture: texture(rng),
+        }),
+        iridescence: maybe(rng, |rng| Iridescence {
+            factor: unit(rng),
+            texture: texture(rng),
+            ior: 1.0 + unit(rng),
+            thickness: numbers(rng, bright),
+            thickness_texture: texture(rng),
+        }),
         reflectance: maybe(rng, |rng| spectrum(rng, 1.0)),
         emission: maybe(rng, |rng| spectrum(rng, 50.0)),
         metal: maybe(rng, |rng| Metal::ALL[below(rng, 4)]),
         glass: maybe(rng, glass),
-        model: models[below(rng, 3)],
+        model: models[below(rng, 4)],
         priority: below(rng, 5) as i32 - 2,
     }
 }

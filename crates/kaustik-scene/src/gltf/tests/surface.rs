@@ -7,8 +7,9 @@ use serde_json::{Value, json};
 
 use super::file::{File, jpeg, png};
 use crate::description::{
-    AlphaMode, EnvironmentDescription, Filtering, MaterialDescription, Model, Pixels,
-    SpectralInput, Specular, TextureSlot, Transmission, UvTransform, Volume, Wrap,
+    AlphaMode, Anisotropy, Clearcoat, EnvironmentDescription, Filtering, Iridescence,
+    MaterialDescription, Model, Pixels, Sheen, SpectralInput, Specular, TextureSlot, Transmission,
+    UvTransform, Volume, Wrap,
 };
 use crate::gltf::ErrorKind;
 
@@ -63,6 +64,15 @@ fn everything_at_once() {
             "KHR_materials_specular": { "specularFactor": 0.5, "specularTexture": { "index": 1 },
                 "specularColorFactor": [2, 0.5, 0], "specularColorTexture": { "index": 0 } },
             "KHR_materials_unlit": {},
+            "KHR_materials_clearcoat": { "clearcoatFactor": 0.5, "clearcoatTexture": { "index": 0 },
+                "clearcoatRoughnessFactor": 0.25, "clearcoatRoughnessTexture": { "index": 1 } },
+            "KHR_materials_sheen": { "sheenColorFactor": [0.5, 0.25, 1], "sheenColorTexture": { "index": 1 },
+                "sheenRoughnessFactor": 0.75, "sheenRoughnessTexture": { "index": 0 } },
+            "KHR_materials_anisotropy": { "anisotropyStrength": 0.5, "anisotropyRotation": 2,
+                "anisotropyTexture": { "index": 1 } },
+            "KHR_materials_iridescence": { "iridescenceFactor": 0.5, "iridescenceTexture": { "index": 0 },
+                "iridescenceIor": 1.5, "iridescenceThicknessMaximum": 800,
+                "iridescenceThicknessTexture": { "index": 1 } },
         },
     }));
     let view = file.view(&png(2, 3));
@@ -113,6 +123,34 @@ fn everything_at_once() {
         attenuation_color: [0.5, 0.25, 1.0],
     };
     assert_eq!(m.volume, Some(volume));
+    let clearcoat = Clearcoat {
+        factor: 0.5,
+        texture: Some(slot(0)),
+        roughness: 0.25,
+        roughness_texture: Some(slot(1)),
+    };
+    assert_eq!(m.clearcoat, Some(clearcoat));
+    let sheen = Sheen {
+        color: [0.5, 0.25, 1.0],
+        color_texture: Some(slot(1)),
+        roughness: 0.75,
+        roughness_texture: Some(slot(0)),
+    };
+    assert_eq!(m.sheen, Some(sheen));
+    let anisotropy = Anisotropy {
+        strength: 0.5,
+        rotation: 2.0,
+        texture: Some(slot(1)),
+    };
+    assert_eq!(m.anisotropy, Some(anisotropy));
+    let iridescence = Iridescence {
+        factor: 0.5,
+        texture: Some(slot(0)),
+        ior: 1.5,
+        thickness: [100.0, 800.0],
+        thickness_texture: Some(slot(1)),
+    };
+    assert_eq!(m.iridescence, Some(iridescence));
     assert_eq!((d.textures.len(), d.images.len()), (2, 1));
     assert_eq!(d.textures[0].filtering, Filtering::Linear);
     assert_eq!(
@@ -264,7 +302,11 @@ fn our_own_keys() {
             "glass",
             "index of refraction",
         ),
-        (json!({ "model": "toon" }), "model", "coated or phong"),
+        (
+            json!({ "model": "toon" }),
+            "model",
+            "coated, phong or oren-nayar",
+        ),
         (json!({ "model": "phong" }), "", "\"exponent\""),
         (
             json!({ "model": "phong", "exponent": -1 }),
@@ -388,17 +430,16 @@ fn uv_sets_past_the_second_are_left_out() {
 #[test]
 fn extensions_required_and_used() {
     let mut file = File::triangle();
-    file.json["extensionsUsed"] =
-        json!(["KHR_materials_clearcoat", "ACME_soap", "KHR_materials_ior"]);
+    file.json["extensionsUsed"] = json!(["EXT_texture_webp", "ACME_soap", "KHR_materials_ior"]);
     let warnings = file.load().warnings;
     assert!(
         warnings[0]
             .message
-            .contains("KHR_materials_clearcoat is not read yet")
+            .contains("EXT_texture_webp is not read yet")
     );
     assert!(warnings[1].message.contains("ACME_soap is unknown"));
     assert_eq!(warnings.len(), 2);
-    for name in ["ACME_soap", "KHR_materials_clearcoat"] {
+    for name in ["ACME_soap", "EXT_texture_webp"] {
         file.json["extensionsRequired"] = json!(["KHR_texture_transform", name]);
         file.refused(&[
             "/extensionsRequired/1",

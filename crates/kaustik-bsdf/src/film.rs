@@ -1,0 +1,104 @@
+use crate::{fresnel, warp};
+use kaustik_spectrum::Spectrum;
+
+/// Interference in a thin transparent film over a surface (`KHR_materials_iridescence`): soap, oil, anodised
+/// metal.
+///
+/// At each wavelength the exact sum over all reflections within the film (Airy), for unpolarised light. What lies
+/// beneath is taken as a dielectric that reflects the given colour at normal incidence, as the extension has it; no
+/// phase is added by its extinction.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Film {
+    /// Share of the surface that has the film, in `[0, 1]`.
+    strength: f32,
+    /// Index of the film relative to the outside.
+    index: f32,
+    /// Twice the film's optical thickness in wavelengths at normal incidence, each lane.
+    turns: Spectrum,
+    /// Without the film: at normal incidence and at grazing.
+    f0: Spectrum,
+    f90: Spectrum,
+    /// Index beneath relative to the outside, each lane.
+    beneath: Spectrum,
+}
+
+impl Film {
+    /// From `strength` in `[0, 1]`, the film's `index` relative to the outside, its `thickness` in nanometres, the
+    /// path's `wavelengths` in nanometres, and the colours of the surface without it, which must not exceed `f90`.
+    pub fn new(
+        strength: f64,
+        index: f64,
+        thickness: f64,
+        wavelengths: Spectrum,
+        [f0, f90]: [Spectrum; 2],
+    ) -> Self {
+        let index = if index > 0.0 && index.is_finite() {
+            index
+        } else {
+            1.0
+        };
+        let path = 2.0 * index * thickness.clamp(0.0, 1e5);
+        let beneath = f0.zip(f90, |f0, f90| {
+            let root = f64::from(if f90 > 0.0 { f0 / f90 } else { 0.0 }).sqrt();
+            let root = root.clamp(0.0, 0.9999);
+            ((1.0 + root) / (1.0 - root)) as f32
+        });
+        Self {
+            strength: strength.clamp(0.0, 1.0) as f32,
+            index: index as f32,
+            turns: wavelengths.map(|nm| {
+                if nm > 0.0 {
+                    (path / f64::from(nm)) as f32
+                } else {
+                    0.0
+                }
+            }),
+            f0,
+            f90,
+            beneath,
+        }
+    }
+
+    /// Share reflected at an angle of incidence of the given cosine in `[0, 1]`.
+    pub fn at(&self, cosine: f64) -> Spectrum {
+        let plain = self
+            .f0
+            .lerp(self.f90, fresnel::schlick_weight(cosine) as f32);
+        let films = self.turns.zip(self.beneath, |turns, beneath| {
+            self.airy(cosine, turns, beneath)
+        });
+        plain.lerp(films * self.f90, self.strength)
+    }
+
+    /// Reflectance of the whole stack at one wavelength.
+    fn airy(&self, cosine: f64, turns: f32, beneath: f32) -> f32 {
+        let (film, beneath) = (f64::from(self.index), f64::from(beneath));
+        let sine2 = (1.0 - cosine * cosine).max(0.0);
+        let inside = |index: f64| 1.0 - sine2 / (index * index);
+        let (within, below) = (inside(film), inside(beneath));
+        if within <= 0.0 {
+            return 1.0; // total reflection, as nothing is left to tunnel to
+        }
+        let (within, below) = (within.sqrt(), below.max(0.0).sqrt());
+        let (_, cos) = warp::sin_cos_turns(f64::from(turns) * within);
+        let amplitude = |a: f64, b: f64| if a + b > 0.0 { (a - b) / (a + b) } else { 1.0 };
+        let stack = |upper: f64, lower: f64| {
+            let (u2, l2, both) = (upper * upper, lower * lower, 2.0 * upper * lower * cos);
+            (u2 + l2 + both) / (1.0 + u2 * l2 + both)
+        };
+        let s = stack(
+            amplitude(cosine, film * within),
+            amplitude(film * within, beneath * below),
+        );
+        let p = stack(
+            amplitude(film * cosine, within),
+            amplitude(beneath * within, film * below),
+        );
+        let mean = 0.5 * (s + p);
+        if mean.is_finite() {
+            mean.clamp(0.0, 1.0) as f32
+        } else {
+            1.0
+        }
+    }
+}

@@ -1,0 +1,148 @@
+//! What lies on glTF's material: varnish, fibres, brush marks, a film.
+
+use kaustik_bsdf::{FilmParameters, LayerParameters};
+use kaustik_geometry::Surface;
+use kaustik_spectrum::{Spectrum, Wavelengths};
+
+use super::color::{ColorSource, Slot};
+use crate::description::{
+    Anisotropy, Clearcoat, Iridescence, MaterialDescription, Sheen, TextureSlot,
+};
+use crate::scene::SceneError;
+use crate::texture::{Coding, Texture};
+
+/// All of a material's layers.
+#[derive(Debug)]
+pub(super) struct Layers {
+    coat: Option<(Clearcoat, [Option<Slot>; 2])>,
+    sheen: Option<(ColorSource, f32, Option<Slot>)>,
+    brush: Option<(Anisotropy, Option<Slot>)>,
+    film: Option<(Iridescence, [Option<Slot>; 2])>,
+}
+
+impl Layers {
+    /// Does the material have any?
+    pub(super) fn exist(description: &MaterialDescription) -> bool {
+        let d = description;
+        let sheen = |sheen: Sheen| sheen.color.iter().any(|&c| c > 0.0);
+        d.clearcoat.is_some_and(|coat| coat.factor > 0.0)
+            || d.sheen.is_some_and(sheen)
+            || d.anisotropy.is_some_and(|brush| brush.strength > 0.0)
+            || d.iridescence.is_some_and(|film| film.factor > 0.0)
+    }
+
+    pub(super) fn new(
+        description: &MaterialDescription,
+        textures: &[Texture],
+    ) -> Result<Self, SceneError> {
+        let slot = |slot: Option<TextureSlot>| {
+            slot.map(|slot| Slot::new(&slot, textures, &description.name))
+                .transpose()
+        };
+        let coat = match description.clearcoat {
+            None => None,
+            Some(coat) => Some((coat, [slot(coat.texture)?, slot(coat.roughness_texture)?])),
+        };
+        let sheen = match description.sheen {
+            None => None,
+            Some(sheen) => {
+                let texture = slot(sheen.color_texture)?;
+                let name = &description.name;
+                let color = ColorSource::reflectance(sheen.color, texture, None, name)?;
+                Some((color, sheen.roughness, slot(sheen.roughness_texture)?))
+            }
+        };
+        let brush = match description.anisotropy {
+            None => None,
+            Some(brush) => Some((brush, slot(brush.texture)?)),
+        };
+        let film = match description.iridescence {
+            None => None,
+            Some(film) => Some((film, [slot(film.texture)?, slot(film.thickness_texture)?])),
+        };
+        Ok(Self {
+            coat,
+            sheen,
+            brush,
+            film,
+        })
+    }
+
+    /// Varnish and fibres at a point.
+    pub(super) fn on_top(
+        &self,
+        textures: &[Texture],
+        surface: &Surface,
+        wavelengths: &Wavelengths,
+    ) -> LayerParameters {
+        let read = |slot: &Option<Slot>, channel: usize| texel(slot, textures, surface)[channel];
+        let mut layers = LayerParameters::default();
+        if let Some((coat, [share, roughness])) = &self.coat {
+            layers.clearcoat = f64::from(coat.factor * read(share, 0));
+            layers.clearcoat_roughness = f64::from(coat.roughness * read(roughness, 1));
+        }
+        if let Some((color, roughness, slot)) = &self.sheen {
+            layers.sheen_color = color.eval_plain(textures, surface, wavelengths);
+            layers.sheen_roughness = f64::from(roughness * read(slot, 3));
+        }
+        layers
+    }
+
+    /// The film at a point; `around` is the index of the medium outside.
+    pub(super) fn film(
+        &self,
+        textures: &[Texture],
+        surface: &Surface,
+        wavelengths: &Wavelengths,
+        around: Spectrum,
+    ) -> Option<FilmParameters> {
+        let (film, [share, place]) = self.film.as_ref()?;
+        let [least, most] = film.thickness;
+        let place = texel(place, textures, surface)[1];
+        Some(FilmParameters {
+            strength: f64::from(film.factor * texel(share, textures, surface)[0]),
+            ior: f64::from(film.ior / around.mean()),
+            thickness: f64::from(least + place * (most - least)),
+            wavelengths: Spectrum::new(wavelengths.nm()),
+        })
+    }
+
+    /// How strongly the facets are brushed at a point, in [0, 1].
+    pub(super) fn anisotropy(&self, textures: &[Texture], surface: &Surface) -> f64 {
+        self.brush.as_ref().map_or(0.0, |(brush, slot)| {
+            f64::from(brush.strength * texel(slot, textures, surface)[2])
+        })
+    }
+
+    /// Does the shading frame have to follow the brush marks?
+    pub(super) fn is_brushed(&self) -> bool {
+        self.brush.is_some()
+    }
+
+    /// Cosine and sine of the angle from the tangent to the direction in which the facets are rougher.
+    pub(super) fn direction(&self, textures: &[Texture], surface: &Surface) -> [f64; 2] {
+        let Some((brush, slot)) = &self.brush else {
+            return [1.0, 0.0];
+        };
+        let (sin, cos) = (
+            f64::from(libm::sinf(brush.rotation)),
+            f64::from(libm::cosf(brush.rotation)),
+        );
+        let Some(slot) = slot else {
+            return [cos, sin];
+        };
+        let [x, y, ..] = slot.read(textures, surface, Coding::Linear);
+        let [x, y] = [x, y].map(|c| 2.0 * f64::from(c) - 1.0);
+        let length = libm::hypot(x, y);
+        if length < 1e-3 {
+            return [cos, sin];
+        }
+        [(x * cos - y * sin) / length, (x * sin + y * cos) / length]
+    }
+}
+
+fn texel(slot: &Option<Slot>, textures: &[Texture], surface: &Surface) -> [f32; 4] {
+    slot.as_ref().map_or([1.0; 4], |slot| {
+        slot.read(textures, surface, Coding::Linear)
+    })
+}
