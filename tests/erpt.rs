@@ -69,6 +69,7 @@ fn what_is_deposited_is_what_was_seeded() {
     }
 }
 
+#[expect(clippy::print_stdout, reason = "figures for whoever runs it")]
 fn assert_agree(name: &str, words: &str, spp: u64, change: impl Fn(&mut Options)) -> Verdict {
     let scene = scene(words, SIDE);
     let path = tiles_of_seeds(&scene, &settings(Method::Path, SIDE, 4 * spp), 0..8);

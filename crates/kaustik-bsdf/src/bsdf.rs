@@ -15,6 +15,10 @@ pub const SMOOTH_ALPHA: f64 = 1e-3;
 /// The constructors put a roughness below [`SMOOTH_ALPHA`] to the smooth variant. One more
 /// kind of surface is one more file and one more arm.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[expect(
+    clippy::large_enum_variant,
+    reason = "a box would be an allocation a vertex"
+)]
 #[expect(missing_docs, reason = "each variant is the type of its name")]
 pub enum Bsdf {
     Lambertian(Lambertian),

@@ -9,26 +9,26 @@ use kaustik_spectrum::Spectrum;
 pub(crate) struct Coat {
     /// Rough, or `None` for a mirror.
     facets: Option<Facets>,
-    reflectance: Reflectance,
     /// Share of the surface that has it.
     strength: f32,
     /// Least that it reflects from any direction, times its share.
     least: f32,
 }
 
+/// Of an index of 1.5.
+const REFLECTANCE: Reflectance = Reflectance::Schlick {
+    f0: Spectrum::splat(0.04),
+    f90: Spectrum::ONE,
+};
+
 impl Coat {
     /// `strength` and perceptual `roughness` in `[0, 1]`.
     pub(crate) fn new(strength: f64, roughness: f64, compensation: bool) -> Self {
-        let reflectance = Reflectance::Schlick {
-            f0: Spectrum::splat(0.04),
-            f90: Spectrum::ONE,
-        };
         let alpha = local::within(roughness, 0.0, 1.0) * local::within(roughness, 0.0, 1.0);
         let facets = (alpha >= SMOOTH_ALPHA)
-            .then(|| Facets::compensated(reflectance, Ggx::new(alpha), compensation));
+            .then(|| Facets::compensated(REFLECTANCE, Ggx::new(alpha), compensation));
         let coat = Self {
             facets,
-            reflectance,
             strength: local::within(strength, 0.0, 1.0) as f32,
             least: 0.0,
         };
@@ -42,7 +42,7 @@ impl Coat {
     pub(crate) fn albedo(&self, w: DVec3) -> f32 {
         let share = match &self.facets {
             Some(facets) => facets.albedo(w),
-            None => self.reflectance.at(w.z.min(1.0)),
+            None => REFLECTANCE.at(w.z.min(1.0)),
         };
         self.strength * share.hero()
     }

@@ -15,22 +15,22 @@ pub struct Film {
     index: f32,
     /// Twice the film's optical thickness in wavelengths at normal incidence, each lane.
     turns: Spectrum,
-    /// Without the film: at normal incidence and at grazing.
+    /// Without the film, at normal incidence.
     f0: Spectrum,
-    f90: Spectrum,
-    /// Index beneath relative to the outside, each lane.
-    beneath: Spectrum,
+    /// The same at grazing, in all lanes.
+    f90: f32,
 }
 
 impl Film {
     /// From `strength` in `[0, 1]`, the film's `index` relative to the outside, its `thickness` in nanometres, the
-    /// path's `wavelengths` in nanometres, and the colours of the surface without it, which must not exceed `f90`.
+    /// path's `wavelengths` in nanometres, and what the surface without it reflects at normal incidence and at
+    /// grazing, `f0` at most `f90`.
     pub fn new(
         strength: f64,
         index: f64,
         thickness: f64,
         wavelengths: Spectrum,
-        [f0, f90]: [Spectrum; 2],
+        (f0, f90): (Spectrum, f32),
     ) -> Self {
         let index = if index > 0.0 && index.is_finite() {
             index
@@ -38,11 +38,6 @@ impl Film {
             1.0
         };
         let path = 2.0 * index * thickness.clamp(0.0, 1e5);
-        let beneath = f0.zip(f90, |f0, f90| {
-            let root = f64::from(if f90 > 0.0 { f0 / f90 } else { 0.0 }).sqrt();
-            let root = root.clamp(0.0, 0.9999);
-            ((1.0 + root) / (1.0 - root)) as f32
-        });
         Self {
             strength: strength.clamp(0.0, 1.0) as f32,
             index: index as f32,
@@ -55,24 +50,27 @@ impl Film {
             }),
             f0,
             f90,
-            beneath,
         }
     }
 
     /// Share reflected at an angle of incidence of the given cosine in `[0, 1]`.
     pub fn at(&self, cosine: f64) -> Spectrum {
-        let plain = self
-            .f0
-            .lerp(self.f90, fresnel::schlick_weight(cosine) as f32);
-        let films = self.turns.zip(self.beneath, |turns, beneath| {
-            self.airy(cosine, turns, beneath)
-        });
+        let plain = self.f0.lerp(
+            Spectrum::splat(self.f90),
+            fresnel::schlick_weight(cosine) as f32,
+        );
+        let films = self
+            .turns
+            .zip(self.f0, |turns, f0| self.airy(cosine, turns, f0));
         plain.lerp(films * self.f90, self.strength)
     }
 
     /// Reflectance of the whole stack at one wavelength.
-    fn airy(&self, cosine: f64, turns: f32, beneath: f32) -> f32 {
-        let (film, beneath) = (f64::from(self.index), f64::from(beneath));
+    fn airy(&self, cosine: f64, turns: f32, f0: f32) -> f32 {
+        let film = f64::from(self.index);
+        let root = f64::from(if self.f90 > 0.0 { f0 / self.f90 } else { 0.0 }).sqrt();
+        let root = root.clamp(0.0, 0.9999);
+        let beneath = (1.0 + root) / (1.0 - root); // its index relative to the outside
         let sine2 = (1.0 - cosine * cosine).max(0.0);
         let inside = |index: f64| 1.0 - sine2 / (index * index);
         let (within, below) = (inside(film), inside(beneath));

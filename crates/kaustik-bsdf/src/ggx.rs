@@ -17,8 +17,6 @@ use std::f64::consts::PI;
 pub(crate) struct Ggx {
     /// Roughness along x and y.
     alpha: [f64; 2],
-    /// Their product.
-    product: f64,
     /// `[ay / ax, ax / ay]`: factors of 1 where both are equal, so that nothing changes there.
     ratio: [f64; 2],
 }
@@ -30,7 +28,6 @@ impl Ggx {
         let alpha = within(alpha, 1e-4, 1.0);
         Self {
             alpha: [alpha; 2],
-            product: alpha * alpha,
             ratio: [1.0; 2],
         }
     }
@@ -40,7 +37,6 @@ impl Ggx {
         let [x, y] = alpha.map(|alpha| within(alpha, 1e-4, 1.0));
         Self {
             alpha: [x, y],
-            product: x * y,
             ratio: [y / x, x / y],
         }
     }
@@ -55,10 +51,15 @@ impl Ggx {
     #[inline]
     pub(crate) fn rebound_width(self) -> f64 {
         if self.is_brushed() {
-            self.product.sqrt()
+            self.product().sqrt()
         } else {
             self.alpha[0]
         }
+    }
+
+    #[inline]
+    fn product(self) -> f64 {
+        self.alpha[0] * self.alpha[1]
     }
 
     #[inline]
@@ -110,7 +111,7 @@ impl Ggx {
     /// Density of facet normals per area and solid angle; even in z.
     #[inline]
     pub(crate) fn density(self, h: DVec3) -> f64 {
-        let a2 = self.product;
+        let a2 = self.product();
         let [x, y] = self.ratio;
         let spread = h.x * h.x * x + h.y * h.y * y + a2 * h.z * h.z;
         a2 / (PI * spread * spread)
@@ -120,7 +121,7 @@ impl Ggx {
     #[inline]
     fn reach(self, w: DVec3) -> f64 {
         let [x, y] = self.ratio;
-        (w.z * w.z + self.product * (w.x * w.x * y + w.y * w.y * x)).sqrt()
+        (w.z * w.z + self.product() * (w.x * w.x * y + w.y * w.y * x)).sqrt()
     }
 
     /// `G2 / (|cos wo| |cos wi|)`; even in both z.

@@ -218,8 +218,8 @@ mod tests {
             matched,
             statistics: serde_json::Value::Null,
         };
-        let all = Figure::ALL.map(|figure| figure.of(&cell));
-        assert_eq!(all, [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0]);
+        let all = Figure::ALL.map(|figure| figure.of(&cell) as i32);
+        assert_eq!(all, [0, 1, 2, 3, 4, 5, 6, 7]);
     }
 
     #[test]

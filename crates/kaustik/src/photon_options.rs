@@ -250,7 +250,7 @@ fn meaning<T: Copy>(value: &str, words: &[(&str, T)]) -> Option<T> {
     known.find(|(word, _)| *word == value).map(|(_, it)| *it)
 }
 
-fn name<T: PartialEq>(value: T, words: &[(&str, T)]) -> String {
+fn name<T: PartialEq + Copy>(value: T, words: &[(&str, T)]) -> String {
     let mut known = words.iter();
     known
         .find(|(_, it)| *it == value)

@@ -134,7 +134,7 @@ impl PrincipledParameters {
                 film.ior,
                 film.thickness,
                 film.wavelengths,
-                [f0, f90],
+                (f0, f90.max()),
             )),
         }
     }

@@ -54,6 +54,7 @@ struct Listed {
 }
 
 /// What a walk knows of the vertex that it ends in.
+#[derive(Clone, Copy)]
 pub(super) struct Seen<'a> {
     pub(super) vertex: &'a Vertex,
     /// The wide part of it.
