@@ -122,7 +122,14 @@ fn its_share_of_the_steps_is_told() {
             let direct = statistics.direct.expect("direct light apart");
             assert_eq!(direct.max_edges, 2);
             assert_eq!(direct.samples, passes * pixels, "{method}, {budget:?}");
-            assert_eq!(statistics.steps, steps, "{method}, {budget:?}");
+            // the chains of `relt` take whole sweeps: each of 64 ladders may end up to five steps early
+            let early = if method == Method::Relt { 5 * 64 } else { 0 };
+            let least = steps - early;
+            assert!(
+                (least..=steps).contains(&statistics.steps),
+                "{method}, {budget:?}: {} of {steps}",
+                statistics.steps
+            );
         }
         let together = settings(method, SIDE, 2);
         assert!(rendered(&scene, &together, 0).statistics.direct.is_none());

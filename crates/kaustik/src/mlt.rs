@@ -267,11 +267,12 @@ impl Engine for MltEngine<'_> {
         self.chains = chains;
         let steps = self.statistics().steps.max(1);
         let per_step = self.size.element_product() / steps as f64;
-        let mut films = Vec::new();
-        if self.pool.mean() > 0.0 {
-            let scale = self.normaliser().mean() / self.pool.mean();
-            films.push((&self.film, scale * per_step));
-        }
+        // where the pool saw no light the film is empty
+        let scale = match self.pool.mean() {
+            mean if mean > 0.0 => self.normaliser().mean() / mean,
+            _ => 0.0,
+        };
+        let mut films = vec![(&self.film, scale * per_step)];
         films.extend(self.lamps.iter().map(Lamps::part));
         Ok(develop(&films)?)
     }

@@ -1,5 +1,5 @@
-//! No method holds more than five films, whatever the number of threads. (A binary of its own: it owns the
-//! allocator.)
+//! No method of chains on paths holds more than five films, and no photon method more than six, whatever the number
+//! of threads. (A binary of its own: it owns the allocator.)
 
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -78,13 +78,16 @@ fn films(method: Method, direct: Direct, threads: usize) -> usize {
 
 /// One test, so that nothing else counts at the same time.
 #[test]
-fn five_films_are_the_most() {
+fn few_films_are_held() {
     for method in Method::ALL {
         for direct in [Direct::Lamps, Direct::Apart] {
             let found = [1, 4].map(|threads| films(method, direct, threads));
             assert!(found[0] >= 1, "{method}: films are counted");
             assert_eq!(found[0], found[1], "{method}, {direct:?}: by threads");
-            assert!(found[0] <= 5, "{method}, {direct:?}: {found:?}");
+            // four levels, their sum over the iterations and the remainder
+            let photons = matches!(method, Method::PhotonSpatial | Method::PhotonImage);
+            let most = if photons { 6 } else { 5 };
+            assert!(found[0] <= most, "{method}, {direct:?}: {found:?}");
         }
     }
     let relt = films(Method::Relt, Direct::Lamps, 1);
