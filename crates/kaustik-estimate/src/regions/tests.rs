@@ -121,6 +121,11 @@ fn the_unknown_go_by_their_ancestors() {
     let dark = densities.iter().filter(|&&d| d < 0.99).count();
     assert!(dark > leaves / 3 && dark < leaves, "{dark} of {leaves}");
     assert!(densities.iter().all(|&d| d > 0.0));
+    // One division further: the lit half's dark half goes by the lit half, the dark half still by the whole.
+    regions.learn(&tallies, Refinement::Iterations);
+    let values: std::collections::BTreeSet<u64> =
+        regions.densities().iter().map(|d| d.to_bits()).collect();
+    assert!(values.len() >= 3, "{values:?}");
 }
 
 #[test]

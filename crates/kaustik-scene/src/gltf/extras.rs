@@ -78,10 +78,11 @@ pub(super) fn material(
 }
 
 fn model(reader: &mut Reader<'_>, place: &Cursor<'_>) -> Result<Option<Model>> {
-    let exponent = place.get("exponent")?;
     let Some(model) = place.get("model")? else {
-        if let Some(exponent) = exponent {
-            reader.warn(&exponent, "ignored: there is no \"model\"");
+        for key in ["exponent", "sigma"] {
+            if let Some(number) = place.get(key)? {
+                reader.warn(&number, "ignored: there is no \"model\"");
+            }
         }
         return Ok(None);
     };
