@@ -74,7 +74,7 @@ impl Coat {
 
     /// GGX alpha; 0 for a mirror.
     pub(crate) fn alpha(&self) -> f64 {
-        self.facets.map_or(0.0, |facets| facets.roughness())
+        self.facets.map_or(0.0, |facets| facets.alpha())
     }
 
     /// Is it a mirror?

@@ -32,18 +32,17 @@ impl Facets {
     /// `rebound` is the colour of what scatters between facets, see [`rebound_colour`].
     #[inline]
     pub(crate) fn new(reflectance: Reflectance, ggx: Ggx, rebound: Spectrum) -> Self {
-        let rebound = rebound * ggx.returned();
         let mean = f64::from(reflectance.mean().mean());
         let bounce = if mean > 0.0 {
             f64::from(rebound.mean()) / mean
         } else {
             0.0
         };
-        let loss = ggx.mean_loss().loss;
+        let loss = ggx.mean_loss().given_back;
         let rebound = rebound * (FRAC_1_PI as f32 / loss.max(1e-9));
         Self {
             ggx,
-            way: Rebound::new(ggx.rebound_width()),
+            way: Rebound::new(ggx.alpha()),
             reflectance,
             rebound,
             bounce,
@@ -67,14 +66,9 @@ impl Facets {
         Self::new(reflectance, ggx, rebound)
     }
 
-    /// GGX alpha.
-    pub(crate) fn roughness(&self) -> f64 {
-        self.ggx.rebound_width()
-    }
-
     #[inline]
     fn loss(&self, w: DVec3) -> f64 {
-        f64::from(self.ggx.loss(w).loss)
+        f64::from(self.ggx.loss(w).given_back)
     }
 
     /// Does any light scatter between facets?
@@ -148,12 +142,8 @@ impl Facets {
     #[inline]
     pub(crate) fn albedo(&self, w: DVec3) -> Spectrum {
         let at = self.ggx.loss(w);
-        let once = match self.reflectance {
-            Reflectance::Schlick { f0, f90 } => f0 * (1.0 - at.loss - at.edge) + f90 * at.edge,
-            Reflectance::Filmed(film) => film.at(at.mean_cosine()) * (1.0 - at.loss),
-            conductor => conductor.at(w.z.min(1.0)) * (1.0 - at.loss),
-        };
-        let mean = self.ggx.mean_loss().loss;
-        once + self.rebound * (std::f32::consts::PI * mean * at.loss)
+        let mean = self.ggx.mean_loss().given_back;
+        self.reflectance.once(at, w.z.min(1.0))
+            + self.rebound * (std::f32::consts::PI * mean * at.given_back)
     }
 }

@@ -21,6 +21,27 @@ pub(crate) struct Ggx {
     ratio: [f64; 2],
 }
 
+/// What facets do to light from one direction, or on average, as shares of what comes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct FacetLoss {
+    /// Lost to a second facet by single scattering. Of brushed facets an estimate: the mean of what facets would
+    /// lose that are as rough all around as these are along x, and along y.
+    pub(crate) loss: f32,
+    /// The part of what single scattering sends back that Schlick's formula gives to F90.
+    pub(crate) edge: f32,
+    /// What compensation gives back of the loss: all of it, or of brushed facets what can be given back from
+    /// any azimuth without making light.
+    pub(crate) given_back: f32,
+}
+
+impl FacetLoss {
+    /// Cosine of incidence that stands for all the facets that are seen: where Schlick's weight is their mean.
+    pub(crate) fn mean_cosine(self) -> f64 {
+        let weight = f64::from(self.edge / (1.0 - self.loss).max(1e-6));
+        1.0 - libm::pow(weight.clamp(0.0, 1.0), 0.2)
+    }
+}
+
 impl Ggx {
     /// Roughness `alpha`, clamped to `[1e-4, 1]`.
     #[inline]
@@ -41,15 +62,9 @@ impl Ggx {
         }
     }
 
-    /// Roughness; along x if it is not the same all around.
+    /// Roughness; of brushed facets the geometric mean.
     #[inline]
     pub(crate) fn alpha(self) -> f64 {
-        self.alpha[0]
-    }
-
-    /// Roughness that the rebound is drawn by.
-    #[inline]
-    pub(crate) fn rebound_width(self) -> f64 {
         if self.is_brushed() {
             self.product().sqrt()
         } else {
@@ -67,44 +82,36 @@ impl Ggx {
         self.alpha[0].to_bits() != self.alpha[1].to_bits()
     }
 
-    /// What light from `w` loses by a second facet. For brushed facets about: the mean of what facets as rough all
-    /// around as these are along x, and along y, would lose.
+    /// What becomes of light from `w`.
     #[inline]
-    pub(crate) fn loss(self, w: DVec3) -> ReflectorLoss {
-        if self.is_brushed() {
-            self.mean_of(|alpha| reflector_loss(w.z, alpha))
-        } else {
-            reflector_loss(w.z, self.alpha[0])
-        }
+    pub(crate) fn loss(self, w: DVec3) -> FacetLoss {
+        self.loss_by(|alpha| reflector_loss(w.z, alpha))
     }
 
-    /// Its cosine-weighted mean over the hemisphere.
+    /// Its cosine-weighted mean over the hemisphere; of what is given back at least that.
     #[inline]
-    pub(crate) fn mean_loss(self) -> ReflectorLoss {
-        if self.is_brushed() {
-            self.mean_of(ReflectorLoss::mean)
-        } else {
-            ReflectorLoss::mean(self.alpha[0])
-        }
+    pub(crate) fn mean_loss(self) -> FacetLoss {
+        self.loss_by(ReflectorLoss::mean)
     }
 
-    fn mean_of(self, loss: impl Fn(f64) -> ReflectorLoss) -> ReflectorLoss {
-        let [x, y] = self.alpha.map(loss);
-        ReflectorLoss {
-            loss: 0.5 * (x.loss + y.loss),
-            edge: 0.5 * (x.edge + y.edge),
-        }
-    }
-
-    /// Share of [`loss`](Self::loss) that may be given back without making light: all of it, or for brushed
-    /// facets, whose loss is estimated from above at grazing angles, down to half.
     #[inline]
-    pub(crate) fn returned(self) -> f32 {
-        if self.is_brushed() {
-            let [a, b] = self.ratio;
-            (0.5 + 0.5 * a.min(b)) as f32
-        } else {
-            1.0
+    fn loss_by(self, loss: impl Fn(f64) -> ReflectorLoss) -> FacetLoss {
+        let [x, y] = self.alpha;
+        let along = loss(x);
+        if !self.is_brushed() {
+            return FacetLoss {
+                loss: along.loss,
+                edge: along.edge,
+                given_back: along.loss,
+            };
+        }
+        let across = loss(y);
+        let [a, b] = self.ratio;
+        let share = (0.5 + 0.5 * a.min(b)) as f32;
+        FacetLoss {
+            loss: 0.5 * (along.loss + across.loss),
+            edge: 0.5 * (along.edge + across.edge),
+            given_back: share * along.loss.min(across.loss),
         }
     }
 

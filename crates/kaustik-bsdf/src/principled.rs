@@ -116,7 +116,7 @@ impl Principled {
         let sharp = match &self.glossy {
             Glossy::None => 0.0,
             Glossy::Smooth(_) => 1.0,
-            Glossy::Rough(facets) => 1.0 - facets.roughness(),
+            Glossy::Rough(facets) => 1.0 - facets.alpha(),
         };
         self.choice(wo)[0] * sharp
     }

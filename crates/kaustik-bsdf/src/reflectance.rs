@@ -1,4 +1,4 @@
-use crate::ggx::Ggx;
+use crate::ggx::{FacetLoss, Ggx};
 use crate::{Film, fresnel};
 use glam::DVec3;
 use kaustik_spectrum::Spectrum;
@@ -48,14 +48,39 @@ impl Reflectance {
         }
     }
 
-    /// The same of what facets reflect at once, about.
-    pub(crate) fn mean_over(&self, ggx: Ggx) -> Spectrum {
-        let at = |mu| {
-            let loss = ggx.loss(DVec3::new(0.0, 0.0, mu));
-            self.at(loss.mean_cosine()) * (1.0 - loss.loss)
-        };
-        (GAUSS.iter())
-            .map(|&(mu, weight)| at(mu) * (weight as f32))
+    /// Share that facets send back at once of light from a direction of this cosine.
+    #[inline]
+    pub(crate) fn once(&self, at: FacetLoss, cosine: f64) -> Spectrum {
+        match *self {
+            Self::Schlick { f0, f90 } => f0 * (1.0 - at.loss - at.edge) + f90 * at.edge,
+            Self::Conductor { .. } => self.at(cosine) * (1.0 - at.loss),
+            Self::Filmed(ref film) => film.at(at.mean_cosine()) * (1.0 - at.loss),
+        }
+    }
+
+    /// The same for who hands on the rest: of a film the larger of two guesses, at the direction and at the facets'
+    /// mean, so that what lies below gets too little and never too much.
+    #[inline]
+    pub(crate) fn once_at_most(&self, at: FacetLoss, cosine: f64) -> Spectrum {
+        let once = self.once(at, cosine);
+        match self {
+            Self::Filmed(film) => once.zip(film.at(cosine) * (1.0 - at.loss), f32::max),
+            _ => once,
+        }
+    }
+
+    /// Its cosine-weighted mean over the hemisphere.
+    #[inline]
+    pub(crate) fn mean_once(&self, ggx: Ggx) -> Spectrum {
+        if let Self::Schlick { .. } = self {
+            return self.once(ggx.mean_loss(), 1.0); // linear in both colours
+        }
+        GAUSS
+            .iter()
+            .map(|&(mu, weight)| {
+                let at = ggx.loss(DVec3::new(0.0, 0.0, mu));
+                self.once(at, mu) * (weight as f32)
+            })
             .sum()
     }
 }

@@ -181,9 +181,8 @@ impl<S, V, const K: usize> Ladder<S, V, K> {
         D: Draws + ?Sized,
         R: Recorder<V, K> + ?Sized,
     {
-        let mut both = Both(&mut self.stepping_stone, recorder);
-        for (replica, kernel) in self.replicas.iter_mut().zip(kernels) {
-            replica.step(kernel, family, draws, &mut both);
+        for (level, kernel) in kernels.iter().enumerate() {
+            self.step_at(level, kernel, family, draws, recorder);
         }
     }
 

@@ -51,18 +51,7 @@ impl LightTracing {
         u: &mut dyn Coordinates,
         out: &mut Contributions,
     ) {
-        let mut walk = Walk {
-            mode: Mode::Importance,
-            wavelengths,
-            ray: emission.ray,
-            direction: emission.ray.direction.as_dvec3().normalize(),
-            interior: emission.interior,
-            throughput: emission.weight,
-            start: emission.weight.mean(),
-            dispersive: false,
-            specular: false,
-            edges: 0,
-        };
+        let mut walk = Walk::from_emitter(emission, emission.weight, wavelengths);
         let mut vertex = Vertex::default();
         while walk.edges + 1 < self.settings.max_edges && !walk.throughput.is_zero() {
             let Some(distance) = walk.advance(scene, u, &mut vertex) else {

@@ -4,7 +4,7 @@ use glam::DVec3;
 use kaustik_bsdf::{Bsdf, Lobe, Mode, Sample, shading};
 use kaustik_geometry::Ray;
 use kaustik_pss::{Coordinates, Stream};
-use kaustik_scene::{Interior, Scene, Vertex};
+use kaustik_scene::{EmissionSample, Interior, Scene, Vertex};
 use kaustik_spectrum::{Spectrum, Wavelengths};
 
 use crate::layout;
@@ -44,7 +44,27 @@ pub(crate) struct Scatter<'a> {
     pub(crate) ng: DVec3,
 }
 
-impl Walk<'_> {
+impl<'w> Walk<'w> {
+    /// A walk that leaves an emitter with this throughput.
+    pub(crate) fn from_emitter(
+        emission: &EmissionSample,
+        throughput: Spectrum,
+        wavelengths: &'w Wavelengths,
+    ) -> Self {
+        Self {
+            mode: Mode::Importance,
+            wavelengths,
+            ray: emission.ray,
+            direction: emission.ray.direction.as_dvec3().normalize(),
+            interior: emission.interior,
+            throughput,
+            start: throughput.mean(),
+            dispersive: false,
+            specular: false,
+            edges: 0,
+        }
+    }
+
     /// Takes the next edge and writes what it led to into `vertex`. Returns its length; `None`:
     /// the walk left the scene.
     #[inline]

@@ -2,8 +2,8 @@
 
 use kaustik_pss::Coordinates;
 
-use crate::RenderSettings;
 use crate::stratified::Stratified;
+use crate::{Budget, RenderSettings};
 
 /// A grid over the window, one cell a pixel (nearly so where a filter reaches over the edge).
 #[derive(Clone, Copy, Debug)]
@@ -39,6 +39,16 @@ impl Cells {
     /// First cell of a ladder and the one after its last: ladders own bands of the image.
     pub(crate) fn of_ladder(&self, ladder: u32) -> [u64; 2] {
         [u64::from(ladder), u64::from(ladder) + 1].map(|l| self.count() * l / self.ladders)
+    }
+
+    /// Steps of a ladder within a budget of whole passes over the image, at least one.
+    pub(crate) fn whole_passes(&self, ladder: u32, budget: Budget) -> u64 {
+        let [first, end] = self.of_ladder(ladder);
+        match budget {
+            Budget::PerPixel(n) => n.saturating_mul(end - first),
+            Budget::Total(n) => (n / self.count()).max(1) * (end - first),
+            Budget::Time(_) => u64::MAX,
+        }
     }
 
     /// The part of `n` samples (fewer than there are cells) that falls to a ladder's cells.

@@ -23,7 +23,7 @@ use crate::cells::Cells;
 use crate::engine::{Engine, Nonfinite};
 use crate::render::builder_settings;
 use crate::{
-    Budget, ChainStatistics, EnergyStatistics, MutationStatistics, Options, Place, RenderError,
+    ChainStatistics, EnergyStatistics, MutationStatistics, Options, Place, RenderError,
     RenderSettings,
 };
 use films::{Films, Lost};
@@ -130,12 +130,7 @@ impl Engine for ErptEngine<'_> {
     }
 
     fn planned(&self, ladder: u32, settings: &RenderSettings) -> u64 {
-        let pass = self.grain(ladder);
-        match settings.budget {
-            Budget::PerPixel(n) => n.saturating_mul(pass),
-            Budget::Total(n) => (n / self.cells.count()).max(1) * pass,
-            Budget::Time(_) => u64::MAX,
-        }
+        self.cells.whole_passes(ladder, settings.budget)
     }
 
     fn grain(&self, ladder: u32) -> u64 {

@@ -251,16 +251,14 @@ impl Engine for IndependentEngine<'_> {
         let Some(cells) = &self.cells else {
             return settings.planned(ladder);
         };
-        let [first, end] = cells.of_ladder(ladder);
         match settings.budget {
-            Budget::PerPixel(n) => n.saturating_mul(end - first),
             // Samples of a last, broken pass go to the first cells of each ladder; where they touch
             // more than their own pixel, passes are whole, at least one.
             Budget::Total(n) if self.single_pixel => {
+                let [first, end] = cells.of_ladder(ladder);
                 n / cells.count() * (end - first) + cells.share(n % cells.count(), [first, end])
             }
-            Budget::Total(n) => (n / cells.count()).max(1) * (end - first),
-            Budget::Time(_) => u64::MAX,
+            budget => cells.whole_passes(ladder, budget),
         }
     }
 

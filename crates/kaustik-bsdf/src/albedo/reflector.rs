@@ -48,12 +48,6 @@ pub(crate) fn reflector_loss(mu: f64, alpha: f64) -> ReflectorLoss {
 }
 
 impl ReflectorLoss {
-    /// Cosine of incidence that stands for all the facets that are seen: where Schlick's weight is their mean.
-    pub(crate) fn mean_cosine(self) -> f64 {
-        let weight = f64::from(self.edge / (1.0 - self.loss).max(1e-6));
-        1.0 - libm::pow(weight.clamp(0.0, 1.0), 0.2)
-    }
-
     /// Cosine-weighted mean over the hemisphere.
     #[inline]
     pub(crate) fn mean(alpha: f64) -> Self {

@@ -33,11 +33,8 @@ impl Body {
             if p.compensation {
                 rebound = rebound_colour(mean, at.loss);
             }
-            let once = match cover {
-                Reflectance::Schlick { .. } => f0 * (1.0 - at.loss - at.edge) + f90 * at.edge,
-                _ => cover.mean_over(ggx),
-            };
-            mean = once + rebound * (at.loss * ggx.returned());
+            let once = cover.mean_once(ggx);
+            mean = once + rebound * at.given_back;
         }
         let passed = mean.map(|a| (1.0 - a).max(1e-6));
         Self {
@@ -76,20 +73,7 @@ impl Body {
             None => self.cover.at(mu),
             Some(ggx) => {
                 let at = ggx.loss(DVec3 { z: mu, ..w });
-                let once = match self.cover {
-                    Reflectance::Schlick { f0, f90 } => {
-                        f0 * (1.0 - at.loss - at.edge) + f90 * at.edge
-                    }
-                    // of two guesses the one that leaves less to the body, so that no light is made
-                    _ => {
-                        let facets = self
-                            .cover
-                            .at(at.mean_cosine())
-                            .zip(self.cover.at(mu), f32::max);
-                        facets * (1.0 - at.loss)
-                    }
-                };
-                once + self.rebound * (at.loss * ggx.returned())
+                self.cover.once_at_most(at, mu) + self.rebound * at.given_back
             }
         };
         cover.map(|a| (1.0 - a).max(0.0))

@@ -107,18 +107,7 @@ pub(super) fn trace(
 pub(super) fn start<'a>(job: &Job<'a>, emission: &EmissionSample) -> (Walk<'a>, Departure, DVec3) {
     let onward = job.builder.form.at_emitter();
     let throughput = emission.weight / onward.onward as f32;
-    let walk = Walk {
-        mode: Mode::Importance,
-        wavelengths: job.wavelengths,
-        ray: emission.ray,
-        direction: emission.ray.direction.as_dvec3().normalize(),
-        interior: emission.interior,
-        throughput,
-        start: throughput.mean(),
-        dispersive: false,
-        specular: false,
-        edges: 0,
-    };
+    let walk = Walk::from_emitter(emission, throughput, job.wavelengths);
     let pdf = &emission.pdf;
     let end = End {
         position: if pdf.hittable { pdf.position } else { 0.0 },

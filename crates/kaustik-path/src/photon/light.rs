@@ -1,7 +1,7 @@
 //! From the lights to wherever light lands.
 
 use glam::{DVec3, Vec3};
-use kaustik_bsdf::{Lobe, Mode};
+use kaustik_bsdf::Lobe;
 use kaustik_pss::{Coordinates, Stream};
 use kaustik_scene::{Scene, Vertex};
 use kaustik_spectrum::{Spectrum, Wavelengths};
@@ -83,18 +83,7 @@ impl PhotonTracing {
         out.nonfinite = 0;
         let emission = scene.sample_emission(wavelengths, |i| u.get(Stream::Light, i));
         let Some(emission) = emission else { return };
-        let mut walk = Walk {
-            mode: Mode::Importance,
-            wavelengths,
-            ray: emission.ray,
-            direction: emission.ray.direction.as_dvec3().normalize(),
-            interior: emission.interior,
-            throughput: emission.weight,
-            start: emission.weight.mean(),
-            dispersive: false,
-            specular: false,
-            edges: 0,
-        };
+        let mut walk = Walk::from_emitter(&emission, emission.weight, wavelengths);
         let mut vertex = Vertex::default();
         while walk.edges + 1 < self.max_edges && !walk.throughput.is_zero() {
             let Some(distance) = walk.advance(scene, u, &mut vertex) else {
