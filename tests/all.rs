@@ -31,12 +31,16 @@ mod direct;
 mod erpt;
 /// Pictures known in closed form.
 mod furnace;
+/// The command and its states: signals, kills, disks that are full.
+mod kept;
 /// Photon methods: as the radius shrinks, and against each other.
 mod photon;
 /// Replica exchange: variants, parts, replicas that do not run.
 mod replicas;
 /// Nothing depends on the unit of length.
 mod scale;
+/// States: resumed, merged, refused.
+mod state;
 /// What the tests of whole renders share.
 mod support;
 /// The command as a user meets it.

@@ -45,14 +45,14 @@ const TABLE: &[(u8, &str, &str, &str, &str)] = &[
         2,
         "kaustik-scene",
         "bsdf geometry spectrum",
-        "base64 glam image libm serde serde_json thiserror",
+        "base64 blake3 glam image libm serde serde_json thiserror",
         "",
     ),
     (
         3,
         "kaustik-path",
         "bsdf geometry pss scene spectrum",
-        "glam",
+        "glam serde",
         "mcmc",
     ),
     (
@@ -73,7 +73,7 @@ const TABLE: &[(u8, &str, &str, &str, &str)] = &[
         5,
         "kaustik",
         "bsdf estimate film geometry mcmc mutate path pss scene spectrum",
-        "glam rayon serde serde_json sobol_burley thiserror",
+        "blake3 glam postcard rayon serde serde_json sobol_burley thiserror",
         "",
     ),
     (

@@ -9,7 +9,7 @@ use kaustik::{
 
 use crate::support::{compile, picture, scene, settings};
 
-fn bits(image: &kaustik::film::Image) -> Vec<u32> {
+pub(crate) fn bits(image: &kaustik::film::Image) -> Vec<u32> {
     image
         .rgb()
         .iter()

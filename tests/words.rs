@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::process::{Command, Output};
 
-fn kaustik(words: &[&str]) -> Output {
+pub(crate) fn kaustik(words: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_kaustik"))
         .args(words)
         .output()
@@ -11,7 +11,7 @@ fn kaustik(words: &[&str]) -> Output {
 }
 
 /// Runs and expects status 2 with a message that holds all of `expected`.
-fn refused(words: &[&str], expected: &[&str]) {
+pub(crate) fn refused(words: &[&str], expected: &[&str]) {
     let output = kaustik(words);
     let message = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(2), "{words:?}: {message}");
@@ -24,7 +24,7 @@ fn refused(words: &[&str], expected: &[&str]) {
     assert!(output.stdout.is_empty());
 }
 
-fn path(folder: &Path, name: &str) -> String {
+pub(crate) fn path(folder: &Path, name: &str) -> String {
     folder.join(name).to_str().expect("a plain path").to_owned()
 }
 

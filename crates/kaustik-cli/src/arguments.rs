@@ -21,6 +21,8 @@ pub(crate) struct Arguments {
 pub(crate) enum Command {
     /// Render a scene to an EXR and a PNG file
     Render(Box<RenderWords>),
+    /// Add up the states of shares of a render to the picture of the whole
+    Merge(MergeWords),
     /// List the built-in scenes, or export one as glTF
     Scenes(SceneWords),
     /// List the methods, or the settings of one
@@ -38,12 +40,8 @@ pub(crate) enum Command {
 pub(crate) struct RenderWords {
     /// A .gltf or .glb file, or builtin:NAME (see `kaustik scenes`)
     pub(crate) scene: String,
-    /// Linear EXR file with layers and metadata
-    #[arg(short, long, value_name = "OUT.exr")]
-    pub(crate) output: Option<PathBuf>,
-    /// PNG file for looking at
-    #[arg(long, value_name = "OUT.png")]
-    pub(crate) png: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) outputs: OutputWords,
     /// How to compute the picture (see `kaustik methods`)
     #[arg(long, value_name = "NAME", default_value_t = Method::default())]
     pub(crate) method: Method,
@@ -95,6 +93,26 @@ pub(crate) struct RenderWords {
     /// A setting of the method (see `kaustik methods NAME`); may be repeated
     #[arg(long = "set", value_name = "KEY=VALUE")]
     pub(crate) settings: Vec<String>,
+    /// Write the state to this file now and then, and at the end
+    #[arg(long, value_name = "FILE")]
+    pub(crate) checkpoint: Option<PathBuf>,
+    /// Time between two states
+    #[arg(long, value_name = "TIME", default_value = "60s", requires = "checkpoint", value_parser = duration)]
+    pub(crate) checkpoint_every: Duration,
+    /// Go on from a state that the same words wrote; the budget may be larger
+    #[arg(long, value_name = "FILE")]
+    pub(crate) resume: Option<PathBuf>,
+}
+
+/// Where a picture goes, and how much is said about it.
+#[derive(Args, Debug)]
+pub(crate) struct OutputWords {
+    /// Linear EXR file with layers and metadata
+    #[arg(short, long, value_name = "OUT.exr")]
+    pub(crate) output: Option<PathBuf>,
+    /// PNG file for looking at
+    #[arg(long, value_name = "OUT.png")]
+    pub(crate) png: Option<PathBuf>,
     /// Statistics as JSON
     #[arg(long, value_name = "OUT.json")]
     pub(crate) stats: Option<PathBuf>,
@@ -112,7 +130,29 @@ pub(crate) struct RenderWords {
     pub(crate) quiet: bool,
 }
 
-impl RenderWords {
+/// Words of `merge`.
+#[derive(Args, Debug)]
+pub(crate) struct MergeWords {
+    /// States of shares of one render, as --checkpoint wrote them
+    #[arg(value_name = "STATE", required = true)]
+    pub(crate) states: Vec<PathBuf>,
+    #[command(flatten)]
+    pub(crate) outputs: OutputWords,
+    /// State of the whole
+    #[arg(long, value_name = "OUT.state")]
+    pub(crate) state: Option<PathBuf>,
+    /// Where the scene is now, if not where it was
+    #[arg(long, value_name = "SCENE")]
+    pub(crate) scene: Option<String>,
+    /// Worker threads; changes nothing in the picture [default: one a processor]
+    #[arg(long, value_name = "T", value_parser = clap::value_parser!(u32).range(1..=4096))]
+    pub(crate) threads: Option<u32>,
+    /// Most memory that loading the scene may take, for instance 500M or 4G
+    #[arg(long, value_name = "SIZE", value_parser = size)]
+    pub(crate) max_memory: Option<u64>,
+}
+
+impl OutputWords {
     /// How the PNG is shown.
     pub(crate) fn display(&self) -> Tone {
         Tone {

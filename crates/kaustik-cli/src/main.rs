@@ -1,12 +1,15 @@
 //! The `kaustik` command.
 
 mod arguments;
+mod checkpoint;
 mod compare;
 mod failure;
 mod info;
 mod input;
 mod lists;
+mod merge;
 mod output;
+mod picture;
 mod progress;
 mod render;
 mod signals;
@@ -23,6 +26,7 @@ fn main() -> ExitCode {
     let arguments = Arguments::parse();
     let done = match &arguments.command {
         Command::Render(words) => render::run(words),
+        Command::Merge(words) => merge::run(words),
         Command::Scenes(words) => lists::scenes(words),
         Command::Methods(words) => lists::methods(words),
         Command::Info(words) => info::run(words),

@@ -1,4 +1,5 @@
-//! SIGINT and SIGTERM: the picture so far is written; a second SIGINT leaves at once.
+//! SIGINT and SIGTERM: the picture so far is written; a second SIGINT leaves at once. SIGHUP, where states are kept:
+//! both are written, and the render goes on.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -13,13 +14,16 @@ use crate::Failure;
 pub(crate) struct Signals {
     /// Raised by either.
     pub(crate) stop: Arc<AtomicBool>,
+    /// Raised by SIGHUP, lowered by whoever has written what it asks for.
+    pub(crate) hangup: Arc<AtomicBool>,
     which: Arc<AtomicUsize>,
 }
 
 impl Signals {
-    /// Listens from now on.
-    pub(crate) fn listen() -> Result<Self, Failure> {
+    /// Listens from now on; to SIGHUP, which would end the process, only if asked to.
+    pub(crate) fn listen(hangup_too: bool) -> Result<Self, Failure> {
         let stop = Arc::new(AtomicBool::new(false));
+        let hangup = Arc::new(AtomicBool::new(false));
         let which = Arc::new(AtomicUsize::new(0));
         // In this order: the shutdown looks at the flag that an earlier signal raised.
         flag::register_conditional_shutdown(SIGINT, 130, Arc::clone(&stop))
@@ -28,7 +32,16 @@ impl Signals {
             flag::register_usize(signal, Arc::clone(&which), status).map_err(Failure::other)?;
             flag::register(signal, Arc::clone(&stop)).map_err(Failure::other)?;
         }
-        Ok(Self { stop, which })
+        #[cfg(unix)]
+        if hangup_too {
+            flag::register(signal_hook::consts::SIGHUP, Arc::clone(&hangup))
+                .map_err(Failure::other)?;
+        }
+        Ok(Self {
+            stop,
+            hangup,
+            which,
+        })
     }
 
     /// Exit status after a signal, if there was one.

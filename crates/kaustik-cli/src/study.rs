@@ -18,7 +18,7 @@ use crate::{Failure, output};
 pub(crate) fn run(words: &StudyWords) -> Result<ExitCode, Failure> {
     let what = what(words)?;
     let folder = folder(words);
-    let signals = Signals::listen()?;
+    let signals = Signals::listen(false)?;
     let mut display = Display::new(words.quiet);
     let mut listener = |progress: &StudyProgress<'_>| {
         display.show(progress);

@@ -1,3 +1,6 @@
+#[cfg(feature = "serde")]
+mod serial;
+
 use glam::DVec2;
 use kaustik_spectrum::{Spectrum, Wavelengths, Xyz};
 

@@ -1,6 +1,7 @@
 //! A scene ready for rays.
 
 mod build;
+mod content;
 mod endpoint;
 mod error;
 
@@ -28,6 +29,7 @@ pub struct Scene {
     center: DVec3,
     radius: f64,
     image_size: [u32; 2],
+    content: [u8; 32],
 }
 
 /// The way to the next vertex of a walk.
@@ -48,6 +50,13 @@ impl Scene {
     /// Columns and rows of the image that the camera was built for.
     pub fn image_size(&self) -> [u32; 2] {
         self.image_size
+    }
+
+    /// A hash (BLAKE3) of all that the scene was compiled from: geometry, images, materials, lights, cameras,
+    /// environment, and which camera was chosen; not of names, nor of the size of the image. Two scenes of one hash
+    /// are the same scene.
+    pub fn content(&self) -> [u8; 32] {
+        self.content
     }
 
     /// The geometry.

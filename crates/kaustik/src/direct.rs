@@ -1,5 +1,6 @@
 //! Direct light beside chains that leave it out (spec: pss-and-pssmlt.md 9).
 
+use std::io;
 use std::ops::Range;
 use std::sync::atomic::AtomicBool;
 
@@ -8,6 +9,7 @@ use kaustik_scene::Scene;
 
 use crate::engine::{Engine, add_counters};
 use crate::independent::IndependentEngine;
+use crate::state::{Keep, Reader, StateError, Writer};
 use crate::{
     Budget, ChainStatistics, Direct, DirectStatistics, EnergyStatistics, Method,
     MutationStatistics, Place, RenderError, RenderSettings, ReplicaStatistics,
@@ -61,6 +63,8 @@ pub(crate) struct DirectApart<'a> {
     ladders: Range<u32>,
     /// Steps that each of them was given so far, for both parts.
     given: Vec<u64>,
+    /// Of these, steps of direct light and of the chains.
+    done: Vec<[u64; 2]>,
     /// Steps of one pass over the image, of all ladders.
     pass: u64,
 }
@@ -84,6 +88,7 @@ impl<'a> DirectApart<'a> {
         Ok(Self {
             pass: (0..settings.options.ladders).map(|l| direct.grain(l)).sum(),
             given: vec![0; ladders.len()],
+            done: vec![[0; 2]; ladders.len()],
             chains,
             direct,
             ladders,
@@ -104,11 +109,13 @@ impl Engine for DirectApart<'_> {
     fn advance(&mut self, plan: &[u64], stop: Option<&AtomicBool>) -> u64 {
         let mut plans = [Vec::new(), Vec::new()];
         for (index, (ladder, steps)) in self.ladders.clone().zip(plan).enumerate() {
-            let before = self.split(ladder, self.given[index]);
             self.given[index] += steps;
-            let after = self.split(ladder, self.given[index]);
-            for (plan, (after, before)) in plans.iter_mut().zip(after.into_iter().zip(before)) {
-                plan.push(after - before);
+            let due = self.split(ladder, self.given[index]);
+            let done = &mut self.done[index];
+            for (plan, (due, done)) in plans.iter_mut().zip(due.into_iter().zip(done)) {
+                // A render that was stopped in a round may have more of one part than is due yet.
+                plan.push(due.saturating_sub(*done));
+                *done = due.max(*done);
             }
         }
         let direct = self.direct.advance(&plans[0], stop);
@@ -178,7 +185,46 @@ impl Engine for DirectApart<'_> {
         add_counters(self.chains.film_counters(), self.direct.film_counters())
     }
 
+    fn keep(&self) -> Option<&dyn Keep> {
+        self.chains.keep().map(|_| self as &dyn Keep)
+    }
+
+    fn keep_mut(&mut self) -> Option<&mut dyn Keep> {
+        if self.chains.keep().is_some() {
+            Some(self)
+        } else {
+            None
+        }
+    }
+
     fn is_lit(&self) -> bool {
         self.chains.is_lit() || self.direct.is_lit()
+    }
+}
+
+/// Both parts; what a ladder was given is what it took.
+impl Keep for DirectApart<'_> {
+    fn taken(&self) -> Vec<u64> {
+        let chains = self.chains.keep().map(|keep| keep.taken());
+        let chains = chains.unwrap_or_default();
+        let both = self.direct.taken().into_iter().zip(chains);
+        both.map(|(direct, chains)| direct + chains).collect()
+    }
+
+    fn write(&self, out: &mut Writer<'_>) -> io::Result<()> {
+        self.direct.write(out)?;
+        self.chains.keep().map_or(Ok(()), |keep| keep.write(out))
+    }
+
+    fn take_up(&mut self, from: &mut Reader<'_>) -> Result<(), StateError> {
+        self.direct.take_up(from)?;
+        let Some(chains) = self.chains.keep_mut() else {
+            return Ok(());
+        };
+        chains.take_up(from)?;
+        let both = self.direct.taken().into_iter().zip(chains.taken());
+        self.done = both.map(|(direct, chains)| [direct, chains]).collect();
+        self.given = self.taken();
+        Ok(())
     }
 }

@@ -3,7 +3,9 @@
 use std::sync::atomic::AtomicBool;
 
 use kaustik_film::{Counters, Image, Layer};
+use serde::{Deserialize, Serialize};
 
+use crate::state::{Keep, Reader, StateError};
 use crate::{
     ChainStatistics, DirectStatistics, EnergyStatistics, MutationStatistics, PhotonStatistics,
     Place, RenderError, RenderSettings, ReplicaStatistics,
@@ -72,6 +74,16 @@ pub(crate) trait Engine: Send + Sync {
     /// What the films left out.
     fn film_counters(&self) -> Counters;
 
+    /// The method's state, where it keeps one: then [`Method::keeps_state`](crate::Method::keeps_state) says so.
+    fn keep(&self) -> Option<&dyn Keep> {
+        None
+    }
+
+    /// The same, to be filled.
+    fn keep_mut(&mut self) -> Option<&mut dyn Keep> {
+        None
+    }
+
     /// Does anything bring light to the camera? `false` lets the render end at once.
     fn is_lit(&self) -> bool {
         true
@@ -82,7 +94,7 @@ pub(crate) trait Engine: Send + Sync {
 pub(crate) const STRIDE: u64 = 1024;
 
 /// Counts contributions of one ladder that were not finite.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub(crate) struct Nonfinite {
     count: u64,
     first_step: u64,
@@ -98,6 +110,13 @@ impl Nonfinite {
             }
             self.count += found;
         }
+    }
+
+    /// As it was read from a state.
+    pub(crate) fn checked(self) -> Result<Self, StateError> {
+        Reader::count(self.count)?;
+        Reader::count(self.first_step)?;
+        Ok(self)
     }
 
     /// Both, with the first step of either.

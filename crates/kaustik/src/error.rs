@@ -1,6 +1,8 @@
 use kaustik_film::{DevelopError, FilmError, ImageError};
 use kaustik_mcmc::StartError;
 
+use crate::StateError;
+
 /// A render that cannot begin or end.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -20,6 +22,9 @@ pub enum RenderError {
     /// No threads.
     #[error("the threads cannot be started: {0}")]
     Threads(String),
+    /// A state that cannot be taken up, or is not kept.
+    #[error(transparent)]
+    State(#[from] StateError),
     /// A setting out of range.
     #[error("{what} is {found}, expected {expected}")]
     Setting {

@@ -1,6 +1,7 @@
 //! Methods of independent samples: path tracing, light tracing, bidirectional path tracing; and of such
 //! samples redistributed by short chains.
 
+use std::io;
 use std::sync::atomic::AtomicBool;
 
 use kaustik_estimate::Scale;
@@ -19,6 +20,7 @@ use crate::engine::{Engine, Nonfinite, STRIDE};
 use crate::erpt_pss::{Chains, Paths, PssRedistribution};
 use crate::pssmlt::builder;
 use crate::render::builder_settings;
+use crate::state::{Keep, Reader, StateError, Writer};
 use crate::stratified::mix;
 use crate::{Budget, ChainStatistics, Place, RenderError, RenderSettings};
 
@@ -177,6 +179,10 @@ impl<'a> IndependentEngine<'a> {
         if let Some(passes) = all_equal(&even) {
             return Ok(develop(&[(&self.film, cell_area / passes.max(1) as f64)])?);
         }
+        if !self.single_pixel {
+            let what = "their ladders have taken different numbers of passes over the image";
+            return Err(StateError::Shares(what.to_owned()).into());
+        }
         // Every pixel has its own number of samples (one pixel a cell).
         let mut image = develop(&[(&self.film, 1.0)])?;
         let mut factors = vec![0.0_f32; cells.count() as usize];
@@ -291,8 +297,52 @@ impl Engine for IndependentEngine<'_> {
         self.film.counters()
     }
 
+    fn keep(&self) -> Option<&dyn Keep> {
+        match self.redistribution {
+            None => Some(self),
+            Some(_) => None,
+        }
+    }
+
+    fn keep_mut(&mut self) -> Option<&mut dyn Keep> {
+        match self.redistribution {
+            None => Some(self),
+            Some(_) => None,
+        }
+    }
+
     fn is_lit(&self) -> bool {
         self.lit
+    }
+}
+
+/// Samples follow from their number: the film, and where each stream is.
+impl Keep for IndependentEngine<'_> {
+    fn taken(&self) -> Vec<u64> {
+        self.streams.iter().map(|stream| stream.step).collect()
+    }
+
+    fn write(&self, out: &mut Writer<'_>) -> io::Result<()> {
+        out.film(&self.film)?;
+        let streams = self.streams.iter();
+        let streams: Vec<(u64, Nonfinite)> = streams.map(|s| (s.step, s.nonfinite)).collect();
+        out.value(&streams)
+    }
+
+    fn take_up(&mut self, from: &mut Reader<'_>) -> Result<(), StateError> {
+        from.film(&mut self.film)?;
+        let kept: Vec<(u64, Nonfinite)> = from.value()?;
+        let ladders = from.ladders();
+        if kept.len() != ladders.len() {
+            return Err(StateError::damaged("a stream of samples is missing"));
+        }
+        let streams = self.streams.iter_mut();
+        let streams = streams.filter(|stream| ladders.contains(&stream.ladder));
+        for (stream, (step, nonfinite)) in streams.zip(kept) {
+            stream.step = Reader::count(step)?;
+            stream.nonfinite = nonfinite.checked()?;
+        }
+        Ok(())
     }
 }
 

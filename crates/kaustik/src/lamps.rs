@@ -5,6 +5,7 @@
 //! all of the noise: in `ring-and-sphere` 70 times that of all other light of `relt`. A few camera rays know it
 //! better than a million paths.
 
+use std::io;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use kaustik_estimate::Scale;
@@ -16,6 +17,7 @@ use rayon::prelude::*;
 
 use crate::cells::Cells;
 use crate::render::builder_settings;
+use crate::state::{Reader, StateError, Writer};
 use crate::stratified::{Stratified, mix};
 use crate::{Place, RenderError, RenderSettings, direct};
 
@@ -163,6 +165,27 @@ impl<'a> Lamps<'a> {
                 }
             },
         );
+    }
+
+    /// Writes the passes so far.
+    pub(crate) fn write(&self, out: &mut Writer<'_>) -> io::Result<()> {
+        let nonfinite = self.nonfinite.load(Ordering::Relaxed);
+        out.value(&(self.passes, nonfinite))?;
+        out.film(&self.film)
+    }
+
+    /// Takes up what was written. All shares of a render take the same passes, some more of them than others: those
+    /// with the most are kept, what the whole is due beyond them is for [`keep_up`](Self::keep_up).
+    pub(crate) fn take_up(&mut self, from: &mut Reader<'_>) -> Result<(), StateError> {
+        let (passes, nonfinite): (u64, u64) = from.value()?;
+        let (passes, nonfinite) = (Reader::count(passes)?.max(1), Reader::count(nonfinite)?);
+        let wanted = from.is_first() || passes > self.passes;
+        from.film_instead(&mut self.film, wanted)?;
+        if wanted {
+            self.passes = passes;
+            *self.nonfinite.get_mut() = nonfinite;
+        }
+        Ok(())
     }
 
     /// The film, with what turns it into a part of the picture.

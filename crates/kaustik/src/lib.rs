@@ -36,6 +36,7 @@ mod features;
 mod independent;
 mod key;
 mod lamps;
+mod merge;
 mod method;
 mod mlt;
 mod mmlt;
@@ -49,6 +50,7 @@ mod render;
 mod replica_statistics;
 mod settings;
 mod sobol;
+mod state;
 mod statistics;
 mod stratified;
 
@@ -60,13 +62,15 @@ pub use control::{Control, Progress};
 pub use energy_statistics::EnergyStatistics;
 pub use error::RenderError;
 pub use key::{KEYS, Key};
+pub use merge::{merge, whole};
 pub use method::{Method, UnknownMethod};
 pub use mutations::Mutations;
 pub use options::{OptionError, Options};
 pub use photon_options::{PhotonOptions, TargetFunction};
-pub use render::{Outcome, Rendered, Watch, render, render_watched};
+pub use render::{Outcome, Rendered, Watch, render, render_watched, resume};
 pub use replica_statistics::{ReplicaLevel, ReplicaStatistics};
 pub use settings::{Budget, RenderSettings};
+pub use state::{Snapshot, Source, State, StateError};
 pub use statistics::{
     ChainStatistics, DirectStatistics, MutationStatistics, PhotonLevel, PhotonStatistics, Place,
     RenderStatistics,

@@ -131,6 +131,14 @@ impl Method {
         }
     }
 
+    /// Does it write its state, so that a render can be resumed and shares of it merged?
+    pub fn keeps_state(self) -> bool {
+        matches!(
+            self,
+            Self::Path | Self::Light | Self::Bdpt | Self::Pssmlt | Self::Mmlt
+        )
+    }
+
     /// The settings that it reads.
     pub fn keys(self) -> impl Iterator<Item = &'static Key> {
         KEYS.iter().filter(move |key| key.methods.contains(&self))

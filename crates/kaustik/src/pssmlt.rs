@@ -1,5 +1,6 @@
 //! Primary sample space Metropolis light transport (Kelemen et al. 2002; spec: pss-and-pssmlt.md).
 
+use std::io;
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
@@ -12,11 +13,13 @@ use kaustik_mcmc::{
 use kaustik_path::{Bidirectional, Contributions, Endpoint, Form, PathBuilder, Unidirectional};
 use kaustik_scene::Scene;
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 
 use crate::control::is_stopped;
 use crate::engine::{Engine, Nonfinite, STRIDE, add_counters, add_nonfinite};
 use crate::lamps::Lamps;
 use crate::render::builder_settings;
+use crate::state::{Keep, Reader, StateError, Writer};
 use crate::{
     Builder, ChainStatistics, Method, Normaliser, Options, Place, RenderError, RenderSettings,
     SmallStep, mmlt,
@@ -35,7 +38,7 @@ const CONSTANT_SHARE: u64 = 10;
 const PATIENCE: u64 = 10;
 
 /// Either kind of small step.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) enum Small {
     Kelemen(Exponential),
     Uniform(Uniform),
@@ -86,6 +89,7 @@ pub(crate) struct PssmltEngine<'a> {
 }
 
 /// One ladder.
+#[derive(Serialize, Deserialize)]
 struct Chain {
     ladder: u32,
     nonfinite: Nonfinite,
@@ -374,7 +378,86 @@ impl Engine for PssmltEngine<'_> {
         add_counters(self.chain_film.counters(), others)
     }
 
+    fn keep(&self) -> Option<&dyn Keep> {
+        Some(self)
+    }
+
+    fn keep_mut(&mut self) -> Option<&mut dyn Keep> {
+        Some(self)
+    }
+
     fn is_lit(&self) -> bool {
         self.b0 > 0.0 || self.lamps.as_ref().is_some_and(Lamps::is_lit)
+    }
+}
+
+/// Films and chains; what the pilots found is found again, and compared.
+impl Keep for PssmltEngine<'_> {
+    fn taken(&self) -> Vec<u64> {
+        let chains = self.chains.iter();
+        chains.map(|c| c.metropolis.statistics().steps).collect()
+    }
+
+    fn write(&self, out: &mut Writer<'_>) -> io::Result<()> {
+        out.value(&(self.b0, self.pool))?;
+        out.film(&self.chain_film)?;
+        if let Some(film) = &self.large_film {
+            out.film(film)?;
+        }
+        if let Some(lamps) = &self.lamps {
+            lamps.write(out)?;
+        }
+        self.chains.iter().try_for_each(|chain| out.value(chain))
+    }
+
+    fn take_up(&mut self, from: &mut Reader<'_>) -> Result<(), StateError> {
+        let (b0, pool): (f64, Mean) = from.value()?;
+        if b0.to_bits() != self.b0.to_bits() || pool != self.pool {
+            let (b, here) = (pool.mean(), self.pool.mean());
+            return Err(StateError::Other(format!(
+                "the pilot found {b0:e} and {b:e} for the state, {:e} and {here:e} here: this program computes other numbers",
+                self.b0
+            )));
+        }
+        from.film(&mut self.chain_film)?;
+        if let Some(film) = &mut self.large_film {
+            from.film(film)?;
+        }
+        if let Some(lamps) = &mut self.lamps {
+            lamps.take_up(from)?;
+        }
+        let ladders = from.ladders();
+        let chains = self.chains.iter_mut();
+        for chain in chains.filter(|chain| ladders.contains(&chain.ladder)) {
+            let kept: Chain = from.value()?;
+            kept.check(chain.ladder, &self.family)?;
+            *chain = kept;
+        }
+        // What several shares are due together is more than the most of any.
+        let steps = self.statistics().steps;
+        if let Some(lamps) = &mut self.lamps {
+            lamps.keep_up(steps);
+        }
+        Ok(())
+    }
+}
+
+impl Chain {
+    /// Refuses what no chain of this ladder can have written.
+    fn check(&self, ladder: u32, family: &ScalarContribution) -> Result<(), StateError> {
+        let statistics = self.metropolis.statistics();
+        let steps = Reader::count(statistics.steps)?;
+        let moves = statistics.moves.iter().map(|kind| kind.proposed);
+        let counts = moves.chain([statistics.independent[0].count(), statistics.defects]);
+        if self.ladder != ladder || counts.max() > Some(steps) {
+            return Err(StateError::damaged("a chain does not agree with itself"));
+        }
+        self.nonfinite.checked()?;
+        if self.metropolis.density().to_bits() != family.of(self.metropolis.value()).to_bits() {
+            return Err(StateError::damaged(
+                "a chain's density is not that of its path",
+            ));
+        }
+        Ok(())
     }
 }

@@ -16,9 +16,10 @@ use crate::mlt::MltEngine;
 use crate::photon::{PhotonEngine, is_photon};
 use crate::pssmlt::PssmltEngine;
 use crate::relt;
+use crate::state::{Header, take_up};
 use crate::{
-    Budget, Control, Method, Progress, RenderError, RenderSettings, RenderStatistics, annealing,
-    features,
+    Budget, Control, Method, Progress, RenderError, RenderSettings, RenderStatistics, Snapshot, State,
+    StateError, annealing, features,
 };
 
 /// What became of a render.
@@ -70,10 +71,23 @@ pub trait Watch {
 
     /// Gets it: without albedo, normal and depth, with a method's parts if the settings ask for features.
     fn see(&mut self, rendered: Rendered);
+
+    /// Will states be wanted? Methods that keep none are then refused before the first step.
+    fn keeps(&self) -> bool {
+        false
+    }
+
+    /// Asked after every round, and once more after the `last`: is the state wanted as it is now?
+    fn wants_state(&mut self, _progress: &Progress, _last: bool) -> bool {
+        false
+    }
+
+    /// Gets it.
+    fn keep(&mut self, _snapshot: &Snapshot<'_>) {}
 }
 
 /// Nobody.
-struct Unwatched;
+pub(crate) struct Unwatched;
 
 impl Watch for Unwatched {
     fn wants(&mut self, _: &Progress) -> bool {
@@ -83,46 +97,73 @@ impl Watch for Unwatched {
     fn see(&mut self, _: Rendered) {}
 }
 
-/// As [`render`], showing pictures on the way: an error curve takes one render, not one a point.
+/// As [`render`], showing pictures and states on the way: an error curve takes one render, not one a point.
 ///
-/// A look makes the chains deposit what they hold back, in two parts where it would have been one: the
-/// pictures after it may differ in rounding from those of a render that nobody watched.
+/// Whoever looks changes nothing where the method [keeps its state](Method::keeps_state). Elsewhere a look makes the chains
+/// deposit what they hold back, in two parts where it would have been one: the pictures after it may differ in
+/// rounding from those of a render that nobody watched.
 ///
 /// # Errors
-/// As [`render`].
+/// As [`render`]; a method that keeps no state when states are wanted.
 pub fn render_watched(
     scene: &Scene,
     settings: &RenderSettings,
     control: &mut Control<'_>,
     watch: &mut dyn Watch,
 ) -> Result<Rendered, RenderError> {
-    check(scene, settings)?;
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(settings.threads)
-        .build()
-        .map_err(|error| RenderError::Threads(error.to_string()))?;
-    let start = Instant::now();
-    let mut engine = pool.install(|| engine(scene, settings))?;
-    let pilot = start.elapsed();
-    let mut work = Work {
-        settings,
-        start,
-        pilot,
-        steps: 0,
-    };
-    let outcome = work.run(engine.as_mut(), &pool, control, watch)?;
-    let mut rendered = work.rendered(engine.as_mut(), outcome)?;
-    // The films are not needed any more, the feature planes are.
-    drop(engine);
-    if settings.features {
-        for layer in pool.install(|| features::layers(scene, settings)) {
-            rendered.image.push_layer(layer)?;
-        }
-    }
-    Ok(rendered)
+    render_from(scene, settings, None, control, watch)
 }
 
-fn check(scene: &Scene, settings: &RenderSettings) -> Result<(), RenderError> {
+/// As [`render_watched`], from where another render was: the picture has the bits of a render that nothing
+/// interrupted, for any number of threads. The budget is that of both together and may be larger than the
+/// first was.
+///
+/// # Errors
+/// As [`render_watched`]; a state of another scene, method, setting or share, or a damaged one.
+pub fn resume(
+    scene: &Scene,
+    settings: &RenderSettings,
+    state: &State,
+    control: &mut Control<'_>,
+    watch: &mut dyn Watch,
+) -> Result<Rendered, RenderError> {
+    render_from(scene, settings, Some(state), control, watch)
+}
+
+fn render_from(
+    scene: &Scene,
+    settings: &RenderSettings,
+    state: Option<&State>,
+    control: &mut Control<'_>,
+    watch: &mut dyn Watch,
+) -> Result<Rendered, RenderError> {
+    check(scene, settings)?;
+    if (watch.keeps() || state.is_some()) && !settings.method.keeps_state() {
+        return Err(StateError::Method(settings.method).into());
+    }
+    if let Some(state) = state {
+        state.check(scene, settings)?;
+    }
+    let pool = threads(settings)?;
+    let mut work = Work::new(scene, settings);
+    let mut engine = pool.install(|| engine(scene, settings))?;
+    if let Some(state) = state {
+        pool.install(|| work.take_up(engine.as_mut(), state, true))?;
+    }
+    work.begin();
+    let outcome = work.run(engine.as_mut(), &pool, control, watch)?;
+    work.finish(engine, &pool, outcome)
+}
+
+/// The threads of a render.
+pub(crate) fn threads(settings: &RenderSettings) -> Result<rayon::ThreadPool, RenderError> {
+    rayon::ThreadPoolBuilder::new()
+        .num_threads(settings.threads)
+        .build()
+        .map_err(|error| RenderError::Threads(error.to_string()))
+}
+
+pub(crate) fn check(scene: &Scene, settings: &RenderSettings) -> Result<(), RenderError> {
     let setting = |what, found: String, expected: String| {
         Err(RenderError::Setting {
             what,
@@ -160,7 +201,7 @@ fn check(scene: &Scene, settings: &RenderSettings) -> Result<(), RenderError> {
     Ok(())
 }
 
-fn engine<'a>(
+pub(crate) fn engine<'a>(
     scene: &'a Scene,
     settings: &'a RenderSettings,
 ) -> Result<Box<dyn Engine + 'a>, RenderError> {
@@ -200,14 +241,55 @@ pub(crate) fn builder_settings(settings: &RenderSettings) -> BuilderSettings {
     }
 }
 
-struct Work<'a> {
+/// A render at work.
+pub(crate) struct Work<'a> {
+    scene: &'a Scene,
     settings: &'a RenderSettings,
     start: Instant,
     pilot: Duration,
+    /// Sampling of the states that were taken up.
+    before: Duration,
     steps: u64,
 }
 
-impl Work<'_> {
+impl<'a> Work<'a> {
+    pub(crate) fn new(scene: &'a Scene, settings: &'a RenderSettings) -> Self {
+        Self {
+            scene,
+            settings,
+            start: Instant::now(),
+            pilot: Duration::ZERO,
+            before: Duration::ZERO,
+            steps: 0,
+        }
+    }
+
+    /// Takes up a state; see [`take_up`].
+    pub(crate) fn take_up(
+        &mut self,
+        engine: &mut (dyn Engine + '_),
+        state: &State,
+        first: bool,
+    ) -> Result<(), StateError> {
+        take_up(engine, state, first)?;
+        self.before += Duration::from_secs_f64(state.seconds());
+        self.steps = engine.keep().map_or(0, |keep| keep.taken().iter().sum());
+        Ok(())
+    }
+
+    /// Sampling begins now.
+    pub(crate) fn begin(&mut self) {
+        self.pilot = self.start.elapsed();
+    }
+
+    fn elapsed(&self) -> Duration {
+        self.start.elapsed() + self.before
+    }
+
+    fn seconds(&self) -> f64 {
+        (self.elapsed() - self.pilot).as_secs_f64()
+    }
+
     fn run(
         &mut self,
         engine: &mut (dyn Engine + '_),
@@ -215,32 +297,53 @@ impl Work<'_> {
         control: &mut Control<'_>,
         watch: &mut dyn Watch,
     ) -> Result<Outcome, RenderError> {
-        if !engine.is_lit() {
-            return Ok(Outcome::Black);
+        let outcome = if engine.is_lit() {
+            self.rounds(engine, pool, control, watch)?
+        } else {
+            Outcome::Black
+        };
+        // Before the end makes chains deposit what they hold back.
+        if watch.wants_state(&self.progress(engine), true) {
+            self.show_state(engine, watch);
         }
+        Ok(outcome)
+    }
+
+    fn rounds(
+        &mut self,
+        engine: &mut (dyn Engine + '_),
+        pool: &rayon::ThreadPool,
+        control: &mut Control<'_>,
+        watch: &mut dyn Watch,
+    ) -> Result<Outcome, RenderError> {
+        let ladders = self.settings.ladder_range();
+        let mut done = match engine.keep() {
+            Some(keep) => keep.taken(),
+            None => vec![0; ladders.len()],
+        };
         // Every ladder may have taken `allowed` grains, but no more than planned.
-        let mut allowed = 0;
+        let grains = |(ladder, done): (u32, &u64)| done.div_ceil(engine.grain(ladder).max(1));
+        let mut allowed = ladders.clone().zip(&done).map(grains).max().unwrap_or(0);
         let mut chunk = 1;
         loop {
-            let (from, to) = (allowed, allowed + chunk);
-            allowed = to;
-            let steps = |engine: &dyn Engine, ladder: u32| {
+            allowed += chunk;
+            let steps = |(ladder, done): (u32, &u64)| {
                 let planned = engine.planned(ladder, self.settings);
-                let grain = engine.grain(ladder);
-                planned.min(to * grain) - planned.min(from * grain)
+                let due = engine.grain(ladder).saturating_mul(allowed);
+                planned.min(due).saturating_sub(*done)
             };
             let round_start = Instant::now();
-            let plan: Vec<u64> = self
-                .settings
-                .ladder_range()
-                .map(|ladder| steps(engine, ladder))
-                .collect();
+            let plan: Vec<u64> = ladders.clone().zip(&done).map(steps).collect();
             let taken = pool.install(|| engine.advance(&plan, control.stop));
             self.steps += taken;
+            done.iter_mut().zip(&plan).for_each(|(done, n)| *done += n);
             let progress = self.progress(engine);
             control.tell(&progress);
+            if watch.wants_state(&progress, false) {
+                self.show_state(engine, watch);
+            }
             if watch.wants(&progress) {
-                watch.see(pool.install(|| self.rendered(engine, Outcome::Stopped))?);
+                self.show(engine, pool, watch)?;
             }
             if control.stopped() {
                 return Ok(Outcome::Stopped);
@@ -254,13 +357,59 @@ impl Work<'_> {
         }
     }
 
+    /// The state as it is now, where the method keeps one.
+    fn snapshot<'s>(&self, engine: &'s (dyn Engine + '_)) -> Option<Snapshot<'s>> {
+        let header = Header::new(self.scene, self.settings, self.seconds());
+        Some(Snapshot::new(header, engine.keep()?))
+    }
+
+    pub(crate) fn show_state(&self, engine: &(dyn Engine + '_), watch: &mut dyn Watch) {
+        if let Some(snapshot) = self.snapshot(engine) {
+            watch.keep(&snapshot);
+        }
+    }
+
+    /// Shows the picture, and puts back what its chains had to deposit for it.
+    fn show(
+        &self,
+        engine: &mut (dyn Engine + '_),
+        pool: &rayon::ThreadPool,
+        watch: &mut dyn Watch,
+    ) -> Result<(), RenderError> {
+        let kept = self.snapshot(engine).map(|snapshot| snapshot.state());
+        let kept = kept.transpose()?;
+        watch.see(pool.install(|| self.rendered(engine, Outcome::Stopped))?);
+        match kept {
+            Some(state) => Ok(pool.install(|| take_up(engine, &state, true))?),
+            None => Ok(()),
+        }
+    }
+
+    /// The picture at the end, with what does not come from the engine.
+    pub(crate) fn finish(
+        &self,
+        mut engine: Box<dyn Engine + '_>,
+        pool: &rayon::ThreadPool,
+        outcome: Outcome,
+    ) -> Result<Rendered, RenderError> {
+        let mut rendered = self.rendered(engine.as_mut(), outcome)?;
+        // The films are not needed any more, the feature planes are.
+        drop(engine);
+        if self.settings.features {
+            for layer in pool.install(|| features::layers(self.scene, self.settings)) {
+                rendered.image.push_layer(layer)?;
+            }
+        }
+        Ok(rendered)
+    }
+
     /// The picture so far and what is to be said about it.
     fn rendered(
         &self,
         engine: &mut (dyn Engine + '_),
         outcome: Outcome,
     ) -> Result<Rendered, RenderError> {
-        let seconds = (self.start.elapsed() - self.pilot).as_secs_f64();
+        let seconds = self.seconds();
         let mut image = engine.develop()?;
         let (nonfinite, first_nonfinite) = engine.nonfinite();
         let settings = self.settings;
@@ -295,11 +444,11 @@ impl Work<'_> {
     }
 
     fn out_of_time(&self) -> bool {
-        matches!(self.settings.budget, Budget::Time(limit) if self.start.elapsed() >= limit)
+        matches!(self.settings.budget, Budget::Time(limit) if self.elapsed() >= limit)
     }
 
-    fn progress(&self, engine: &dyn Engine) -> Progress {
-        let elapsed = self.start.elapsed();
+    pub(crate) fn progress(&self, engine: &dyn Engine) -> Progress {
+        let elapsed = self.elapsed();
         let fraction = match self.settings.budget {
             Budget::Time(limit) => elapsed.as_secs_f64() / limit.as_secs_f64().max(1e-9),
             Budget::PerPixel(_) | Budget::Total(_) => {
@@ -312,7 +461,7 @@ impl Work<'_> {
             }
         };
         let fraction = fraction.clamp(0.0, 1.0);
-        let sampling = (elapsed - self.pilot).as_secs_f64();
+        let sampling = self.seconds();
         let chain = engine.chain_statistics();
         Progress {
             fraction,

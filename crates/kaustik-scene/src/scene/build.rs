@@ -5,6 +5,7 @@ use std::sync::Arc;
 use glam::{Affine3A, DVec2, DVec3, Vec3A};
 use kaustik_geometry::{Aabb, Instance, World};
 
+use super::content::content;
 use super::{Scene, SceneError};
 use crate::camera::Camera;
 use crate::description::{
@@ -106,6 +107,7 @@ impl Scene {
             center,
             radius,
             image_size: [options.width, options.height],
+            content: content(description, options),
         })
     }
 }

@@ -1,0 +1,124 @@
+//! States on the way: written now and then, on SIGHUP, and at the end.
+
+use std::path::Path;
+use std::sync::atomic::Ordering;
+use std::time::{Duration, Instant};
+
+use kaustik::{Progress, RenderSettings, RenderStatistics, Rendered, Snapshot, Source, Watch};
+
+use crate::arguments::{OutputWords, RenderWords};
+use crate::signals::Signals;
+use crate::{output, picture};
+
+/// Writes states and, on SIGHUP, the picture so far. What cannot be written is said, and tried again.
+pub(crate) struct Checkpoints<'a> {
+    /// Where the state goes; `None` keeps none.
+    path: Option<&'a Path>,
+    every: Duration,
+    outputs: &'a OutputWords,
+    settings: &'a RenderSettings,
+    source: &'a Source,
+    signals: &'a Signals,
+    last: Instant,
+    /// SIGHUP was heard in the round that ended just now.
+    asked: bool,
+    written: u32,
+    failed: u32,
+    /// Why the last state could not be written, if so.
+    failure: Option<String>,
+    spent: Duration,
+}
+
+impl<'a> Checkpoints<'a> {
+    pub(crate) fn new(
+        words: &'a RenderWords,
+        settings: &'a RenderSettings,
+        source: &'a Source,
+        signals: &'a Signals,
+    ) -> Self {
+        Self {
+            path: words.checkpoint.as_deref(),
+            every: words.checkpoint_every,
+            outputs: &words.outputs,
+            settings,
+            source,
+            signals,
+            last: Instant::now(),
+            asked: false,
+            written: 0,
+            failed: 0,
+            failure: None,
+            spent: Duration::ZERO,
+        }
+    }
+
+    /// Says what states cost and whether they are there; is the last one?
+    pub(crate) fn report(&self, words: &OutputWords, statistics: &RenderStatistics) -> bool {
+        let Some(path) = self.path else {
+            return true;
+        };
+        let spent = self.spent.as_secs_f64();
+        let share = 100.0 * spent / statistics.seconds.max(spent).max(1e-9);
+        let (path, written) = (path.display(), self.written);
+        picture::remark(
+            words,
+            &format!("{path}: {written} states in {spent:.2} s ({share:.2} % of the time)"),
+        );
+        if self.failed > 0 {
+            output::note(&format!(
+                "warning: {} of {} states could not be written",
+                self.failed,
+                self.failed + written
+            ));
+        }
+        if let Some(failure) = &self.failure {
+            output::note(&format!(
+                "error: the last state could not be written, {path} holds an older one or none: {failure}"
+            ));
+        }
+        self.failure.is_none()
+    }
+}
+
+impl Watch for Checkpoints<'_> {
+    fn wants(&mut self, _: &Progress) -> bool {
+        std::mem::take(&mut self.asked)
+    }
+
+    fn see(&mut self, rendered: Rendered) {
+        if let Err(failure) = picture::write(self.outputs, self.source, self.settings, rendered) {
+            output::note(&format!("warning: {failure}; the render goes on"));
+        }
+    }
+
+    fn keeps(&self) -> bool {
+        self.path.is_some()
+    }
+
+    fn wants_state(&mut self, _: &Progress, last: bool) -> bool {
+        self.asked |= self.signals.hangup.swap(false, Ordering::Relaxed);
+        self.path.is_some() && (last || self.asked || self.last.elapsed() >= self.every)
+    }
+
+    fn keep(&mut self, snapshot: &Snapshot<'_>) {
+        let Some(path) = self.path else {
+            return;
+        };
+        let start = Instant::now();
+        match snapshot.write(path, self.source) {
+            Ok(()) => {
+                self.written += 1;
+                self.failure = None;
+            }
+            Err(error) => {
+                self.failed += 1;
+                self.failure = Some(error.to_string());
+                output::note(&format!(
+                    "warning: the state could not be written: {error}; the render goes on, an older state stays"
+                ));
+            }
+        }
+        self.last = Instant::now();
+        self.spent += start.elapsed();
+    }
+}

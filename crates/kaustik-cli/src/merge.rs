@@ -1,0 +1,89 @@
+//! `kaustik merge`.
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use kaustik::film::{WriteError, check_writable};
+use kaustik::{Progress, RenderSettings, Rendered, Snapshot, Source, State, Watch, merge, whole};
+
+use crate::arguments::MergeWords;
+use crate::render::{failure, load};
+use crate::{Failure, picture};
+
+pub(crate) fn run(words: &MergeWords) -> Result<ExitCode, Failure> {
+    picture::check(&words.outputs)?;
+    if let Some(path) = &words.state {
+        check_writable(path).map_err(Failure::input)?;
+    }
+    let states = words.states.iter().map(|path| {
+        State::read(path).map_err(|error| Failure::Input(format!("{}: {error}", path.display())))
+    });
+    let states = states.collect::<Result<Vec<_>, _>>()?;
+    let settings = RenderSettings {
+        threads: words.threads.map_or(0, |threads| threads as usize),
+        features: !words.outputs.no_features,
+        ..whole(&states).map_err(Failure::input)?
+    };
+    let source = source(words, &states);
+    let size = (Some(settings.width), Some(settings.height));
+    let scene = load(&words.outputs, &source, words.max_memory, &settings, size)?;
+    let mut keeper = Keeper {
+        words,
+        source: &source,
+        failure: None,
+    };
+    let rendered = merge(&scene, &settings, &states, &mut keeper);
+    let rendered = rendered.map_err(|error| failure(&error))?;
+    let unkept = keeper.failure;
+    let (statistics, outcome) = (rendered.statistics.clone(), rendered.outcome);
+    picture::write(&words.outputs, &source, &settings, rendered)?;
+    picture::report(&words.outputs, outcome, &statistics);
+    match unkept {
+        Some(error) => Err(Failure::other(error)),
+        None => Ok(ExitCode::SUCCESS),
+    }
+}
+
+/// Where the scene is: where the first state says, or where the user says.
+fn source(words: &MergeWords, states: &[State]) -> Source {
+    let mut source = states
+        .first()
+        .map(State::source)
+        .cloned()
+        .unwrap_or_default();
+    if let Some(scene) = &words.scene {
+        source.scene.clone_from(scene);
+    }
+    source
+}
+
+/// Keeps the state of the whole.
+struct Keeper<'a> {
+    words: &'a MergeWords,
+    source: &'a Source,
+    failure: Option<WriteError>,
+}
+
+impl Keeper<'_> {
+    fn path(&self) -> Option<&PathBuf> {
+        self.words.state.as_ref()
+    }
+}
+
+impl Watch for Keeper<'_> {
+    fn wants(&mut self, _: &Progress) -> bool {
+        false
+    }
+
+    fn see(&mut self, _: Rendered) {}
+
+    fn wants_state(&mut self, _: &Progress, _: bool) -> bool {
+        self.path().is_some()
+    }
+
+    fn keep(&mut self, snapshot: &Snapshot<'_>) {
+        if let Some(path) = self.path() {
+            self.failure = snapshot.write(path, self.source).err();
+        }
+    }
+}

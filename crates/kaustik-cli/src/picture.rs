@@ -1,0 +1,143 @@
+//! Where a picture goes, and what is said about it.
+
+use kaustik::film::{check_writable, exr, png, write_file};
+use kaustik::{Budget, Outcome, RenderSettings, RenderStatistics, Rendered, Source};
+use serde_json::{Value, json};
+
+use crate::arguments::OutputWords;
+use crate::{Failure, output};
+
+/// Finds out before a long render what could not be written after it.
+pub(crate) fn check(words: &OutputWords) -> Result<(), Failure> {
+    for path in [&words.output, &words.png, &words.stats]
+        .into_iter()
+        .flatten()
+    {
+        check_writable(path).map_err(Failure::input)?;
+    }
+    if words.output.is_none() && words.png.is_none() {
+        remark(
+            words,
+            "warning: neither -o nor --png is given: the picture will not be kept",
+        );
+    }
+    Ok(())
+}
+
+/// A line for whoever wants to read.
+pub(crate) fn remark(words: &OutputWords, line: &str) {
+    if !words.quiet {
+        output::note(line);
+    }
+}
+
+/// Writes the picture and its statistics, without a word about it.
+pub(crate) fn write(
+    words: &OutputWords,
+    source: &Source,
+    settings: &RenderSettings,
+    rendered: Rendered,
+) -> Result<(), Failure> {
+    let metadata = metadata(source, settings, &json!(rendered.statistics));
+    let image = rendered.image.with_metadata(metadata.clone());
+    if let Some(path) = &words.output {
+        exr::write(path, &image).map_err(Failure::other)?;
+    }
+    if let Some(path) = &words.png {
+        png::write(path, &image, &words.display()).map_err(Failure::other)?;
+    }
+    if let Some(path) = &words.stats {
+        let text = format!("{metadata:#}\n");
+        write_file(path, |file| {
+            std::io::Write::write_all(file, text.as_bytes())
+        })
+        .map_err(Failure::other)?;
+    }
+    Ok(())
+}
+
+/// Says how it went.
+pub(crate) fn report(words: &OutputWords, outcome: Outcome, statistics: &RenderStatistics) {
+    if words.quiet {
+        return;
+    }
+    if outcome == Outcome::Black {
+        output::note(
+            "note: nothing that was tried brings light to the camera: the picture is black",
+        );
+        return;
+    }
+    let mut line = format!(
+        "{}: {:.1} samples a pixel in {:.1} s ({:.2} M/s)",
+        statistics.method,
+        statistics.per_pixel,
+        statistics.seconds,
+        statistics.steps as f64 / statistics.seconds.max(1e-9) * 1e-6
+    );
+    if let Some(chain) = &statistics.chain {
+        line += &format!(
+            ", accepted {:.1} % of small and {:.1} % of large steps, b = {:.6} +- {:.6}",
+            chain.small_acceptance * 100.0,
+            chain.large_acceptance * 100.0,
+            chain.normalisation,
+            chain.normalisation_error
+        );
+    }
+    output::note(&line);
+    if let Some(replicas) = &statistics.replicas {
+        for notice in replicas.notices() {
+            output::note(&notice);
+        }
+    }
+    if let Some(energy) = &statistics.energy {
+        for notice in energy.notices() {
+            output::note(&notice);
+        }
+    }
+    let lost = statistics.nonfinite + statistics.film.non_finite + statistics.film.too_large;
+    if lost > 0 {
+        let place = statistics.first_nonfinite.map_or(String::new(), |place| {
+            format!(
+                "; the first at {}:{}:{} (seed:ladder:step)",
+                statistics.seed, place.ladder, place.step
+            )
+        });
+        output::note(&format!(
+            "warning: {lost} contributions were not finite or too large, left out{place}"
+        ));
+    }
+    if statistics.film.overflowed > 0 {
+        output::note(
+            "warning: sums of the film overflowed: the picture is wrong where it is brightest",
+        );
+    }
+}
+
+/// What goes into the EXR and into `--stats`.
+fn metadata(source: &Source, settings: &RenderSettings, statistics: &Value) -> Value {
+    let set: serde_json::Map<String, Value> = (settings.options)
+        .entries(settings.method)
+        .into_iter()
+        .map(|(key, value)| (key.to_owned(), Value::String(value)))
+        .collect();
+    let budget = match settings.budget {
+        Budget::PerPixel(n) => format!("{n} a pixel"),
+        Budget::Total(n) => format!("{n} in all"),
+        Budget::Time(time) => format!("{} s", time.as_secs_f64()),
+    };
+    json!({
+        "software": format!("kaustik {}", env!("CARGO_PKG_VERSION")),
+        "scene": source.scene,
+        "width": settings.width,
+        "height": settings.height,
+        "max_depth": settings.max_depth,
+        "filter": settings.filter.to_string(),
+        "crop": settings.layout().crop.to_string(),
+        "budget": budget,
+        "camera": source.camera,
+        "environment": source.environment,
+        "ladders": [settings.ladder_range().start, settings.ladder_range().end],
+        "set": set,
+        "statistics": statistics,
+    })
+}

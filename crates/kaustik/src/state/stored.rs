@@ -1,0 +1,121 @@
+use std::ops::Range;
+use std::path::Path;
+
+use kaustik_scene::Scene;
+
+use super::{
+    BYTE_ORDER, CHECKSUM, Header, MAGIC, PREFIX, Reader, Source, StateError, VERSION,
+};
+use crate::RenderSettings;
+
+/// A state file that was read and found whole. What is in it is understood when a render takes it up.
+#[derive(Clone, PartialEq)]
+pub struct State {
+    header: Header,
+    /// All sections after the header.
+    body: Vec<u8>,
+}
+
+impl State {
+    /// Reads a state file.
+    ///
+    /// # Errors
+    /// A file that cannot be read, of another format, or damaged.
+    pub fn read(path: &Path) -> Result<Self, StateError> {
+        let bytes = std::fs::read(path).map_err(|error| StateError::Read(error.to_string()))?;
+        Self::from_bytes(bytes)
+    }
+
+    /// As [`read`](Self::read), of bytes.
+    ///
+    /// # Errors
+    /// Bytes of another format, or damaged ones.
+    pub fn from_bytes(mut bytes: Vec<u8>) -> Result<Self, StateError> {
+        if !bytes.starts_with(&MAGIC) {
+            return Err(StateError::Foreign);
+        }
+        let short = || StateError::damaged("it ends too early");
+        let word = |at: usize| -> Result<[u8; 4], StateError> {
+            let word = bytes.get(at..at + 4).ok_or_else(short)?;
+            word.try_into().map_err(|_| short())
+        };
+        let (version, order) = (word(8)?, word(12)?);
+        if u32::from_be_bytes(order) == BYTE_ORDER {
+            return Err(StateError::ByteOrder);
+        }
+        let found = u32::from_le_bytes(version);
+        if found != VERSION {
+            return Err(StateError::Version {
+                found,
+                expected: VERSION,
+            });
+        }
+        let end = bytes.len().checked_sub(CHECKSUM).ok_or_else(short)?;
+        if end < PREFIX {
+            return Err(short());
+        }
+        if blake3::hash(&bytes[..end]) != bytes[end..] {
+            return Err(StateError::damaged(
+                "its checksum is not that of its content",
+            ));
+        }
+        if order != BYTE_ORDER.to_le_bytes() {
+            return Err(StateError::ByteOrder);
+        }
+        let mut reader = Reader::new(&bytes[PREFIX..end], 0..0, true);
+        let header: Header = reader.value()?;
+        header.fits(bytes.len())?;
+        let left = reader.left();
+        bytes.truncate(end);
+        bytes.drain(..end - left);
+        Ok(Self {
+            header,
+            body: bytes,
+        })
+    }
+
+    /// Where its scene came from.
+    pub fn source(&self) -> &Source {
+        &self.header.source
+    }
+
+    /// The settings that it was made with, but for the budget, the threads and the layers.
+    ///
+    /// # Errors
+    /// Settings that this program does not have.
+    pub fn settings(&self) -> Result<RenderSettings, StateError> {
+        self.header.settings()
+    }
+
+    /// The ladders that are in it.
+    pub fn ladders(&self) -> Range<u32> {
+        self.header.ladders()
+    }
+
+    /// Time that sampling took, in seconds.
+    pub fn seconds(&self) -> f64 {
+        self.header.seconds()
+    }
+
+    pub(crate) fn header(&self) -> &Header {
+        &self.header
+    }
+
+    /// Refuses a state that this render cannot go on from.
+    pub(crate) fn check(&self, scene: &Scene, settings: &RenderSettings) -> Result<(), StateError> {
+        self.header.same_share(&Header::new(scene, settings, 0.0))
+    }
+
+    pub(super) fn reader(&self, first: bool) -> Reader<'_> {
+        Reader::new(&self.body, self.ladders(), first)
+    }
+}
+
+impl std::fmt::Debug for State {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("State")
+            .field("header", &self.header)
+            .field("bytes", &self.body.len())
+            .finish()
+    }
+}

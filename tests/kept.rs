@@ -1,0 +1,348 @@
+//! The command and its states: checkpoints, signals, kills, merges, disks that are full, folders that go away.
+#![cfg(unix)]
+
+use std::fs;
+use std::path::Path;
+use std::process::{Child, Command, Output, Stdio};
+use std::time::{Duration, Instant};
+
+use kaustik::film::{Keep, Limits, read};
+
+use crate::bits::bits;
+use crate::words::{kaustik, path, refused};
+
+/// Words of a small render of a method, with more.
+fn words<'a>(method: &'a str, spp: &'a str, more: &[&'a str]) -> Vec<&'a str> {
+    let mut words = vec!["render", "builtin:cornell", "--method", method];
+    words.extend(["--width", "24", "--spp", spp, "--max-depth", "6"]);
+    if matches!(method, "pssmlt" | "mmlt") {
+        words.extend(["--set", "pilot=2000"]);
+    }
+    words.extend(more);
+    words
+}
+
+fn told(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+fn done(words: &[&str]) -> String {
+    let output = kaustik(words);
+    assert!(output.status.success(), "{words:?}: {}", told(&output));
+    assert!(output.stdout.is_empty());
+    told(&output)
+}
+
+/// The main layer and all others, to the bit.
+fn picture(file: &str) -> Vec<Vec<u32>> {
+    let image = read(Path::new(file), &Limits::default(), Keep::All).expect("a picture");
+    let mut planes = vec![bits(&image)];
+    for layer in image.layers() {
+        for channel in &layer.channels {
+            planes.push(channel.samples.iter().map(|v| v.to_bits()).collect());
+        }
+    }
+    planes
+}
+
+#[test]
+fn a_render_goes_on_where_it_was_and_on_to_more() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = |name: &str| path(folder.path(), name);
+    let (state, part, whole, through) = (
+        file("s"),
+        file("part.exr"),
+        file("whole.exr"),
+        file("through.exr"),
+    );
+    for method in ["path", "light", "bdpt", "pssmlt", "mmlt"] {
+        let said = done(&words(method, "2", &["-o", &part, "--checkpoint", &state]));
+        assert!(said.contains("1 states in"), "{said}");
+        done(&words(
+            method,
+            "6",
+            &["-o", &whole, "--resume", &state, "--threads", "3"],
+        ));
+        done(&words(method, "6", &["-o", &through]));
+        assert!(picture(&whole) == picture(&through), "{method}");
+        assert!(picture(&whole) != picture(&part), "{method}");
+    }
+}
+
+#[test]
+fn shares_are_merged() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = |name: &str| path(folder.path(), name);
+    let (a, b, c) = (file("a"), file("b"), file("c"));
+    let (all, one, on) = (file("all.exr"), file("one.exr"), file("on.exr"));
+    for method in ["path", "light", "bdpt", "pssmlt", "mmlt"] {
+        done(&words(
+            method,
+            "4",
+            &["--ladders", "0..20", "--checkpoint", &a],
+        ));
+        done(&words(
+            method,
+            "4",
+            &["--ladders", "20..64", "--checkpoint", &b],
+        ));
+        done(&["merge", &a, &b, "-o", &all, "--state", &c]);
+        done(&words(method, "4", &["-o", &one]));
+        assert!(picture(&all) == picture(&one), "{method}");
+        // The state of the whole goes on as the whole.
+        done(&words(method, "6", &["-o", &on, "--resume", &c]));
+        done(&words(method, "6", &["-o", &one]));
+        assert!(picture(&on) == picture(&one), "{method}");
+    }
+    refused(&["merge", &a, &a, "-o", &all], &["0..20 and 0..20 overlap"]);
+    let png = file("all.png");
+    done(&["merge", &b, &a, "--png", &png, "--scene", "builtin:cornell"]);
+    refused(
+        &["merge", &a, &b, "--png", &png, "--scene", "builtin:furnace"],
+        &["scene's content is"],
+    );
+    refused(&["merge", &a, &png, "-o", &all], &[&png, "no state file"]);
+}
+
+#[test]
+fn what_cannot_go_on_is_refused() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = |name: &str| path(folder.path(), name);
+    let (state, cut) = (file("s"), file("cut"));
+    done(&words("path", "1", &["--checkpoint", &state]));
+    let resume = ["--resume", state.as_str()];
+    let with = |more: &[&'static str]| [&resume[..], more].concat();
+    refused(
+        &words("path", "2", &with(&["--seed", "3"])),
+        &["seed is 0 in the state, 3 here"],
+    );
+    refused(
+        &words("light", "2", &resume),
+        &["method is path in the state, light here"],
+    );
+    refused(
+        &words("relt", "2", &resume),
+        &["relt does not write its state yet", "pssmlt"],
+    );
+    refused(
+        &words("sppm", "2", &["--checkpoint", &state]),
+        &["sppm does not write its state yet"],
+    );
+    refused(
+        &words("path", "2", &with(&["--environment", "0.5"])),
+        &["scene's content is"],
+    );
+    let missing = file("missing");
+    refused(
+        &words("path", "2", &["--resume", &missing]),
+        &[&missing, "cannot be read"],
+    );
+    let mut bytes = fs::read(&state).expect("the state");
+    let middle = bytes.len() / 2;
+    bytes[middle] ^= 1;
+    fs::write(&cut, bytes).expect("a file");
+    refused(
+        &words("path", "2", &["--resume", &cut]),
+        &[&cut, "damaged", "checksum"],
+    );
+    let nowhere = file("nowhere/s");
+    refused(
+        &words("path", "2", &["--checkpoint", &nowhere]),
+        &["nowhere"],
+    );
+    refused(
+        &words("path", "2", &["--checkpoint-every", "5s"]),
+        &["--checkpoint"],
+    );
+}
+
+/// A render that nobody waits for the end of.
+fn begin(words: &[&str]) -> Child {
+    Command::new(env!("CARGO_BIN_EXE_kaustik"))
+        .args(words)
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("the command runs")
+}
+
+fn signal(child: &Child, name: &str) {
+    let kill = Command::new("kill")
+        .args(["-s", name, &child.id().to_string()])
+        .status();
+    assert!(kill.expect("kill runs").success());
+}
+
+/// Waits until a file is there; again and again for another one, if `old` is given.
+fn wait_for(file: &str, old: Option<&fs::Metadata>) -> fs::Metadata {
+    let start = Instant::now();
+    loop {
+        if let Ok(now) = fs::metadata(file) {
+            let new = old.is_none_or(|old| old.modified().ok() != now.modified().ok());
+            if new {
+                return now;
+            }
+        }
+        assert!(start.elapsed() < Duration::from_secs(60), "no {file}");
+        std::thread::sleep(Duration::from_millis(10));
+    }
+}
+
+/// More samples than a test will wait for.
+const ENDLESS: &str = "10000000";
+
+#[test]
+fn signals_write_state_and_image() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = |name: &str| path(folder.path(), name);
+    for (name, status) in [("INT", 130), ("TERM", 143)] {
+        let (state, part) = (file(name), file("part.exr"));
+        let more = [
+            "--checkpoint",
+            &state,
+            "--checkpoint-every",
+            "100ms",
+            "-o",
+            &part,
+        ];
+        let mut child = begin(&words("pssmlt", ENDLESS, &more));
+        wait_for(&state, None);
+        signal(&child, name);
+        let sent = Instant::now();
+        assert_eq!(child.wait().expect("it ends").code(), Some(status));
+        assert!(sent.elapsed() < Duration::from_secs(10));
+        assert!(!picture(&part).is_empty());
+        // Picture and state are of one moment: resumed without anything left to do, the state is that picture.
+        let again = file("again.exr");
+        let small = ["--resume", &state, "-o", &again];
+        done(&words("pssmlt", "1", &small));
+        assert!(picture(&again) == picture(&part), "{name}");
+    }
+}
+
+#[test]
+fn hanging_up_writes_both_and_goes_on() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = |name: &str| path(folder.path(), name);
+    let (state, part) = (file("s"), file("part.exr"));
+    let more = [
+        "--checkpoint",
+        &state,
+        "--checkpoint-every",
+        "150ms",
+        "-o",
+        &part,
+    ];
+    let mut child = begin(&words("pssmlt", ENDLESS, &more));
+    wait_for(&state, None);
+    assert!(!Path::new(&part).exists());
+    signal(&child, "HUP");
+    let first = wait_for(&part, None);
+    signal(&child, "HUP");
+    wait_for(&part, Some(&first));
+    assert!(child.try_wait().expect("a child").is_none(), "it goes on");
+    signal(&child, "TERM");
+    assert_eq!(child.wait().expect("it ends").code(), Some(143));
+}
+
+/// Killed at any moment, a render loses at most an interval, and what it goes on to is what it would have been.
+fn killed(methods: &[&str], times: u64) {
+    for method in methods {
+        let folder = tempfile::tempdir().expect("a folder");
+        let file = |name: &str| path(folder.path(), name);
+        let (state, through, whole) = (file("s"), file("through.exr"), file("whole.exr"));
+        let spp = "400";
+        done(&words(method, spp, &["-o", &through]));
+        let mut resumed = 0;
+        for time in 0..times {
+            let mut more = vec![
+                "--checkpoint",
+                &state,
+                "--checkpoint-every",
+                "1ms",
+                "-o",
+                &whole,
+            ];
+            if Path::new(&state).exists() {
+                more.extend(["--resume", &state]);
+                resumed += 1;
+            }
+            let mut child = begin(&words(method, spp, &more));
+            if time == 0 {
+                wait_for(&state, None);
+            }
+            // Any moment, the first ones included.
+            std::thread::sleep(Duration::from_millis(20 + time * 7919 % 230));
+            child.kill().expect("SIGKILL");
+            child.wait().expect("it ends");
+        }
+        assert!(resumed > 0, "{method}: no state was left behind");
+        done(&words(method, spp, &["--resume", &state, "-o", &whole]));
+        assert!(picture(&whole) == picture(&through), "{method}");
+    }
+}
+
+#[test]
+fn killed_renders_go_on() {
+    killed(&["path", "pssmlt"], 6);
+}
+
+#[test]
+#[ignore = "minutes"]
+fn renders_that_are_killed_a_hundred_times_go_on() {
+    killed(&["path", "light", "bdpt", "pssmlt", "mmlt"], 100);
+}
+
+#[test]
+fn a_full_disk_is_said_and_the_render_goes_on() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let exr = path(folder.path(), "a.exr");
+    let more = [
+        "--checkpoint",
+        "/dev/full",
+        "--checkpoint-every",
+        "1ms",
+        "-o",
+        &exr,
+    ];
+    let output = kaustik(&words("path", "40", &more));
+    let said = told(&output);
+    assert!(said.contains("could not be written: /dev/full"), "{said}");
+    assert!(said.contains("the render goes on"), "{said}");
+    assert!(said.contains("error: the last state"), "{said}");
+    assert_eq!(output.status.code(), Some(1), "{said}");
+    let through = path(folder.path(), "b.exr");
+    done(&words("path", "40", &["-o", &through]));
+    assert!(picture(&exr) == picture(&through));
+}
+
+/// The folder goes away and comes back: the last good state stays, and the next one is written.
+#[test]
+fn a_folder_that_goes_away_costs_a_state_at_most() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (there, away) = (folder.path().join("there"), folder.path().join("away"));
+    fs::create_dir(&there).expect("a folder");
+    let state = path(&there, "s");
+    let more = ["--checkpoint", &state, "--checkpoint-every", "50ms"];
+    let child = begin(&words("pssmlt", ENDLESS, &more));
+    wait_for(&state, None);
+    fs::rename(&there, &away).expect("a move");
+    let kept = path(&away, "s");
+    std::thread::sleep(Duration::from_millis(800));
+    kaustik::State::read(Path::new(&kept)).expect("the last good state");
+    fs::rename(&away, &there).expect("a move");
+    let old = fs::metadata(&state).expect("the state");
+    wait_for(&state, Some(&old));
+    signal(&child, "TERM");
+    let output = child.wait_with_output().expect("it ends");
+    let said = told(&output);
+    assert_eq!(output.status.code(), Some(143), "{said}");
+    assert!(
+        said.contains("does not exist") && said.contains("the render goes on"),
+        "{said}"
+    );
+    assert!(said.contains("states could not be written"), "{said}");
+    assert!(!said.contains("error: the last state"), "{said}");
+    kaustik::State::read(Path::new(&state)).expect("the last state");
+    // Nothing is left lying about.
+    assert_eq!(fs::read_dir(&there).expect("a folder").count(), 1);
+}

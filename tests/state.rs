@@ -1,0 +1,479 @@
+//! States: resumed, merged, refused.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use kaustik::film::Filter;
+use kaustik::scene::Scene;
+use kaustik::{
+    Budget, Control, Direct, Method, Mis, Outcome, Progress, RenderError, RenderSettings, Rendered,
+    Snapshot, Source, State, StateError, Watch, merge, render_watched, resume, whole,
+};
+
+use crate::bits::bits;
+use crate::support::{picture, scene, settings};
+
+const SIDE: u32 = 20;
+
+fn a_scene() -> Scene {
+    scene("glass-cube?light=0.8", SIDE)
+}
+
+/// Keeps states: the last, or all; may look at pictures as well.
+#[derive(Default)]
+struct Keeper {
+    all: bool,
+    looks: bool,
+    states: Vec<Vec<u8>>,
+}
+
+impl Watch for Keeper {
+    fn wants(&mut self, _: &Progress) -> bool {
+        self.looks
+    }
+
+    fn see(&mut self, _: Rendered) {}
+
+    fn keeps(&self) -> bool {
+        true
+    }
+
+    fn wants_state(&mut self, _: &Progress, last: bool) -> bool {
+        last || self.all
+    }
+
+    fn keep(&mut self, snapshot: &Snapshot<'_>) {
+        let bytes = snapshot.bytes(&Source::default());
+        self.states.push(bytes.expect("a state can be written"));
+    }
+}
+
+/// The bytes of a render's last state.
+fn last_state(scene: &Scene, settings: &RenderSettings) -> Vec<u8> {
+    let mut keeper = Keeper::default();
+    render_watched(scene, settings, &mut Control::default(), &mut keeper).expect("a render");
+    keeper.states.pop().expect("a state")
+}
+
+fn read(bytes: &[u8]) -> State {
+    State::from_bytes(bytes.to_vec()).expect("what was written")
+}
+
+fn resumed(
+    scene: &Scene,
+    settings: &RenderSettings,
+    bytes: &[u8],
+) -> Result<Rendered, RenderError> {
+    let nobody = &mut Keeper::default();
+    resume(
+        scene,
+        settings,
+        &read(bytes),
+        &mut Control::default(),
+        nobody,
+    )
+}
+
+/// Every method that keeps states, and settings under which it keeps more or other things.
+fn cases() -> Vec<(String, RenderSettings)> {
+    let keepers = Method::ALL.into_iter().filter(|m| m.keeps_state());
+    let mut cases: Vec<_> = keepers
+        .map(|method| (method.to_string(), settings(method, SIDE, 12)))
+        .collect();
+    let mut add = |what: &str, method, change: fn(&mut RenderSettings)| {
+        let mut settings = settings(method, SIDE, 12);
+        change(&mut settings);
+        cases.push((format!("{method} {what}"), settings));
+    };
+    add("apart", Method::Pssmlt, |s| {
+        s.options.direct = Direct::Apart
+    });
+    add("apart", Method::Mmlt, |s| s.options.direct = Direct::Apart);
+    add("printed", Method::Pssmlt, |s| s.options.mis = Mis::Printed);
+    add("off, few ladders", Method::Pssmlt, |s| {
+        s.options.mis = Mis::Off;
+        s.options.ladders = 3;
+    });
+    add("in the middle of a pass", Method::Path, |s| {
+        s.budget = Budget::Total(12 * u64::from(SIDE * SIDE) + 77);
+    });
+    add("filtered", Method::Path, |s| {
+        s.filter = Filter::new("tent", Some(1.5)).expect("a filter");
+    });
+    cases
+}
+
+/// About a third of what was asked.
+fn shorter(settings: &RenderSettings) -> RenderSettings {
+    let budget = match settings.budget {
+        Budget::PerPixel(n) => Budget::PerPixel(n / 3),
+        Budget::Total(n) => Budget::Total(n / 3),
+        Budget::Time(time) => Budget::Time(time / 3),
+    };
+    RenderSettings {
+        budget,
+        ..settings.clone()
+    }
+}
+
+#[test]
+fn a_resumed_render_has_the_bits_of_one_that_went_through() {
+    let scene = a_scene();
+    for (what, settings) in cases() {
+        let through = bits(&picture(&scene, &settings));
+        assert!(through.iter().any(|&v| v != 0), "{what}");
+        let state = last_state(&scene, &shorter(&settings));
+        let part = bits(&picture(&scene, &shorter(&settings)));
+        assert!(part != through, "{what}: nothing was left to do");
+        for threads in [1, 2, 3, 8] {
+            let settings = RenderSettings {
+                threads,
+                ..settings.clone()
+            };
+            let done = resumed(&scene, &settings, &state).expect("a render");
+            assert!(bits(&done.image) == through, "{what}, {threads} threads");
+            assert_eq!(done.outcome, Outcome::Complete);
+        }
+    }
+}
+
+/// States and pictures on the way, after every round, change nothing; each of the states leads to the end.
+#[test]
+fn states_and_pictures_on_the_way_change_nothing() {
+    let scene = a_scene();
+    for (what, settings) in cases() {
+        let alone = bits(&picture(&scene, &settings));
+        let mut keeper = Keeper {
+            all: true,
+            looks: true,
+            ..Keeper::default()
+        };
+        let watched = render_watched(&scene, &settings, &mut Control::default(), &mut keeper);
+        assert!(bits(&watched.expect("a render").image) == alone, "{what}");
+        assert!(keeper.states.len() >= 2, "{what}");
+        for (round, state) in keeper.states.iter().enumerate() {
+            let done = resumed(&scene, &settings, state).expect("a render");
+            assert!(bits(&done.image) == alone, "{what}, after round {round}");
+        }
+    }
+}
+
+/// Stopped in the middle of a round, wherever each ladder is.
+#[test]
+fn a_stopped_render_goes_on() {
+    let scene = a_scene();
+    for (what, settings) in cases() {
+        let through = bits(&picture(&scene, &settings));
+        let stop = AtomicBool::new(false);
+        let mut keeper = Keeper::default();
+        let mut rounds = 0;
+        let mut tell = |_: &Progress| {
+            rounds += 1;
+            stop.store(rounds >= 2, Ordering::Relaxed);
+        };
+        let mut control = Control {
+            stop: Some(&stop),
+            progress: Some(&mut tell),
+        };
+        let stopped = render_watched(&scene, &settings, &mut control, &mut keeper);
+        assert_eq!(stopped.expect("a render").outcome, Outcome::Stopped);
+        // And once more, before it could do anything at all.
+        let state = read(keeper.states.last().expect("a state"));
+        let mut again = Keeper::default();
+        let mut control = Control {
+            stop: Some(&stop),
+            progress: None,
+        };
+        resume(&scene, &settings, &state, &mut control, &mut again).expect("a render");
+        let state = again.states.last().expect("a state");
+        let done = resumed(&scene, &settings, state).expect("a render");
+        assert!(bits(&done.image) == through, "{what}");
+    }
+}
+
+/// The states of these shares of a render.
+fn shares(scene: &Scene, settings: &RenderSettings, bounds: &[u32]) -> Vec<State> {
+    let ranges = bounds.windows(2).map(|pair| pair[0]..pair[1]);
+    let share = |range| RenderSettings {
+        ladders: Some(range),
+        ..settings.clone()
+    };
+    ranges
+        .map(|range| read(&last_state(scene, &share(range))))
+        .collect()
+}
+
+fn merged(scene: &Scene, states: &[State], keeper: &mut Keeper) -> Rendered {
+    let settings = RenderSettings {
+        features: false,
+        ..whole(states).expect("shares of one render")
+    };
+    merge(scene, &settings, states, keeper).expect("a picture")
+}
+
+#[test]
+fn shares_add_up_to_the_whole() {
+    let scene = a_scene();
+    for (what, settings) in cases() {
+        let one = bits(&picture(&scene, &settings));
+        let count = settings.options.ladders;
+        let bounds = [
+            vec![0, count / 2, count],
+            vec![0, count / 3, count / 2 + 1, count - 1, count],
+        ];
+        for mut bounds in bounds {
+            bounds.dedup();
+            let mut states = shares(&scene, &settings, &bounds);
+            let mut keeper = Keeper::default();
+            let all = merged(&scene, &states, &mut keeper);
+            assert!(bits(&all.image) == one, "{what}: {bounds:?}");
+            states.reverse();
+            let all = merged(&scene, &states, &mut Keeper::default());
+            assert!(bits(&all.image) == one, "{what}: {bounds:?} reversed");
+            // The state of the whole is that of one process: it goes on as one.
+            let more = RenderSettings {
+                budget: Budget::PerPixel(16),
+                ..settings.clone()
+            };
+            let state = keeper.states.last().expect("a state");
+            let on = resumed(&scene, &more, state).expect("a render");
+            assert!(
+                bits(&on.image) == bits(&picture(&scene, &more)),
+                "{what}: {bounds:?} gone on"
+            );
+        }
+    }
+}
+
+#[test]
+fn shares_that_do_not_add_up_are_refused() {
+    let scene = a_scene();
+    let settings = settings(Method::Path, SIDE, 4);
+    let states = shares(&scene, &settings, &[0, 8, 20, 64]);
+    let fault = |states: &[State]| whole(states).expect_err("no whole").to_string();
+    let pair = |a: usize, b: usize| fault(&[states[a].clone(), states[b].clone()]);
+    assert!(pair(0, 2).contains("0..8 and 20..64 leave a gap"));
+    assert!(pair(1, 1).contains("8..20 and 8..20 overlap"));
+    assert!(fault(&[]).contains("none"));
+    let seeded = RenderSettings {
+        seed: 7,
+        ..settings.clone()
+    };
+    let other = shares(&scene, &seeded, &[8, 64]);
+    let message = fault(&[states[0].clone(), other[0].clone()]);
+    assert!(
+        message.contains("seed is 0 in the state, 7 here"),
+        "{message}"
+    );
+    // Light of `bdpt` falls anywhere: bands with different numbers of passes cannot be weighed.
+    let long = crate::support::settings(Method::Bdpt, SIDE, 4);
+    let short = RenderSettings {
+        budget: Budget::PerPixel(2),
+        ..long.clone()
+    };
+    let mut states = shares(&scene, &long, &[0, 8]);
+    states.extend(shares(&scene, &short, &[8, 64]));
+    let settings = whole(&states).expect("shares of one render");
+    let uneven = merge(&scene, &settings, &states, &mut Keeper::default());
+    let message = uneven.expect_err("no picture").to_string();
+    assert!(message.contains("passes"), "{message}");
+}
+
+#[test]
+fn another_render_is_refused_with_both_values() {
+    let scene = a_scene();
+    let settings = settings(Method::Pssmlt, SIDE, 2);
+    let state = last_state(&scene, &settings);
+    let refused = |settings: &RenderSettings, scene: &Scene| {
+        let error = resumed(scene, settings, &state).expect_err("another render");
+        assert!(
+            matches!(&error, RenderError::State(StateError::Other(_))),
+            "{error}"
+        );
+        error.to_string()
+    };
+    type Change = fn(&mut RenderSettings);
+    let changes: [(&str, Change); 7] = [
+        ("seed is 0 in the state, 5 here", |s| s.seed = 5),
+        ("max-depth is 12 in the state, 9 here", |s| s.max_depth = 9),
+        ("plarge is 0.3 in the state, 0.5 here", |s| {
+            s.options.p_large = 0.5
+        }),
+        ("pilot is 20000 in the state, 7 here", |s| {
+            s.options.pilot = 7
+        }),
+        ("filter is box:0.5 in the state, tent:1 here", |s| {
+            s.filter = Filter::new("tent", Some(1.0)).expect("a filter");
+        }),
+        ("method is pssmlt in the state, mmlt here", |s| {
+            s.method = Method::Mmlt
+        }),
+        ("ladders are 0..64 in the state, 0..3 here", |s| {
+            s.ladders = Some(0..3)
+        }),
+    ];
+    for (wanted, change) in changes {
+        let mut other = settings.clone();
+        change(&mut other);
+        let message = refused(&other, &scene);
+        assert!(message.contains(wanted), "{message}");
+    }
+    let message = refused(&settings, &self::scene("glass-cube?light=0.7", SIDE));
+    assert!(message.contains("scene's content is"), "{message}");
+    // What is no matter of the picture is no matter here.
+    let mut same = settings.clone();
+    (same.threads, same.features) = (3, true);
+    assert!(resumed(&scene, &same, &state).is_ok());
+}
+
+#[test]
+fn methods_say_whether_they_keep_states() {
+    let scene = scene("cornell", 8);
+    for method in Method::ALL {
+        let mut keeper = Keeper::default();
+        let settings = settings(method, 8, 1);
+        let done = render_watched(&scene, &settings, &mut Control::default(), &mut keeper);
+        if method.keeps_state() {
+            assert!(done.is_ok() && keeper.states.len() == 1, "{method}");
+            continue;
+        }
+        let message = done.expect_err("no states").to_string();
+        assert!(
+            message.contains("does not write its state yet"),
+            "{message}"
+        );
+        assert!(message.contains(method.name()) && message.contains("pssmlt"));
+    }
+}
+
+/// A generator of one's own is enough to damage files with.
+struct Dice(u64);
+
+impl Dice {
+    fn below(&mut self, n: usize) -> usize {
+        self.0 ^= self.0 << 13;
+        self.0 ^= self.0 >> 7;
+        self.0 ^= self.0 << 17;
+        (self.0 % n as u64) as usize
+    }
+
+    /// One of many ways to be damaged.
+    fn damage(&mut self, bytes: &mut Vec<u8>) {
+        match self.below(8) {
+            0 => bytes.truncate(self.below(bytes.len())),
+            1 => bytes.extend((0..=self.below(64)).map(|i| i as u8)),
+            2 => {
+                let from = self.below(bytes.len());
+                let to = (from + 1 + self.below(100)).min(bytes.len());
+                bytes.drain(from..to);
+            }
+            3 => {
+                let at = self.below(bytes.len());
+                let to = (at + 8).min(bytes.len());
+                bytes[at..to].fill([0x00, 0x7f, 0x80, 0xff][self.below(4)]);
+            }
+            4 => {
+                // Where lengths, names and settings are.
+                let at = self.below(400.min(bytes.len()));
+                bytes[at] = self.below(256) as u8;
+            }
+            _ => {
+                let at = self.below(bytes.len());
+                bytes[at] ^= 1 << self.below(8);
+            }
+        }
+    }
+}
+
+fn seal(bytes: &mut Vec<u8>) {
+    let end = bytes.len().saturating_sub(32);
+    bytes.truncate(end);
+    let checksum = blake3::hash(bytes);
+    bytes.extend(checksum.as_bytes());
+}
+
+/// Damages states of every kind: none is taken up, none makes anything panic. With a checksum that agrees the
+/// damage gets further in, where all that counts is that nothing panics: a bit of a film's sum is anybody's.
+fn damaged_states(each: usize) {
+    let scene = scene("cornell", 8);
+    for (what, mut settings) in cases() {
+        settings.filter = Filter::default();
+        (settings.width, settings.height) = (8, 8);
+        settings.budget = Budget::PerPixel(2);
+        settings.options.ladders = settings.options.ladders.min(5);
+        settings.options.pilot = 200;
+        settings.threads = 1;
+        let sound = last_state(&scene, &settings);
+        assert!(resumed(&scene, &settings, &sound).is_ok());
+        let (mut dice, mut deep) = (Dice(0x9e37_79b9_7f4a_7c15), 0);
+        for index in 0..each {
+            let mut bytes = sound.clone();
+            dice.damage(&mut bytes);
+            if bytes == sound {
+                continue;
+            }
+            let refused = State::from_bytes(bytes.clone());
+            let message = refused.expect_err("a damaged state").to_string();
+            assert!(message.len() > 20, "{what} {index}: {message}");
+            seal(&mut bytes);
+            let Ok(state) = State::from_bytes(bytes) else {
+                continue;
+            };
+            let more = RenderSettings {
+                budget: Budget::PerPixel(3),
+                ..settings.clone()
+            };
+            let nobody = &mut Keeper::default();
+            let done = resume(&scene, &more, &state, &mut Control::default(), nobody);
+            deep += usize::from(!matches!(
+                done,
+                Err(RenderError::State(StateError::Other(_)))
+            ));
+            if let Ok(settings) = whole(std::slice::from_ref(&state)) {
+                // Only what the file has room for.
+                assert!(u64::from(settings.width) * u64::from(settings.height) < 1 << 32);
+            }
+        }
+        assert!(deep > each / 10, "{what}: {deep} of {each} got further in");
+    }
+}
+
+#[test]
+fn damaged_states_are_refused() {
+    damaged_states(100);
+}
+
+#[test]
+#[ignore = "ten thousand states"]
+fn ten_thousand_damaged_states_are_refused() {
+    damaged_states(1000);
+}
+
+#[test]
+fn each_fault_has_its_reason() {
+    let scene = scene("cornell", 8);
+    let sound = last_state(&scene, &settings(Method::Path, 8, 1));
+    let reason = |change: &dyn Fn(&mut Vec<u8>)| {
+        let mut bytes = sound.clone();
+        change(&mut bytes);
+        State::from_bytes(bytes).expect_err("a fault")
+    };
+    assert_eq!(reason(&|b| b[0] = b'K'), StateError::Foreign);
+    assert_eq!(reason(&|b| b.truncate(5)), StateError::Foreign);
+    let version = StateError::Version {
+        found: 9,
+        expected: 1,
+    };
+    assert_eq!(reason(&|b| b[8] = 9), version);
+    assert_eq!(reason(&|b| b[12..16].reverse()), StateError::ByteOrder);
+    for (change, word) in [
+        (
+            &(|b: &mut Vec<u8>| b.truncate(20)) as &dyn Fn(&mut Vec<u8>),
+            "too early",
+        ),
+        (&|b: &mut Vec<u8>| b.truncate(b.len() - 1), "checksum"),
+        (&|b: &mut Vec<u8>| b[200] ^= 4, "checksum"),
+    ] {
+        let reason = reason(change).to_string();
+        assert!(reason.contains(word), "{reason}");
+    }
+}
