@@ -430,5 +430,6 @@ fn all_equal(passes: &[Option<u64>]) -> Option<u64> {
             return None;
         }
     }
-    common
+    // Without any cells there is nothing to weigh.
+    Some(common.unwrap_or(0))
 }

@@ -148,9 +148,14 @@ impl<'a> Lamps<'a> {
         self.builder.build(self.scene, &mut coordinates, value);
     }
 
+    /// Passes beside so many mutations.
+    pub(crate) fn due(&self, mutations: u64) -> u64 {
+        1 + mutations / (EACH * self.pixels)
+    }
+
     /// Takes the passes that so many mutations are due.
     pub(crate) fn keep_up(&mut self, mutations: u64) {
-        let due = 1 + mutations / (EACH * self.pixels);
+        let due = self.due(mutations);
         let passes = self.passes..due.max(self.passes);
         self.passes = passes.end;
         let this = &*self;
@@ -175,8 +180,9 @@ impl<'a> Lamps<'a> {
     }
 
     /// Takes up what was written. All shares of a render take the same passes, some more of them than others: those
-    /// with the most are kept, what the whole is due beyond them is for [`keep_up`](Self::keep_up).
-    pub(crate) fn take_up(&mut self, from: &mut Reader<'_>) -> Result<(), StateError> {
+    /// with the most are kept, what the whole is due beyond them is for [`keep_up`](Self::keep_up). Tells how many
+    /// passes it has.
+    pub(crate) fn take_up(&mut self, from: &mut Reader<'_>) -> Result<u64, StateError> {
         let (passes, nonfinite): (u64, u64) = from.value()?;
         let (passes, nonfinite) = (Reader::count(passes)?.max(1), Reader::count(nonfinite)?);
         let wanted = from.is_first() || passes > self.passes;
@@ -185,7 +191,7 @@ impl<'a> Lamps<'a> {
             self.passes = passes;
             *self.nonfinite.get_mut() = nonfinite;
         }
-        Ok(())
+        Ok(passes)
     }
 
     /// The film, with what turns it into a part of the picture.

@@ -3,9 +3,7 @@
 use kaustik_scene::Scene;
 
 use crate::render::{Work, check, engine, threads};
-use crate::{
-    Outcome, RenderError, RenderSettings, Rendered, State, StateError, Watch,
-};
+use crate::{Outcome, RenderError, RenderSettings, Rendered, State, StateError, Watch};
 
 /// The settings of the render whose shares these states are, with all of their ladders: what a scene for
 /// [`merge`] is built for.
@@ -17,19 +15,26 @@ pub fn whole(states: &[State]) -> Result<RenderSettings, StateError> {
         return Err(StateError::Shares("there are none".to_owned()));
     };
     for other in others {
-        first.header().same_picture(other.header()).map_err(|error| match error {
-            StateError::Other(differences) => StateError::Shares(format!(
-                "{differences} ('here' is another of the states)"
-            )),
-            error => error,
-        })?;
+        first
+            .header()
+            .same_picture(other.header())
+            .map_err(|error| match error {
+                StateError::Other(differences) => {
+                    StateError::Shares(format!("{differences} ('here' is another of the states)"))
+                }
+                error => error,
+            })?;
     }
     let mut ladders: Vec<_> = states.iter().map(State::ladders).collect();
     ladders.sort_by_key(|range| (range.start, range.end));
     for pair in ladders.windows(2) {
         let [a, b] = [&pair[0], &pair[1]];
         if a.end != b.start {
-            let fault = if a.end > b.start { "overlap" } else { "leave a gap" };
+            let fault = if a.end > b.start {
+                "overlap"
+            } else {
+                "leave a gap"
+            };
             return Err(StateError::Shares(format!(
                 "the ladders {}..{} and {}..{} {fault}",
                 a.start, a.end, b.start, b.end

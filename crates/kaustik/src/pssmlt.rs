@@ -423,15 +423,21 @@ impl Keep for PssmltEngine<'_> {
         if let Some(film) = &mut self.large_film {
             from.film(film)?;
         }
-        if let Some(lamps) = &mut self.lamps {
-            lamps.take_up(from)?;
-        }
+        let passes = self.lamps.as_mut().map(|lamps| lamps.take_up(from));
+        let passes = passes.transpose()?;
         let ladders = from.ladders();
         let chains = self.chains.iter_mut();
+        let mut taken = 0;
         for chain in chains.filter(|chain| ladders.contains(&chain.ladder)) {
             let kept: Chain = from.value()?;
             kept.check(chain.ladder, &self.family)?;
+            taken += kept.metropolis.statistics().steps;
             *chain = kept;
+        }
+        if passes != self.lamps.as_ref().map(|lamps| lamps.due(taken)) {
+            return Err(StateError::damaged(
+                "its lamps do not keep up with its chains",
+            ));
         }
         // What several shares are due together is more than the most of any.
         let steps = self.statistics().steps;

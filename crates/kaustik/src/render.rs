@@ -18,8 +18,8 @@ use crate::pssmlt::PssmltEngine;
 use crate::relt;
 use crate::state::{Header, take_up};
 use crate::{
-    Budget, Control, Method, Progress, RenderError, RenderSettings, RenderStatistics, Snapshot, State,
-    StateError, annealing, features,
+    Budget, Control, Method, Progress, RenderError, RenderSettings, RenderStatistics, Snapshot,
+    State, StateError, annealing, features,
 };
 
 /// What became of a render.

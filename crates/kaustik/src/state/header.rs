@@ -52,7 +52,10 @@ impl Header {
             crop: settings.layout().crop,
             filter: settings.filter.to_string(),
             max_depth: settings.max_depth,
-            options: entries.into_iter().map(|(k, v)| (k.to_owned(), v)).collect(),
+            options: entries
+                .into_iter()
+                .map(|(k, v)| (k.to_owned(), v))
+                .collect(),
             ladders: [ladders.start, ladders.end],
             scene: scene.content(),
             source: Source::default(),
@@ -106,7 +109,11 @@ impl Header {
         if differences.is_empty() && alike {
             return Ok(());
         }
-        Err(StateError::Other(differences.join("; ")))
+        let differences = match differences.is_empty() {
+            true => "they do not have the same settings".to_owned(),
+            false => differences.join("; "),
+        };
+        Err(StateError::Other(differences))
     }
 
     /// As [`same_picture`](Self::same_picture), and the same share of it.

@@ -50,7 +50,10 @@ impl<'a> Reader<'a> {
         if head != [kind] {
             return Err(StateError::damaged("its parts are not in order"));
         }
-        let length = length.try_into().map(u64::from_le_bytes).unwrap_or(u64::MAX);
+        let length = length
+            .try_into()
+            .map(u64::from_le_bytes)
+            .unwrap_or(u64::MAX);
         usize::try_from(length)
             .ok()
             .filter(|length| length.saturating_mul(each) <= self.rest.len())
@@ -64,7 +67,9 @@ impl<'a> Reader<'a> {
         match postcard::take_from_bytes(bytes) {
             Ok((value, [])) => Ok(value),
             Ok(_) => Err(StateError::damaged("a value ends before its part does")),
-            Err(error) => Err(StateError::damaged(format!("a value makes no sense: {error}"))),
+            Err(error) => Err(StateError::damaged(format!(
+                "a value makes no sense: {error}"
+            ))),
         }
     }
 

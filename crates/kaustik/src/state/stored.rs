@@ -3,9 +3,7 @@ use std::path::Path;
 
 use kaustik_scene::Scene;
 
-use super::{
-    BYTE_ORDER, CHECKSUM, Header, MAGIC, PREFIX, Reader, Source, StateError, VERSION,
-};
+use super::{BYTE_ORDER, CHECKSUM, Header, MAGIC, PREFIX, Reader, Source, StateError, VERSION};
 use crate::RenderSettings;
 
 /// A state file that was read and found whole. What is in it is understood when a render takes it up.
