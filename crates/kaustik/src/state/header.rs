@@ -63,6 +63,14 @@ impl Header {
         }
     }
 
+    /// The same, of a scene that came from there.
+    pub(super) fn with(&self, source: &Source) -> Self {
+        Self {
+            source: source.clone(),
+            ..self.clone()
+        }
+    }
+
     pub(crate) fn seconds(&self) -> f64 {
         self.seconds
     }

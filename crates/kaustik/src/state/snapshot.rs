@@ -43,10 +43,7 @@ impl<'a> Snapshot<'a> {
 
     fn encode(&self, out: &mut dyn io::Write, source: &Source) -> io::Result<()> {
         let mut writer = Writer::new(out)?;
-        writer.value(&Header {
-            source: source.clone(),
-            ..self.header.clone()
-        })?;
+        writer.value(&self.header.with(source))?;
         self.keep.write(&mut writer)?;
         writer.finish()
     }
