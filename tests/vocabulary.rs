@@ -81,7 +81,7 @@ fn long_options(text: &str) -> BTreeSet<String> {
 
 #[test]
 fn the_command_page_lists_every_option() {
-    for command in ["render", "study"] {
+    for command in ["render", "merge", "study"] {
         let help = Command::new(env!("CARGO_BIN_EXE_kaustik"))
             .args([command, "--help"])
             .output()

@@ -133,7 +133,7 @@ pub(crate) struct OutputWords {
 /// Words of `merge`.
 #[derive(Args, Debug)]
 pub(crate) struct MergeWords {
-    /// States of shares of one render, as --checkpoint wrote them
+    /// States of shares of one render
     #[arg(value_name = "STATE", required = true)]
     pub(crate) states: Vec<PathBuf>,
     #[command(flatten)]
