@@ -465,14 +465,13 @@ fn each_fault_has_its_reason() {
     };
     assert_eq!(reason(&|b| b[8] = 9), version);
     assert_eq!(reason(&|b| b[12..16].reverse()), StateError::ByteOrder);
-    for (change, word) in [
-        (
-            &(|b: &mut Vec<u8>| b.truncate(20)) as &dyn Fn(&mut Vec<u8>),
-            "too early",
-        ),
-        (&|b: &mut Vec<u8>| b.truncate(b.len() - 1), "checksum"),
-        (&|b: &mut Vec<u8>| b[200] ^= 4, "checksum"),
-    ] {
+    type Change<'a> = &'a dyn Fn(&mut Vec<u8>);
+    let faults: [(Change<'_>, &str); 3] = [
+        (&|b| b.truncate(20), "too early"),
+        (&|b| b.truncate(b.len() - 1), "checksum"),
+        (&|b| b[200] ^= 4, "checksum"),
+    ];
+    for (change, word) in faults {
         let reason = reason(change).to_string();
         assert!(reason.contains(word), "{reason}");
     }
