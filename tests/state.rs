@@ -330,19 +330,19 @@ fn another_render_is_refused_with_both_values() {
         ("seed is 0 in the state, 5 here", |s| s.seed = 5),
         ("max-depth is 12 in the state, 9 here", |s| s.max_depth = 9),
         ("plarge is 0.3 in the state, 0.5 here", |s| {
-            s.options.p_large = 0.5
+            s.options.p_large = 0.5;
         }),
         ("pilot is 20000 in the state, 7 here", |s| {
-            s.options.pilot = 7
+            s.options.pilot = 7;
         }),
         ("filter is box:0.5 in the state, tent:1 here", |s| {
             s.filter = Filter::new("tent", Some(1.0)).expect("a filter");
         }),
         ("method is pssmlt in the state, mmlt here", |s| {
-            s.method = Method::Mmlt
+            s.method = Method::Mmlt;
         }),
         ("ladders are 0..64 in the state, 0..3 here", |s| {
-            s.ladders = Some(0..3)
+            s.ladders = Some(0..3);
         }),
     ];
     for (wanted, change) in changes {
