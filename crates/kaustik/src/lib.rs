@@ -53,8 +53,8 @@ mod statistics;
 mod stratified;
 
 pub use choices::{
-    Builder, Caustics, Colours, Direct, Energy, Jitter, Normaliser, SmallStep, Starts, Steps,
-    Strategies,
+    Builder, Caustics, Colours, Direct, Energy, EvenSamples, Jitter, Normaliser, SmallStep, Starts,
+    Steps, Strategies,
 };
 pub use control::{Control, Progress};
 pub use energy_statistics::EnergyStatistics;
