@@ -37,6 +37,11 @@ pub enum Bsdf {
 }
 
 impl Bsdf {
+    /// Scatters nothing: what a slot holds before it is written.
+    pub const BLACK: Self = Self::Lambertian(Lambertian {
+        reflectance: Spectrum::ZERO,
+    });
+
     /// Ideal diffuse reflection; lanes of `reflectance` in `[0, 1]`.
     #[inline]
     pub fn lambertian(reflectance: Spectrum) -> Self {

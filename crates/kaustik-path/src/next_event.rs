@@ -59,6 +59,7 @@ pub(crate) fn next_event(
         value *= power_heuristic(pdf, density * shares.scattering);
     }
     let interior = scene.interior_toward(vertex, &walk.interior, -walk.direction, sample.wi);
+    gathered.count_shadow();
     let visible = scene.transmittance(&scene.shadow_ray(vertex, &sample), &interior);
     if visible == 0.0 {
         return;

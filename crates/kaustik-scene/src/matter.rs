@@ -84,16 +84,17 @@ impl Matter {
         }
     }
 
-    /// The scattering function at a vertex reached through `interior`.
+    /// The scattering function at a vertex reached through `interior`, into the caller's slot.
     #[inline]
-    pub(crate) fn bsdf(
+    pub(crate) fn write_bsdf(
         &self,
         vertex: &Vertex,
         wavelengths: &Wavelengths,
         interior: &Interior,
-    ) -> Bsdf {
+        bsdf: &mut Bsdf,
+    ) {
         let material = self.material(vertex.material);
-        material.bsdf(&self.textures, &vertex.surface, wavelengths, || {
+        let around = || {
             if interior.is_vacuum() {
                 return Spectrum::ONE;
             }
@@ -104,7 +105,8 @@ impl Matter {
             };
             self.dominant(&around)
                 .map_or(Spectrum::ONE, |solid| self.material(solid).ior(wavelengths))
-        })
+        };
+        material.write_bsdf(&self.textures, &vertex.surface, wavelengths, around, bsdf);
     }
 
     /// Emitted radiance of a material at a surface point; the side is the caller's matter.

@@ -177,7 +177,21 @@ impl Scene {
     /// of the vertex.
     #[inline]
     pub fn bsdf(&self, vertex: &Vertex, wavelengths: &Wavelengths, interior: &Interior) -> Bsdf {
-        self.matter.bsdf(vertex, wavelengths, interior)
+        let mut bsdf = Bsdf::BLACK;
+        self.write_bsdf(vertex, wavelengths, interior, &mut bsdf);
+        bsdf
+    }
+
+    /// [`Self::bsdf`] into the caller's slot, as [`Self::advance`] writes the vertex.
+    #[inline]
+    pub fn write_bsdf(
+        &self,
+        vertex: &Vertex,
+        wavelengths: &Wavelengths,
+        interior: &Interior,
+        bsdf: &mut Bsdf,
+    ) {
+        self.matter.write_bsdf(vertex, wavelengths, interior, bsdf);
     }
 
     /// Radiance that the surface itself sends toward `direction` (unit, world).

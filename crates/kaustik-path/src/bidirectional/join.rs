@@ -61,6 +61,7 @@ pub(super) fn next_event(
         joint: Joint::Direct(&sample),
     });
     let interior = scene.interior_toward(&z.vertex, &z.interior, z.back, sample.wi);
+    gathered.count_shadow();
     let visible = scene.transmittance(&scene.shadow_ray(&z.vertex, &sample), &interior);
     if visible == 0.0 {
         return;
@@ -141,6 +142,7 @@ pub(super) fn join(
     });
     let interior = scene.interior_toward(&z.vertex, &z.interior, z.back, direction);
     let ray = Ray::between(&z.vertex.surface, &y.vertex.surface);
+    gathered.count_shadow();
     let visible = scene.transmittance(&ray, &interior);
     if visible == 0.0 {
         return;
