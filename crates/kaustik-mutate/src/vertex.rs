@@ -84,7 +84,7 @@ impl Default for PathVertex {
         Self {
             place: Place::Surface,
             vertex: Vertex::default(),
-            bsdf: Bsdf::BLACK,
+            bsdf: Bsdf::black(),
             interior: Interior::VACUUM,
             back: DVec3::Z,
             toward_light: DVec3::Z,

@@ -42,7 +42,7 @@ impl Endpoint {
     ) {
         let mut origin = None;
         let mut share = 0.0;
-        let (mut vertex, mut bsdf) = (Vertex::default(), Bsdf::BLACK);
+        let (mut vertex, mut bsdf) = (Vertex::default(), Bsdf::black());
         while walk.advance(scene, u, &mut vertex).is_some() {
             let settings = &self.settings;
             if walk.edges >= settings.min_edges {

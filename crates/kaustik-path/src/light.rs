@@ -53,7 +53,7 @@ impl LightTracing {
         u: &mut dyn Coordinates,
         out: &mut Contributions,
     ) {
-        let (mut vertex, mut bsdf) = (Vertex::default(), Bsdf::BLACK);
+        let (mut vertex, mut bsdf) = (Vertex::default(), Bsdf::black());
         while walk.edges + 1 < self.settings.max_edges && !walk.throughput.is_zero() {
             let Some(distance) = walk.advance(scene, u, &mut vertex) else {
                 return;

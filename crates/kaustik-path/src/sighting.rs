@@ -28,7 +28,7 @@ pub enum Sighting {
 pub fn sight(settings: &BuilderSettings, scene: &Scene, u: &mut dyn Coordinates) -> Sighting {
     let wavelengths = Wavelengths::sample(u.get(Stream::Wavelength, 0), settings.wavelengths);
     let (mut walk, _) = camera_walk::start(settings, scene, &wavelengths, u);
-    let (mut vertex, mut bsdf) = (Vertex::default(), Bsdf::BLACK);
+    let (mut vertex, mut bsdf) = (Vertex::default(), Bsdf::black());
     let so_far = |walk: &Walk<'_>| {
         if walk.specular {
             Sighting::Specular

@@ -55,7 +55,7 @@ impl Unidirectional {
     ) {
         // `None`: next event could not have found what the walk runs into.
         let mut origin = None;
-        let (mut vertex, mut bsdf) = (Vertex::default(), Bsdf::BLACK);
+        let (mut vertex, mut bsdf) = (Vertex::default(), Bsdf::black());
         while walk.advance(scene, u, &mut vertex).is_some() {
             let Self { settings, .. } = self;
             if walk.edges >= settings.min_edges {

@@ -45,7 +45,7 @@ pub(crate) enum Small {
 }
 
 impl Mutation for Small {
-    #[inline]
+    #[inline(always)]
     fn mutate<D: Draws + ?Sized>(&self, x: f64, draws: &mut D) -> f64 {
         match self {
             Self::Kelemen(mutation) => mutation.mutate(x, draws),

@@ -26,10 +26,11 @@ pub(super) fn next_event(
         return;
     }
     let first = layout::connection(z.edges);
-    let sample = scene.sample_direct(z.vertex.position, job.wavelengths, |i| {
-        u.get(Stream::Connection, first + i)
-    });
-    let Some(sample) = sample else { return };
+    let mut sample = DirectSample::nothing();
+    let ask = |i: u32| u.get(Stream::Connection, first + i);
+    if !scene.write_direct(z.vertex.position, job.wavelengths, ask, &mut sample) {
+        return;
+    }
     let wi = z.vertex.frame.to_local(sample.wi);
     if !shading::sides_agree(z.wo, wi, z.ng) {
         return;

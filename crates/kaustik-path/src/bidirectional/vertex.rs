@@ -37,7 +37,7 @@ impl Default for PathVertex {
     fn default() -> Self {
         Self {
             vertex: Vertex::default(),
-            bsdf: Bsdf::BLACK,
+            bsdf: Bsdf::black(),
             wo: DVec3::Z,
             ng: DVec3::Z,
             back: DVec3::Z,

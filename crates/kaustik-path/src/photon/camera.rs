@@ -41,7 +41,7 @@ impl MeasurementWalk {
         let (mut walk, raster) = camera_walk::start(&self.settings, scene, wavelengths, u);
         let (origin, direction) = (walk.ray.origin.as_dvec3(), walk.direction);
         let mut length = 0.0;
-        let (mut vertex, mut bsdf) = (Vertex::default(), Bsdf::BLACK);
+        let (mut vertex, mut bsdf) = (Vertex::default(), Bsdf::black());
         while walk.edges + 1 < self.settings.max_edges {
             let Some(distance) = walk.advance(scene, u, &mut vertex) else {
                 return;

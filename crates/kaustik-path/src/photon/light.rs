@@ -84,7 +84,7 @@ impl PhotonTracing {
         let emission = scene.sample_emission(wavelengths, |i| u.get(Stream::Light, i));
         let Some(emission) = emission else { return };
         let mut walk = Walk::from_emitter(&emission, emission.weight, wavelengths);
-        let (mut vertex, mut bsdf) = (Vertex::default(), Bsdf::BLACK);
+        let (mut vertex, mut bsdf) = (Vertex::default(), Bsdf::black());
         while walk.edges + 1 < self.max_edges && !walk.throughput.is_zero() {
             let Some(distance) = walk.advance(scene, u, &mut vertex) else {
                 return;

@@ -42,7 +42,7 @@ impl Remainder {
         gathered: &mut Gathered<'_>,
     ) {
         let mut origin = None;
-        let (mut vertex, mut bsdf) = (Vertex::default(), Bsdf::BLACK);
+        let (mut vertex, mut bsdf) = (Vertex::default(), Bsdf::black());
         while walk.advance(scene, u, &mut vertex).is_some() {
             emission(scene, walk, &vertex, origin, 1.0, gathered);
             if walk.edges == self.settings.max_edges {

@@ -148,7 +148,7 @@ impl Material {
         around: Spectrum,
     ) -> Bsdf {
         if self.kind == Kind::Black {
-            return Bsdf::BLACK;
+            return Bsdf::black();
         }
         let base = self.base.eval(textures, surface, wavelengths);
         let (metallic, roughness) = self.metallic_roughness(textures, surface);
