@@ -30,4 +30,4 @@ pub use replica_set::{ClassWeights, ReplicaSet, ReplicaSetError};
 pub use replicas::{ReplicaDeposit, ReplicaFamily, ReplicaWeights, light};
 pub use scalar::{Contribution, ScalarContribution};
 pub use shares::Shares;
-pub use target::PathTarget;
+pub use target::{CountedTarget, PathTarget};

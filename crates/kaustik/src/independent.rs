@@ -7,7 +7,7 @@ use kaustik_estimate::Scale;
 use kaustik_film::{Counters, Film, Image, Quantum, develop};
 use kaustik_mcmc::{Independent, Mean, SampleGenerators};
 use kaustik_path::{
-    Bidirectional, Contributions, Form, LightTracing, PathBuilder, Remainder, Unidirectional,
+    Bidirectional, Contributions, Form, LightTracing, PathBuilder, Rays, Remainder, Unidirectional,
 };
 use kaustik_pss::Coordinates;
 use kaustik_scene::Scene;
@@ -15,7 +15,7 @@ use rayon::prelude::*;
 
 use crate::cells::{Cells, Tour};
 use crate::control::is_stopped;
-use crate::engine::{Engine, Nonfinite, STRIDE};
+use crate::engine::{Engine, Nonfinite, STRIDE, add_rays};
 use crate::erpt_pss::{Chains, Paths, PssRedistribution};
 use crate::pssmlt::builder;
 use crate::render::builder_settings;
@@ -53,6 +53,7 @@ struct SampleStream {
     generators: SampleGenerators,
     value: Contributions,
     nonfinite: Nonfinite,
+    rays: Rays,
     /// Runs chains from the samples, where the method does.
     chains: Option<Box<Chains>>,
 }
@@ -137,6 +138,7 @@ impl<'a> IndependentEngine<'a> {
             generators: SampleGenerators::new(settings.seed, u64::from(ladder)),
             value: Contributions::default(),
             nonfinite: Nonfinite::default(),
+            rays: Rays::default(),
             chains: None,
         };
         Ok(Self {
@@ -287,6 +289,12 @@ impl Engine for IndependentEngine<'_> {
         )
     }
 
+    /// Not of what is redistributed: its chains do not count them.
+    fn rays(&self) -> Option<Rays> {
+        let none = self.redistribution.is_none();
+        none.then(|| add_rays(self.streams.iter().map(|stream| stream.rays)))
+    }
+
     fn film_counters(&self) -> Counters {
         self.film.counters()
     }
@@ -348,6 +356,7 @@ impl SampleStream {
             _ => {
                 builder.build(scene, coordinates, &mut self.value);
                 job.scale.splat(job.film, &self.value, 1.0);
+                self.rays += self.value.rays();
                 u64::from(self.value.nonfinite())
             }
         };

@@ -69,7 +69,7 @@ pub use replica_statistics::{ReplicaLevel, ReplicaStatistics};
 pub use settings::{Budget, RenderSettings};
 pub use statistics::{
     ChainStatistics, DirectStatistics, MutationStatistics, PhotonLevel, PhotonStatistics, Place,
-    RenderStatistics,
+    RayStatistics, RenderStatistics,
 };
 
 pub use kaustik_estimate::Mis;

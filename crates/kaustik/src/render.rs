@@ -17,8 +17,8 @@ use crate::photon::{PhotonEngine, is_photon};
 use crate::pssmlt::PssmltEngine;
 use crate::relt;
 use crate::{
-    Budget, Control, Method, Progress, RenderError, RenderSettings, RenderStatistics, annealing,
-    features,
+    Budget, Control, Method, Progress, RayStatistics, RenderError, RenderSettings,
+    RenderStatistics, annealing, features,
 };
 
 /// What became of a render.
@@ -274,6 +274,10 @@ impl Work<'_> {
             pilot_seconds: self.pilot.as_secs_f64(),
             nonfinite,
             first_nonfinite,
+            rays: engine.rays().map(|rays| RayStatistics {
+                closest: rays.closest,
+                any: rays.any,
+            }),
             film: engine.film_counters(),
             chain: engine.chain_statistics(),
             direct: engine.direct_statistics(),

@@ -117,25 +117,29 @@ impl Material {
         })
     }
 
-    /// The scattering function at a hit. `around` is the index of refraction of the medium
-    /// on the outer side of the surface at the path's wavelengths.
+    /// The scattering function at a hit, into the caller's slot: most are a plain wall's, a fraction of the size of the
+    /// largest. `around` is the index of refraction of the medium on the outer side of the surface at the path's
+    /// wavelengths.
     #[inline]
-    pub(crate) fn bsdf(
+    pub(crate) fn write_bsdf(
         &self,
         textures: &[Texture],
         surface: &Surface,
         wavelengths: &Wavelengths,
         around: impl FnOnce() -> Spectrum,
-    ) -> Bsdf {
+        bsdf: &mut Bsdf,
+    ) {
         match self.kind {
-            Kind::Black => Bsdf::lambertian(Spectrum::ZERO),
-            Kind::Lambertian => Bsdf::lambertian(self.base.eval(textures, surface, wavelengths)),
-            Kind::Principled => self.principled(textures, surface, wavelengths, around()),
-            _ => self.special(textures, surface, wavelengths, around()),
+            Kind::Lambertian => {
+                *bsdf = Bsdf::lambertian(self.base.eval(textures, surface, wavelengths));
+            }
+            Kind::Principled => *bsdf = self.principled(textures, surface, wavelengths, around()),
+            _ => *bsdf = self.special(textures, surface, wavelengths, around()),
         }
     }
 
     /// Everything but the plain wall and glTF's mixture.
+    #[inline(never)]
     fn special(
         &self,
         textures: &[Texture],
@@ -143,6 +147,9 @@ impl Material {
         wavelengths: &Wavelengths,
         around: Spectrum,
     ) -> Bsdf {
+        if self.kind == Kind::Black {
+            return Bsdf::black();
+        }
         let base = self.base.eval(textures, surface, wavelengths);
         let (metallic, roughness) = self.metallic_roughness(textures, surface);
         let alpha = f64::from(roughness * roughness);
@@ -176,6 +183,7 @@ impl Material {
         }
     }
 
+    #[inline(never)]
     fn principled(
         &self,
         textures: &[Texture],

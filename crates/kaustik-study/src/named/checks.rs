@@ -267,21 +267,23 @@ pub(super) fn starts_within(results: &Results, name: &str, limit: f64) -> Findin
     Finding::new(measured, holds)
 }
 
-/// How many times as many samples one method takes in the same time as another.
-pub(super) fn more_samples(results: &Results, place: &str, more: &str, less: &str) -> Finding {
-    let rate = |name: &str| {
+/// The shadow rays that a sample of one method takes, against another's.
+pub(super) fn fewer_shadow_rays(
+    results: &Results,
+    place: &str,
+    fewer: &str,
+    more: &str,
+) -> Finding {
+    let each = |name: &str| {
         let group = last(results, place, name)?;
-        Some(group.per_pixel() / group.seconds())
+        Some(group.statistic("/rays/any")? / group.statistic("/steps")?)
     };
-    match (rate(more), rate(less)) {
-        (Some(a), Some(b)) if b > 0.0 => Finding::new(
-            format!(
-                "{place}: {more} takes {:.2} times as many samples a second as {less}",
-                a / b
-            ),
-            a > b,
+    match (each(fewer), each(more)) {
+        (Some(a), Some(b)) if a.is_finite() && b > 0.0 => Finding::new(
+            format!("{place}: {fewer} traces {a:.2} shadow rays a sample, {more} {b:.2}"),
+            a < b,
         ),
-        _ => Finding::open("not rendered"),
+        _ => Finding::open("not rendered, or by a version that did not count rays"),
     }
 }
 
