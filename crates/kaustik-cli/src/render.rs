@@ -30,7 +30,7 @@ pub(crate) fn run(words: &RenderWords) -> Result<ExitCode, Failure> {
     if words.output.is_none() && words.png.is_none() {
         remark("warning: neither -o nor --png is given: the picture will not be kept");
     }
-    let input = input::load(&words.scene, words.max_memory)?;
+    let input = input::load(&words.scene, words.max_memory, words.variant.as_deref())?;
     for warning in &input.warnings {
         remark(&format!("warning: {warning}"));
     }
@@ -240,6 +240,7 @@ fn metadata(words: &RenderWords, settings: &RenderSettings, statistics: &Value) 
         "crop": settings.layout().crop.to_string(),
         "budget": budget,
         "camera": words.camera,
+        "variant": words.variant,
         "environment": words.environment,
         "ladders": [settings.ladder_range().start, settings.ladder_range().end],
         "set": set,

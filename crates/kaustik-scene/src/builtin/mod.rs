@@ -17,8 +17,10 @@ mod disco;
 mod furnace;
 mod glass_cube;
 mod glossy_cornell;
+mod material_ball;
 mod materials;
 mod mirror_statue;
+mod prism;
 mod query;
 mod ring_and_sphere;
 mod room;
@@ -119,6 +121,8 @@ const SCENES: &[BuiltinScene] = &[
     disco::SCENE,
     mirror_statue::SCENE,
     dinner_hall::SCENE,
+    prism::SCENE,
+    material_ball::SCENE,
     furnace::SCENE,
 ];
 

@@ -68,6 +68,33 @@ pub(super) fn cuboid(centre: Vec3, half: Vec3, turn: f32) -> Mesh {
     block(level(-1.0), level(1.0))
 }
 
+/// An upright column over a convex polygon of corners (x, z), flat and closed.
+pub(super) fn column(corners: &[Vec2], bottom: f32, top: f32) -> Mesh {
+    let at = |corner: Vec2, y: f32| Vec3::new(corner.x, y, corner.y);
+    let centre = corners.iter().sum::<Vec2>() / corners.len() as f32;
+    let middle = at(centre, 0.5 * (bottom + top));
+    let mut parts = Vec::new();
+    for (i, &a) in corners.iter().enumerate() {
+        let b = corners[(i + 1) % corners.len()];
+        let side = [at(a, bottom), at(b, bottom), at(b, top), at(a, top)];
+        let outside = side.iter().sum::<Vec3>() * 0.5 - middle;
+        parts.push(quad(side, outside));
+    }
+    for (y, outside) in [(bottom, bottom - 1.0), (top, top + 1.0)] {
+        let mut face: Vec<Vec3> = corners.iter().map(|&corner| at(corner, y)).collect();
+        let normal = (face[1] - face[0]).cross(face[2] - face[0]);
+        if normal.y * (outside - y) < 0.0 {
+            face.reverse();
+        }
+        parts.push(Mesh {
+            indices: (2..face.len() as u32).map(|i| [0, i - 1, i]).collect(),
+            positions: face,
+            ..Mesh::default()
+        });
+    }
+    join(parts)
+}
+
 /// A band around an axis along z through `centre`, rectangular in section, between the two
 /// radii and `depth` long towards +z; smooth around, sharp at the edges.
 pub(super) fn ring(centre: Vec3, radii: [f32; 2], depth: f32, segments: u32) -> Mesh {
