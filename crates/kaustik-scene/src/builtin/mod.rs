@@ -9,6 +9,7 @@
 //! its area shrinks, so a picture keeps its brightness while it gets harder to
 //! find the lamp by chance.
 
+mod canyon;
 mod cornell;
 mod cornell_direct;
 mod cornell_indirect;
@@ -18,7 +19,9 @@ mod furnace;
 mod glass_cube;
 mod glossy_cornell;
 mod materials;
+mod mirror_balls;
 mod mirror_statue;
+mod patterns;
 mod query;
 mod ring_and_sphere;
 mod room;
@@ -26,6 +29,9 @@ mod shapes;
 mod spheres;
 mod stage;
 mod statue;
+mod tea_time;
+mod underwater;
+mod villa;
 mod water_cornell;
 
 use crate::Description;
@@ -119,6 +125,11 @@ const SCENES: &[BuiltinScene] = &[
     disco::SCENE,
     mirror_statue::SCENE,
     dinner_hall::SCENE,
+    villa::SCENE,
+    underwater::SCENE,
+    canyon::SCENE,
+    mirror_balls::SCENE,
+    tea_time::SCENE,
     furnace::SCENE,
 ];
 
