@@ -5,6 +5,7 @@
 //! off them, [`KelemenDeposit`] weighs and splats every visit. [`ReplicaFamily`] and
 //! [`ReplicaDeposit`] do the same for replica exchange.
 
+mod bridge;
 mod density_target;
 mod deposit;
 mod photon_deposit;
@@ -18,10 +19,11 @@ mod scalar;
 mod shares;
 mod target;
 
+pub use bridge::Bridge;
 pub use density_target::DensityTarget;
 pub use deposit::{KelemenDeposit, Mis, Scale};
 pub use kaustik_path::ScalarTarget;
-pub use photon_deposit::{Combine, PhotonDeposit};
+pub use photon_deposit::{Combine, PhotonDeposit, TOUCH};
 pub use photon_map::PhotonMap;
 pub use photon_target::{Meeting, PhotonLevels, PhotonTarget, PhotonValue};
 pub use region_sums::{RegionSums, Witnesses};
