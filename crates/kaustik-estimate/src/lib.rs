@@ -5,7 +5,6 @@
 //! off them, [`KelemenDeposit`] weighs and splats every visit. [`ReplicaFamily`] and
 //! [`ReplicaDeposit`] do the same for replica exchange.
 
-mod bridge;
 mod density_target;
 mod deposit;
 mod photon_deposit;
@@ -19,7 +18,6 @@ mod scalar;
 mod shares;
 mod target;
 
-pub use bridge::Bridge;
 pub use density_target::DensityTarget;
 pub use deposit::{KelemenDeposit, Mis, Scale};
 pub use kaustik_path::ScalarTarget;

@@ -5,7 +5,7 @@ use kaustik_mcmc::{Recorder, Visit};
 
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 
-use crate::{Bridge, PhotonMap, PhotonValue, RegionSums, Scale};
+use crate::{PhotonMap, PhotonValue, RegionSums, Scale};
 
 /// How the samples of several chains make one picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -41,8 +41,6 @@ pub struct PhotonDeposit<'a, const K: usize> {
     pub regions: Option<(&'a RegionSums<K>, usize)>,
     /// How often each point was touched, in steps of [`TOUCH`], if anybody asks.
     pub touches: Option<&'a [AtomicU64]>,
-    /// What the visits say of normalisers.
-    pub bridge: Bridge<K>,
     /// Sum of the visits' weights at each level.
     pub counts: [f64; K],
     /// Values that were not finite.
@@ -77,7 +75,6 @@ impl<const K: usize> Recorder<PhotonValue, K> for PhotonDeposit<'_, K> {
         if visit.value.meetings.is_empty() {
             return;
         }
-        (self.bridge).take(level, visit.weight, visit.densities, &self.rough);
         let weight = visit.weight * share(self.combine, &self.rough, visit.densities, level);
         let photons = visit.value.path.photons();
         for meeting in &visit.value.meetings {

@@ -1,6 +1,6 @@
 //! Photons of Markov chains that exchange states (spec: stf-photon.md 3, 7 and 8).
 
-use kaustik_estimate::{Bridge, PhotonDeposit, PhotonLevels, PhotonTarget, PhotonValue};
+use kaustik_estimate::{PhotonDeposit, PhotonLevels, PhotonTarget, PhotonValue};
 use kaustik_film::{Counters, Film, Image, Layer};
 use kaustik_mcmc::{
     Acceptance, AcceptanceAdaptation, Draws, Ignore, Independent, Ladder, Mean, Metropolis,
@@ -26,6 +26,9 @@ const CHOICE_LADDER: u64 = u64::MAX - 1;
 const REVIVAL_LADDER: u64 = u64::MAX - 2;
 /// Before the first iteration step sizes learn for so many rounds of so many sweeps.
 const WARM_UP: (u64, u64) = (8, 32);
+/// A ladder takes so many sweeps an iteration at least, or there are fewer ladders: means of short chains under targets that have
+/// just changed are off, and many ladders do not mend that.
+const LEAST_SWEEPS: u64 = 4096;
 
 /// Ladders of K chains each: the first draws uniform light paths, the others follow targets.
 pub(super) struct PhotonChains<const K: usize> {
@@ -58,7 +61,6 @@ struct Chains<const K: usize> {
     draws: Pcg64Dxsm,
     ladder: Ladder<Point<Power>, PhotonValue, K>,
     counts: [f64; K],
-    bridge: Bridge<K>,
     faults: u64,
 }
 
@@ -145,8 +147,10 @@ impl<const K: usize> PhotonChains<K> {
         let mut choice = generator(settings.seed, CHOICE_LADDER);
         let mutation = Power::new(1.0);
         let mut ladders = Vec::new();
-        for ladder in 0..settings.options.ladders {
-            let mut draws = generator(settings.seed, u64::from(ladder));
+        let useful = stage.photons / (K as u64 * LEAST_SWEEPS);
+        let count = u64::from(settings.options.ladders).min(useful).max(1);
+        for ladder in 0..count {
+            let mut draws = generator(settings.seed, ladder);
             let mut level = 0..;
             let starts = [(); K].map(|()| {
                 let level = level.next().unwrap_or_default();
@@ -165,7 +169,6 @@ impl<const K: usize> PhotonChains<K> {
                 ladder: Ladder::new(starts, &levels),
                 draws,
                 counts: [0.0; K],
-                bridge: Bridge::default(),
                 faults: 0,
             });
         }
@@ -264,7 +267,6 @@ impl<const K: usize> PhotonChains<K> {
             combine: self.options.combine,
             regions: self.targets.sums().map(|sums| (sums, half)),
             touches: self.maps.as_ref().map(Maps::touches),
-            bridge: Bridge::default(),
             counts: [0.0; K],
             faults: 0,
         };
@@ -280,7 +282,6 @@ impl<const K: usize> PhotonChains<K> {
                 ladder.flush(&mut Ignore);
                 ladder.reset_statistics();
                 chains.counts = [0.0; K];
-                chains.bridge = Bridge::default();
                 chains.faults = 0;
                 // Both halves have a block of every ladder.
                 let sweeps = share(index as u64);
@@ -294,7 +295,6 @@ impl<const K: usize> PhotonChains<K> {
                     for level in 0..K {
                         chains.counts[level] += recorder.counts[level];
                     }
-                    chains.bridge.merge(&recorder.bridge);
                     chains.faults += recorder.faults;
                 }
             });
@@ -304,20 +304,24 @@ impl<const K: usize> PhotonChains<K> {
     /// Normalisers of the iteration, and what turns sums at each level into shares of the picture: `b_l / (b0_l N_l)`.
     fn normalise(&mut self) -> [f64; K] {
         let mut stone = SteppingStone::<K>::line();
-        let mut bridge = Bridge::default();
         for chains in &self.ladders {
             stone.merge_as_one(chains.ladder.stepping_stone());
-            bridge.merge(&chains.bridge);
         }
         self.normalisers = match &mut self.visible {
             None => chained(&stone),
             Some(visible) => {
-                visible.push(stone.ratios()[1]);
+                let ratios = stone.ratios();
+                visible.push(ratios[1]);
                 let (share, error) = (visible.mean(), visible.standard_error());
-                let ratios = bridge.ratios(&self.rough);
-                std::array::from_fn(|level| match level {
-                    0 => [1.0, 0.0],
-                    _ => [share * ratios[level], error * ratios[level]],
+                let mut above = 1.0;
+                std::array::from_fn(|level| {
+                    if level == 0 {
+                        return [1.0, 0.0];
+                    }
+                    if level > 1 {
+                        above *= ratios[level];
+                    }
+                    [share * above, error * above]
                 })
             }
         };
