@@ -167,7 +167,7 @@ pub(crate) struct CompareWords {
 /// Words of `study`.
 #[derive(Args, Debug)]
 pub(crate) struct StudyWords {
-    /// A paper's study (pssmlt, relt, erpt), or a .toml file
+    /// A paper's study (pssmlt, relt, erpt, spatial-target), or a .toml file
     #[arg(value_name = "NAME|FILE.toml")]
     pub(crate) study: String,
     /// A small version: shows that everything works

@@ -355,4 +355,7 @@ pub const KEYS: &[Key] = &[
     photon_options::TARGET_FUNCTION,
     photon_options::PSI,
     photon_options::REFINEMENT,
+    photon_options::ORIENTATION,
+    photon_options::NORMALISATION,
+    photon_options::MAPS,
 ];

@@ -63,7 +63,7 @@ pub use key::{KEYS, Key};
 pub use method::{Method, UnknownMethod};
 pub use mutations::Mutations;
 pub use options::{OptionError, Options};
-pub use photon_options::{PhotonOptions, TargetFunction};
+pub use photon_options::{Normalisation, PhotonOptions, TargetFunction};
 pub use render::{Outcome, Rendered, Watch, render, render_watched};
 pub use replica_statistics::{ReplicaLevel, ReplicaStatistics};
 pub use settings::{Budget, RenderSettings};

@@ -9,6 +9,7 @@
 //! its area shrinks, so a picture keeps its brightness while it gets harder to
 //! find the lamp by chance.
 
+mod canyon;
 mod cornell;
 mod cornell_direct;
 mod cornell_indirect;
@@ -19,7 +20,9 @@ mod glass_cube;
 mod glossy_cornell;
 mod material_ball;
 mod materials;
+mod mirror_balls;
 mod mirror_statue;
+mod patterns;
 mod prism;
 mod query;
 mod ring_and_sphere;
@@ -28,6 +31,9 @@ mod shapes;
 mod spheres;
 mod stage;
 mod statue;
+mod tea_time;
+mod underwater;
+mod villa;
 mod water_cornell;
 
 use crate::Description;
@@ -121,6 +127,11 @@ const SCENES: &[BuiltinScene] = &[
     disco::SCENE,
     mirror_statue::SCENE,
     dinner_hall::SCENE,
+    villa::SCENE,
+    underwater::SCENE,
+    canyon::SCENE,
+    mirror_balls::SCENE,
+    tea_time::SCENE,
     prism::SCENE,
     material_ball::SCENE,
     furnace::SCENE,

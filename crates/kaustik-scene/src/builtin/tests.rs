@@ -22,6 +22,11 @@ const ALL: &[&str] = &[
     "disco",
     "mirror-statue",
     "dinner-hall",
+    "villa",
+    "underwater",
+    "canyon",
+    "mirror-balls",
+    "tea-time",
     "prism",
     "prism?light=0.2",
     "material-ball",
@@ -85,10 +90,10 @@ fn scenes_are_well_formed() {
             assert!(used, "{words}: material {material} is not used");
         }
         let count: usize = scene.meshes.iter().map(|mesh| mesh.indices.len()).sum();
-        let most = if words == &"mirror-statue" {
-            320_000
-        } else {
-            25_000
+        let most = match *words {
+            "mirror-statue" => 320_000,
+            "dinner-hall" | "villa" | "underwater" | "canyon" | "tea-time" => 150_000,
+            _ => 25_000,
         };
         assert!((1..most).contains(&count), "{words}: {count} triangles");
         assert_eq!(scene.cameras.len(), 1);
