@@ -71,7 +71,7 @@ fn furniture(stage: &mut Stage, oak: usize) {
     ];
     stage.place("sofa", cloth, shapes::join(sofa));
     let mut table = vec![s([3.2, 0.42, 4.6], [4.4, 0.47, 6.4])];
-    for (x, z) in [(3.25, 4.65), (4.28, 4.65), (3.25, 6.28), (4.28, 6.28)] {
+    for (x, z) in [(3.25, 4.65), (4.28, 4.65), (3.25, 6.27), (4.28, 6.27)] {
         table.push(s([x, 0.0, z], [x + 0.07, 0.42, z + 0.07]));
     }
     for k in 0..5 {

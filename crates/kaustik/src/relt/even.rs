@@ -128,7 +128,8 @@ impl Even {
                     value: &self.value,
                     densities: &densities,
                     weight: 1.0,
-                    independent: 1.0,
+                    // not for the normaliser: the errors of sums and ladders are those of samples that fall by chance
+                    independent: 0.0,
                 });
             }
             self.step += 1;
