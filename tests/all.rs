@@ -25,6 +25,8 @@ mod bits;
 mod brightness;
 /// A second path tracer, and what it takes to tell a wrong one from a right one.
 mod by_the_book;
+/// Orthographic cameras, lenses with blades, windows of the image: in every method.
+mod cameras;
 /// States that are damaged.
 mod damaged;
 /// Direct light beside chains.

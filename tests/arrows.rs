@@ -45,7 +45,7 @@ const TABLE: &[(u8, &str, &str, &str, &str)] = &[
         2,
         "kaustik-scene",
         "bsdf geometry spectrum",
-        "base64 blake3 glam image libm serde serde_json thiserror",
+        "base64 blake3 glam image libm meshoptimizer-rs serde serde_json thiserror",
         "",
     ),
     (
@@ -88,6 +88,13 @@ const TABLE: &[(u8, &str, &str, &str, &str)] = &[
         "kaustik-cli",
         "kaustik study",
         "clap glam indicatif serde_json signal-hook",
+        "",
+    ),
+    (
+        7,
+        "kaustik-fuzz",
+        "kaustik",
+        "clap glam image meshoptimizer-rs serde_json tempfile",
         "",
     ),
 ];
@@ -148,6 +155,7 @@ const RESERVED: &[(&[&str], &[&str], &str)] = &[
             "kaustik",
             "kaustik-study",
             "kaustik-cli",
+            "kaustik-fuzz",
         ],
         "files are read and written at the rim alone",
     ),

@@ -109,6 +109,18 @@ fn wrong_words() {
         &["crop"],
     );
     refused(
+        &["render", "builtin:cornell", "--variant", "beach"],
+        &["beach", "have none"],
+    );
+    refused(
+        &["render", "builtin:cornell", "--max-memory", "100"],
+        &["a need of", "at most 100"],
+    );
+    refused(
+        &["render", "builtin:cornell", "--camera", "1"],
+        &["'1'", "0 (camera)"],
+    );
+    refused(
         &["render", "builtin:cornell", "--camera", "none"],
         &["none"],
     );
@@ -253,6 +265,8 @@ fn lists_are_printed() {
         (&["methods"], "pssmlt"),
         (&["methods", "pssmlt"], "plarge"),
         (&["info", "builtin:cornell"], "triangles"),
+        (&["info", "builtin:cornell"], "MB for tracing rays"),
+        (&["info", "builtin:cornell"], "0 camera (pinhole)"),
     ] {
         let output = kaustik(words);
         assert!(output.status.success());

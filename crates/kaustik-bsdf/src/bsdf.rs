@@ -37,6 +37,12 @@ pub enum Bsdf {
 }
 
 impl Bsdf {
+    /// Scatters nothing: what a slot holds before it is written. Not a constant, of which all bytes would be copied.
+    #[inline]
+    pub fn black() -> Self {
+        Self::lambertian(Spectrum::ZERO)
+    }
+
     /// Ideal diffuse reflection; lanes of `reflectance` in `[0, 1]`.
     #[inline]
     pub fn lambertian(reflectance: Spectrum) -> Self {

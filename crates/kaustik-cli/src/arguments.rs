@@ -72,15 +72,18 @@ pub(crate) struct RenderWords {
     /// Wavelengths a path: 4 importance-sampled, or 1 uniform over 400-700 nm
     #[arg(long, value_name = "N", value_parser = ["1", "4"])]
     pub(crate) wavelengths: Option<String>,
-    /// Pixel filter: box, tent, gaussian or mitchell, with a radius as in gaussian:2
+    /// Pixel filter: box, tent, gaussian, mitchell or blackman-harris, with a radius as in gaussian:2
     #[arg(long, value_name = "NAME", default_value = "box", value_parser = str::parse::<Filter>)]
     pub(crate) filter: Filter,
     /// Pixels to render: X0,Y0,X1,Y1, the last two excluded
     #[arg(long, value_name = "X0,Y0,X1,Y1", value_parser = window)]
     pub(crate) crop: Option<Window>,
-    /// Camera by name [default: the first]
-    #[arg(long, value_name = "NAME")]
+    /// Camera by name, or by index from 0 [default: the first]
+    #[arg(long, value_name = "NAME|INDEX")]
     pub(crate) camera: Option<String>,
+    /// Material variant by name (see `kaustik info`) [default: each mesh's own materials]
+    #[arg(long, value_name = "NAME")]
+    pub(crate) variant: Option<String>,
     /// Light from all around: a .hdr or .exr file, one number, or R,G,B
     #[arg(long, value_name = "FILE|COLOUR")]
     pub(crate) environment: Option<String>,
@@ -204,7 +207,7 @@ pub(crate) struct CompareWords {
 /// Words of `study`.
 #[derive(Args, Debug)]
 pub(crate) struct StudyWords {
-    /// A paper's study (pssmlt, relt, erpt), or a .toml file
+    /// A paper's study (pssmlt, relt, erpt, spatial-target), or a .toml file
     #[arg(value_name = "NAME|FILE.toml")]
     pub(crate) study: String,
     /// A small version: shows that everything works

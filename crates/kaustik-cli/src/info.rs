@@ -3,23 +3,46 @@
 use std::fmt::Write;
 use std::process::ExitCode;
 
-use kaustik::scene::Description;
+use kaustik::scene::description::{CameraDescription, EnvironmentDescription, Projection};
+use kaustik::scene::{Description, Scene, SceneOptions};
 
 use crate::arguments::InfoWords;
 use crate::{Failure, input, output};
 
 pub(crate) fn run(words: &InfoWords) -> Result<ExitCode, Failure> {
-    let input = input::load(&words.scene, None)?;
+    let input = input::load(&words.scene, None, None)?;
     let mut text = contents(&input.description);
-    if input.memory > 0 {
-        let _ = writeln!(
-            text,
-            "memory      {:.1} MB once loaded",
-            input.memory as f64 * 1e-6
-        );
+    let mut line = |what: &str, value: &str| {
+        let _ = writeln!(text, "{what:<11} {value}");
+    };
+    line("variants", &names(input.variants.iter()));
+    line("extensions", &names(input.extensions.read.iter()));
+    if !input.extensions.ignored.is_empty() {
+        line("ignored", &names(input.extensions.ignored.iter()));
+    }
+    let options = SceneOptions {
+        width: 16,
+        height: 16,
+        ..SceneOptions::default()
+    };
+    // what the file says is one thing, whether it is a scene another: both before a render
+    let scene = Scene::new(&input.description, &options)
+        .map_err(|error| Failure::Input(format!("{}: {error}", words.scene)))?;
+    let megabytes = |bytes: u64| bytes as f64 * 1e-6;
+    let trees = scene.world().memory() as u64;
+    line(
+        "memory",
+        &format!(
+            "{:.1} MB once loaded, and {:.1} MB for tracing rays",
+            megabytes(input.memory),
+            megabytes(trees)
+        ),
+    );
+    for notice in scene.notices() {
+        line("note", notice);
     }
     for warning in &input.warnings {
-        let _ = writeln!(text, "warning     {warning}");
+        line("warning", warning);
     }
     output::print(&text);
     Ok(ExitCode::SUCCESS)
@@ -67,17 +90,32 @@ fn contents(scene: &Description) -> String {
         "lights",
         names(scene.lights.iter().map(|light| &light.name)),
     );
-    line(
-        "cameras",
-        names(scene.cameras.iter().map(|camera| &camera.name)),
-    );
-    let environment = if scene.environment.is_some() {
-        "yes"
-    } else {
-        "none"
+    let cameras: Vec<String> = scene.cameras.iter().enumerate().map(camera).collect();
+    line("cameras", names(cameras.iter()));
+    let environment = match &scene.environment {
+        None => "none".to_owned(),
+        Some(EnvironmentDescription::Constant(color)) => format!("constant, {color:?}"),
+        Some(EnvironmentDescription::Image { image, .. }) => {
+            format!("{} ({} x {})", image.name, image.width, image.height)
+        }
     };
-    line("environment", environment.into());
+    line("environment", environment);
     text
+}
+
+/// Index, name and kind.
+fn camera((index, camera): (usize, &CameraDescription)) -> String {
+    let kind = match (camera.projection, camera.lens) {
+        (Projection::Orthographic { .. }, _) => "orthographic",
+        (Projection::Perspective { .. }, None) => "pinhole",
+        (Projection::Perspective { .. }, Some(_)) => "thin lens",
+    };
+    let name = if camera.name.is_empty() {
+        String::new()
+    } else {
+        format!("{} ", camera.name)
+    };
+    format!("{index} {name}({kind})")
 }
 
 /// `3: a, b, c`.

@@ -15,21 +15,25 @@ pub(crate) struct Input {
     pub(crate) description: Description,
     /// What could not be taken as it stands.
     pub(crate) warnings: Vec<String>,
-    /// Bytes that loading took; 0 for a built-in.
+    /// Bytes that the description takes.
     pub(crate) memory: u64,
+    /// Material variants, by name.
+    pub(crate) variants: Vec<String>,
+    /// The extensions that the file names.
+    pub(crate) extensions: gltf::Extensions,
 }
 
 /// Loads `builtin:NAME` or a glTF file.
-pub(crate) fn load(scene: &str, max_memory: Option<u64>) -> Result<Input, Failure> {
+pub(crate) fn load(
+    scene: &str,
+    max_memory: Option<u64>,
+    variant: Option<&str>,
+) -> Result<Input, Failure> {
     if let Some(name) = scene.strip_prefix("builtin:") {
-        let description = builtin::load(name).map_err(Failure::input)?;
-        return Ok(Input {
-            description,
-            warnings: Vec::new(),
-            memory: 0,
-        });
+        return built_in(scene, name, max_memory, variant);
     }
     let mut options = gltf::LoadOptions::default();
+    options.variant = variant.map(str::to_owned);
     if let Some(bytes) = max_memory {
         options = options.with_max_memory(bytes);
     }
@@ -42,6 +46,36 @@ pub(crate) fn load(scene: &str, max_memory: Option<u64>) -> Result<Input, Failur
             .map(|warning| format!("{scene}: {warning}"))
             .collect(),
         memory: loaded.memory,
+        variants: loaded.variants,
+        extensions: loaded.extensions,
+    })
+}
+
+fn built_in(
+    scene: &str,
+    name: &str,
+    max_memory: Option<u64>,
+    variant: Option<&str>,
+) -> Result<Input, Failure> {
+    if let Some(variant) = variant {
+        return Err(Failure::Input(format!(
+            "{scene}: found no material variant \"{variant}\", expected no choice of a variant, as built-in scenes have none"
+        )));
+    }
+    let description = builtin::load(name).map_err(Failure::input)?;
+    let meshes = description.meshes.iter();
+    let memory = meshes.map(|mesh| mesh.memory() as u64).sum();
+    if let Some(most) = max_memory.filter(|&most| memory > most) {
+        return Err(Failure::Input(format!(
+            "{scene}: found a need of {memory} bytes, expected at most {most} (--max-memory)"
+        )));
+    }
+    Ok(Input {
+        description,
+        warnings: Vec::new(),
+        memory,
+        variants: Vec::new(),
+        extensions: gltf::Extensions::default(),
     })
 }
 
@@ -95,11 +129,7 @@ fn environment_image(path: &Path) -> Result<ImageData, Failure> {
 
 /// Width over height of the camera that will be used, if the file says.
 fn aspect(description: &Description, camera: Option<&str>) -> Option<f64> {
-    let mut cameras = description.cameras.iter();
-    let camera = match camera {
-        Some(name) => cameras.find(|camera| camera.name == name)?,
-        None => cameras.next()?,
-    };
+    let camera = description.camera(camera)?;
     let aspect = match camera.projection {
         Projection::Perspective { aspect_ratio, .. } => f64::from(aspect_ratio?),
         Projection::Orthographic { xmag, ymag } => f64::from(xmag) / f64::from(ymag),

@@ -135,6 +135,7 @@ fn metadata(source: &Source, settings: &RenderSettings, statistics: &Value) -> V
         "crop": settings.layout().crop.to_string(),
         "budget": budget,
         "camera": source.camera,
+        "variant": source.variant,
         "environment": source.environment,
         "ladders": [settings.ladder_range().start, settings.ladder_range().end],
         "set": set,

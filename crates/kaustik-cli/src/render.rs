@@ -25,6 +25,7 @@ pub(crate) fn run(words: &RenderWords) -> Result<ExitCode, Failure> {
     let source = Source {
         scene: words.scene.clone(),
         camera: words.camera.clone(),
+        variant: words.variant.clone(),
         environment: words.environment.clone(),
     };
     let size = (words.width, words.height);
@@ -63,7 +64,7 @@ pub(crate) fn load(
     settings: &RenderSettings,
     size: (Option<u32>, Option<u32>),
 ) -> Result<Scene, Failure> {
-    let input = input::load(&source.scene, max_memory)?;
+    let input = input::load(&source.scene, max_memory, source.variant.as_deref())?;
     for warning in &input.warnings {
         remark(outputs, &format!("warning: {warning}"));
     }

@@ -3,6 +3,8 @@
 use kaustik_film::Film;
 use kaustik_mcmc::{Recorder, Visit};
 
+use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
+
 use crate::{PhotonMap, PhotonValue, RegionSums, Scale};
 
 /// How the samples of several chains make one picture.
@@ -15,6 +17,9 @@ pub enum Combine {
     /// The plain mean of what each chain estimates by itself.
     Average,
 }
+
+/// A visit of weight 1 in [`PhotonDeposit::touches`].
+pub const TOUCH: u64 = 1 << 16;
 
 /// Splats what chains visit: on a film for each level, with weights from rough normalisers `b0`.
 ///
@@ -34,6 +39,8 @@ pub struct PhotonDeposit<'a, const K: usize> {
     pub combine: Combine,
     /// Where statistics of regions are gathered, and into which half of them.
     pub regions: Option<(&'a RegionSums<K>, usize)>,
+    /// How often each point was touched, in steps of [`TOUCH`], if anybody asks.
+    pub touches: Option<&'a [AtomicU64]>,
     /// Sum of the visits' weights at each level.
     pub counts: [f64; K],
     /// Values that were not finite.
@@ -80,9 +87,13 @@ impl<const K: usize> Recorder<PhotonValue, K> for PhotonDeposit<'_, K> {
                 weight,
             );
             self.faults += u64::from(!sound);
+            if let Some(touches) = self.touches {
+                let steps = (visit.weight * TOUCH as f64).round_ties_even() as u64;
+                touches[meeting.point as usize].fetch_add(steps, Relaxed);
+            }
         }
         if let Some((sums, half)) = self.regions {
-            sums.take(&visit, &self.rough, half);
+            sums.take(&visit, &self.map, &self.rough, half);
         }
     }
 }

@@ -4,10 +4,14 @@ use std::sync::atomic::{AtomicI64, Ordering::Relaxed};
 
 use kaustik_mcmc::Visit;
 
-use crate::{LeafTally, PhotonValue};
+use crate::{LeafTally, PhotonMap, PhotonValue};
 
 /// Steps of one: weights are near one, and sums stay below 2^62.
 const STEP: f64 = (1u64 << 24) as f64;
+
+/// Of fluxes, which are given relative to a typical one: steps of squares, and the largest that counts.
+const SQUARE_STEP: f64 = (1u64 << 20) as f64;
+const MOST_FLUX: f64 = 256.0;
 
 /// Which chains' visits are counted.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -17,6 +21,9 @@ pub enum Witnesses {
     Others,
     /// The chain of visibility alone (G Eq. 6).
     Visibility,
+    /// All chains, by the same heuristic. Within an iteration targets stand, so that the chain of the full one is as good a
+    /// witness as any; where light is seldom it is the only one that comes often.
+    All,
 }
 
 /// Sums for each leaf, of each level and half.
@@ -27,9 +34,11 @@ pub enum Witnesses {
 pub struct RegionSums<const K: usize> {
     /// The leaf of each measurement point.
     leaves: Vec<u32>,
-    /// For each leaf and level: psi of both halves, paths.
-    sums: Vec<[[AtomicI64; 3]; K]>,
+    /// For each leaf and level: psi of both halves, paths, flux, its square.
+    sums: Vec<[[AtomicI64; 5]; K]>,
     counts: [bool; K],
+    /// A typical flux that a path brings to a point, if fluxes are asked for.
+    typical: Option<f64>,
 }
 
 impl<const K: usize> RegionSums<K> {
@@ -38,6 +47,7 @@ impl<const K: usize> RegionSums<K> {
     pub fn new(leaves: usize, levels: [usize; K], witnesses: Witnesses) -> Self {
         let counts = std::array::from_fn(|level| match witnesses {
             Witnesses::Visibility if levels.contains(&1) => levels[level] == 1,
+            Witnesses::All => true,
             _ => level + 1 < K || K == 1,
         });
         let zeros = || std::array::from_fn(|_| std::array::from_fn(|_| AtomicI64::new(0)));
@@ -45,7 +55,15 @@ impl<const K: usize> RegionSums<K> {
             leaves: Vec::new(),
             sums: (0..leaves).map(|_| zeros()).collect(),
             counts,
+            typical: None,
         }
+    }
+
+    /// With the sums that the second-moment target needs. `typical` is about what a path brings to a point, > 0.
+    #[must_use]
+    pub fn with_fluxes(mut self, typical: f64) -> Self {
+        self.typical = Some(typical);
+        self
     }
 
     /// Begins an iteration: all is zero.
@@ -57,7 +75,13 @@ impl<const K: usize> RegionSums<K> {
     }
 
     /// Takes a visit of a path that touches points.
-    pub(crate) fn take(&self, visit: &Visit<'_, PhotonValue, K>, rough: &[f64; K], half: usize) {
+    pub(crate) fn take(
+        &self,
+        visit: &Visit<'_, PhotonValue, K>,
+        map: &PhotonMap<'_>,
+        rough: &[f64; K],
+        half: usize,
+    ) {
         let level = visit.level;
         if !self.counts[level] {
             return;
@@ -78,6 +102,22 @@ impl<const K: usize> RegionSums<K> {
             }
             let sums = &self.sums[leaf(at) as usize][level];
             add(&sums[half], visit.weight * omega);
+            if let Some(typical) = self.typical {
+                let point = meetings[at].point;
+                let here = meetings[at..].iter().filter(|other| other.point == point);
+                let photons = visit.value.path.photons();
+                let flux = here
+                    .map(|m| {
+                        map.points
+                            .response(point as usize, &photons[m.photon as usize])
+                    })
+                    .sum::<f64>();
+                let relative = (flux / typical).clamp(0.0, MOST_FLUX);
+                add(&sums[3], visit.weight * omega * relative);
+                let square = visit.weight * omega * relative * relative;
+                let steps = (square * SQUARE_STEP).round_ties_even() as i64;
+                sums[4].fetch_add(steps, Relaxed);
+            }
             if !(0..at).any(|other| leaf(other) == leaf(at)) {
                 add(&sums[2], visit.weight * share);
             }
@@ -86,10 +126,13 @@ impl<const K: usize> RegionSums<K> {
 
     /// What was found, for each leaf. `factors` are `b_l / (b0_l N_l)`.
     pub fn tallies(&self, factors: &[f64; K]) -> Vec<LeafTally> {
-        let tally = |levels: &[[AtomicI64; 3]; K]| {
+        let tally = |levels: &[[AtomicI64; 5]; K]| {
             let mut tally = LeafTally::default();
             for (sums, factor) in levels.iter().zip(factors) {
-                let [first, second, paths] = [0, 1, 2].map(|i| sums[i].load(Relaxed) as f64 / STEP);
+                let of = |at: usize| sums[at].load(Relaxed) as f64;
+                let [first, second, paths] = [0, 1, 2].map(|at| of(at) / STEP);
+                tally.flux[0] += of(3) / STEP * factor;
+                tally.flux[1] += of(4) / SQUARE_STEP * factor;
                 tally.psi[0] += first * factor;
                 tally.psi[1] += second * factor;
                 tally.paths += paths;

@@ -4,13 +4,12 @@
 //! says which regions the target goes by (G sec. 4.2). The cut begins at the root and is refined where the statistics
 //! suffice.
 
-/// A position in the world, or in the image (with 0 for z).
-pub type Place = [f32; 3];
+/// A position in the world, or in the image (the unit square), and behind it the normal times a length, or zero: a tree
+/// tells orientations apart where regions are smaller than that length.
+pub type Place = [f32; 6];
+/// How many of them are the position.
+const POSITION: usize = 3;
 
-/// Half of the error estimate's spread is allowed: G sec. 4.2.
-const MOST_ERROR: f64 = 0.05;
-/// Light paths that a region must have been touched by.
-const LEAST_PATHS: f64 = 10_000.0;
 /// The compression of both factors of the target (G Eq. 11).
 const EPSILON: f64 = 1e-4;
 
@@ -35,6 +34,8 @@ struct Node {
     leaf: u32,
     /// Sums over iterations of psi / s, in two halves: Delta of spec (6).
     delta: [f64; 2],
+    /// The same of the flux that each of these paths brings, and of its square.
+    flux: [f64; 2],
     /// Iterations in which it had points.
     iterations: u64,
     /// Light paths that touched it, each counted with its share.
@@ -48,20 +49,41 @@ struct Node {
 pub struct LeafTally {
     /// psi of spec (5) in two halves, which sum to it.
     pub psi: [f64; 2],
+    /// The same sum with the flux that a path brings to the point in the place of 1, and with its square; zero where nobody
+    /// asks.
+    pub flux: [f64; 2],
     /// Light paths, each with its share.
     pub paths: f64,
 }
 
 /// When regions are divided.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Refinement {
     /// Where both halves of the statistics agree and there are enough of them.
-    #[default]
-    Adaptive,
+    Adaptive {
+        /// Light paths that have touched each half of a region.
+        least: u32,
+        /// Percent by which the halves of its statistics may differ.
+        percent: u32,
+    },
     /// All, once an iteration.
     Iterations,
     /// Never.
     Off,
+}
+
+impl Refinement {
+    /// G sec. 4.2: 10,000 light paths, and halves that differ by less than 5 %.
+    pub const PUBLISHED: Self = Self::Adaptive {
+        least: 10_000,
+        percent: 5,
+    };
+    /// Sooner: a target that is off by a fifth costs a tenth of the noise at most, one that knows nothing of where light is
+    /// seldom costs all.
+    pub const EARLY: Self = Self::Adaptive {
+        least: 200,
+        percent: 30,
+    };
 }
 
 impl Regions {
@@ -70,13 +92,17 @@ impl Regions {
     /// Points of a pilot that a leaf holds at least.
     pub const LEAST_POINTS: usize = 64;
 
-    /// Splits at medians along the longest side. Leaves at the border reach to infinity.
+    /// Splits at medians along the longest side; at the middle of it where that is the normal's, whose values are few.
+    /// Leaves at the border reach to infinity.
     pub fn spatial(points: &mut [Place]) -> Self {
         Self::build(points, |points| {
             if points.len() < 2 * Self::LEAST_POINTS {
                 return None;
             }
-            let axis = longest_side(points);
+            let (axis, [low, high]) = longest_side(points);
+            if axis >= POSITION {
+                return Some((axis as u8, 0.5 * (low + high)));
+            }
             let middle = points.len() / 2;
             let by = |a: &Place, b: &Place| a[axis].total_cmp(&b[axis]);
             points.select_nth_unstable_by(middle, by);
@@ -127,7 +153,7 @@ impl Regions {
     pub fn image() -> Self {
         let mut regions = Self::build(&mut [], |_| None);
         regions.leaves.clear();
-        regions.halve(0, [[0.0; 3], [1.0, 1.0, 0.0]], 0);
+        regions.halve(0, [[0.0; 6], [1.0, 1.0, 0.0, 0.0, 0.0, 0.0]], 0);
         regions.map_leaves();
         regions
     }
@@ -163,6 +189,11 @@ impl Regions {
     /// The number of regions in the cut.
     pub fn cut(&self) -> usize {
         self.nodes.iter().filter(|node| node.in_cut).count()
+    }
+
+    /// For each leaf the number of its region in the cut.
+    pub fn regions(&self) -> &[u32] {
+        &self.cut
     }
 
     /// The leaf that holds a point: exactly one does.
@@ -240,13 +271,17 @@ impl Regions {
             let tally = sums[at];
             let parent = &mut sums[self.nodes[at].parent as usize];
             parent.psi = [0, 1].map(|half| parent.psi[half] + tally.psi[half]);
+            parent.flux = [0, 1].map(|power| parent.flux[power] + tally.flux[power]);
             parent.paths += tally.paths;
         }
         for (node, tally) in self.nodes.iter_mut().zip(&sums) {
             node.learn(tally);
         }
         match refinement {
-            Refinement::Adaptive => self.refine(|regions, children| regions.suffices(children)),
+            Refinement::Adaptive { least, percent } => {
+                let (least, error) = (f64::from(least), 0.01 * f64::from(percent));
+                self.refine(|regions, children| regions.suffices(children, least, error));
+            }
             Refinement::Iterations => {
                 let before: Vec<bool> = self.nodes.iter().map(|node| node.in_cut).collect();
                 self.refine(|regions, [child, _]| {
@@ -258,11 +293,10 @@ impl Regions {
     }
 
     /// Are both children known well enough? One that never had a point does not stand in the way.
-    fn suffices(&self, children: [u32; 2]) -> bool {
+    fn suffices(&self, children: [u32; 2], least: f64, error: f64) -> bool {
         let seen = children.map(|child| &self.nodes[child as usize]);
-        let fine = |node: &&Node| {
-            node.iterations == 0 || (node.error() < MOST_ERROR && node.paths >= LEAST_PATHS)
-        };
+        let fine =
+            |node: &&Node| node.iterations == 0 || (node.error() < error && node.paths >= least);
         seen.iter().all(fine) && seen.iter().any(|node| node.iterations > 0)
     }
 
@@ -302,12 +336,20 @@ impl Node {
         if self.area > 0.0 {
             self.iterations += 1;
             self.delta = [0, 1].map(|half| self.delta[half] + tally.psi[half] / self.area);
+            self.flux = [0, 1].map(|power| self.flux[power] + tally.flux[power] / self.area);
         }
     }
 
-    /// Photons an area and light path, under uniform sampling; `None` if nothing is known.
+    /// Photons an area and light path, under uniform sampling; `None` if nothing is known. Where fluxes are known, so many
+    /// photons of one flux as have the same relative variance: the inverse of G Eq. 3, which is that of Eq. 5 times the
+    /// mean square of the flux over the square of its mean.
     fn density(&self) -> Option<f64> {
-        let delta = self.delta[0] + self.delta[1];
+        let [flux, square] = self.flux;
+        let delta = if square > 0.0 {
+            flux * flux / square
+        } else {
+            self.delta[0] + self.delta[1]
+        };
         (self.iterations > 0 && delta > 0.0).then(|| delta / self.iterations as f64)
     }
 
@@ -328,18 +370,23 @@ pub fn inverse(relative: f64) -> f64 {
     EPSILON / (relative + EPSILON)
 }
 
-/// The axis along which points reach farthest.
-fn longest_side(points: &[Place]) -> usize {
+/// The axis along which points reach farthest, from where to where.
+fn longest_side(points: &[Place]) -> (usize, [f32; 2]) {
     let side = |axis: usize| {
         let at = points.iter().map(|point| point[axis]);
-        at.clone().fold(f32::MIN, f32::max) - at.fold(f32::MAX, f32::min)
+        [
+            at.clone().fold(f32::MAX, f32::min),
+            at.fold(f32::MIN, f32::max),
+        ]
     };
-    (1..3).fold(
-        0,
-        |best, axis| {
-            if side(axis) > side(best) { axis } else { best }
-        },
-    )
+    (1..6).fold((0, side(0)), |(best, [low, high]), axis| {
+        let [from, to] = side(axis);
+        if to - from > high - low {
+            (axis, [from, to])
+        } else {
+            (best, [low, high])
+        }
+    })
 }
 
 /// Points below a place first; returns how many.

@@ -45,6 +45,8 @@ impl<const K: usize> Family<Contributions, K> for ReplicaFamily<K> {
 pub struct ReplicaWeights<const K: usize> {
     /// `1 / b_hat_k`.
     inverse: [f64; K],
+    /// `n_k / b_hat_k`.
+    counted: [f64; K],
     beta: f64,
     /// Replicas `0..shared` take part in the heuristic.
     shared: usize,
@@ -67,8 +69,25 @@ impl<const K: usize> ReplicaWeights<K> {
         assert!(shared > 0, "no replica for the heuristic");
         Self {
             inverse: rough.map(|b| 1.0 / b),
+            counted: rough.map(|b| 1.0 / b),
             beta,
             shared,
+        }
+    }
+
+    /// With `n_k` samples of replica k for each sweep in place of one: the heuristic counts them.
+    ///
+    /// # Panics
+    /// If a number is not positive and finite.
+    #[must_use]
+    pub fn with_counts(self, counts: [f64; K]) -> Self {
+        assert!(
+            counts.iter().all(|n| *n > 0.0 && n.is_finite()),
+            "numbers of samples {counts:?}"
+        );
+        Self {
+            counted: std::array::from_fn(|k| counts[k] * self.inverse[k]),
+            ..self
         }
     }
 
@@ -95,14 +114,15 @@ impl<const K: usize> ReplicaWeights<K> {
         }
     }
 
-    /// What a sample of a sharing replica is multiplied by: `(q_k/b_hat_k)^(beta-1) / D` (spec (6)).
+    /// What each sample of a sharing replica is multiplied by: `(n_k q_k/b_hat_k)^(beta-1) / D` (spec (6), where
+    /// `n_k` is 1), and D the sum of `(n_k q_k/b_hat_k)^beta`.
     #[inline]
     pub fn factor(&self, level: usize, densities: &[f64; K]) -> f64 {
         let mut sum = 0.0;
-        for (density, inverse) in densities.iter().zip(&self.inverse).take(self.shared) {
-            sum += Self::power(density * inverse, self.beta);
+        for (density, counted) in densities.iter().zip(&self.counted).take(self.shared) {
+            sum += Self::power(density * counted, self.beta);
         }
-        Self::power(densities[level] * self.inverse[level], self.beta - 1.0) / sum
+        Self::power(densities[level] * self.counted[level], self.beta - 1.0) / sum
     }
 
     /// Densities over the rough constants.
@@ -124,7 +144,7 @@ impl<const K: usize> ReplicaWeights<K> {
         let mut terms = [0.0; K];
         let mut sum = 0.0;
         for k in 0..self.shared {
-            terms[k] = Self::power(densities[k] * self.inverse[k], self.beta);
+            terms[k] = Self::power(densities[k] * self.counted[k], self.beta);
             sum += terms[k];
         }
         for term in &mut terms {
@@ -175,7 +195,8 @@ pub struct ReplicaDeposit<'a, const K: usize> {
     pub weights: ReplicaWeights<K>,
     /// What the films are given, and what independent samples (visits of replica 0) say they should hold.
     pub shares: Shares<K>,
-    /// What the weight of each replica's visits is multiplied by: 1 over its steps a sweep.
+    /// 1 over the samples of each replica a sweep. [`weights`](Self::weights) know of those of the replicas that share
+    /// paths ([`ReplicaWeights::with_counts`]).
     pub each: [f64; K],
 }
 
@@ -200,7 +221,7 @@ impl<const K: usize> Recorder<Contributions, K> for ReplicaDeposit<'_, K> {
         let film = &self.films[visit.level];
         let weights = &self.weights;
         if visit.level < weights.shared {
-            let weight = sojourn * weights.factor(visit.level, visit.densities);
+            let weight = visit.weight * weights.factor(visit.level, visit.densities);
             if weights.shared == K {
                 self.scale.splat(film, visit.value, weight);
                 self.shares.hold(visit.level, weight * whole, whole);

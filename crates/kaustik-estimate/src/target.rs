@@ -1,7 +1,8 @@
+use std::cell::Cell;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use kaustik_mcmc::Target;
-use kaustik_path::{Contributions, PathBuilder};
+use kaustik_path::{Contributions, PathBuilder, Rays};
 use kaustik_pss::Coordinates;
 use kaustik_scene::Scene;
 
@@ -26,6 +27,27 @@ impl Target for PathTarget<'_> {
             self.nonfinite
                 .fetch_add(u64::from(value.nonfinite()), Ordering::Relaxed);
         }
+    }
+}
+
+/// The same where one thread evaluates: it counts the rays as well.
+#[derive(Clone, Copy, Debug)]
+pub struct CountedTarget<'a> {
+    /// What is evaluated.
+    pub target: PathTarget<'a>,
+    /// The rays of all evaluations.
+    pub rays: &'a Cell<Rays>,
+}
+
+impl Target for CountedTarget<'_> {
+    type Value = Contributions;
+
+    #[inline]
+    fn evaluate(&self, u: &mut dyn Coordinates, value: &mut Contributions) {
+        self.target.evaluate(u, value);
+        let mut rays = self.rays.get();
+        rays += value.rays();
+        self.rays.set(rays);
     }
 }
 

@@ -17,8 +17,8 @@ pub(crate) const MAX_TAPS: usize = 17;
 
 /// A separable pixel filter with its radius in pixels.
 ///
-/// Built by [`Filter::new`] or from text: `box`, `tent`, `gaussian`, `mitchell`, each alone or with a
-/// radius, as in `gaussian:2`.
+/// Built by [`Filter::new`] or from text: `box`, `tent`, `gaussian`, `mitchell`, `blackman-harris`, each
+/// alone or with a radius, as in `gaussian:2`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "String", into = "String")]
 pub struct Filter {
@@ -32,15 +32,17 @@ enum Shape {
     Tent,
     Gaussian,
     Mitchell,
+    BlackmanHarris,
 }
 
 /// One row a filter: name, shape, default radius, smallest radius (below it a point could miss every
 /// pixel centre, or meet only zeros).
-const TABLE: [(&str, Shape, f64, f64); 4] = [
+const TABLE: [(&str, Shape, f64, f64); 5] = [
     ("box", Shape::Box, 0.5, 0.5),
     ("tent", Shape::Tent, 1.0, 1.0),
     ("gaussian", Shape::Gaussian, 1.5, 1.0),
     ("mitchell", Shape::Mitchell, 2.0, 1.5),
+    ("blackman-harris", Shape::BlackmanHarris, 1.5, 1.0),
 ];
 
 /// Largest radius of any filter, in pixels.
@@ -51,7 +53,7 @@ const MAX_RADIUS: f64 = 8.0;
 pub enum FilterError {
     /// No filter of this name.
     #[error(
-        "unknown filter '{0}': expected box, tent, gaussian or mitchell, each optionally with a radius in pixels as in gaussian:2"
+        "unknown filter '{0}': expected box, tent, gaussian, mitchell or blackman-harris, each optionally with a radius in pixels as in gaussian:2"
     )]
     UnknownName(String),
     /// Text after the colon that is not a number.
@@ -93,6 +95,13 @@ impl Filter {
         radius: 2.0,
     };
 
+    /// The window of Blackman and Harris with four terms over a radius of 1.5 pixels: about a Gaussian,
+    /// with no step at its edge.
+    pub const BLACKMAN_HARRIS: Filter = Filter {
+        shape: Shape::BlackmanHarris,
+        radius: 1.5,
+    };
+
     /// A filter by name, with its default radius if none is given.
     ///
     /// # Errors
@@ -115,7 +124,7 @@ impl Filter {
 
     /// The names that [`Filter::new`] knows.
     #[must_use]
-    pub fn names() -> [&'static str; 4] {
+    pub fn names() -> [&'static str; 5] {
         TABLE.map(|row| row.0)
     }
 
@@ -178,6 +187,7 @@ impl Filter {
             Shape::Tent => (self.radius - distance.abs()).max(0.0),
             Shape::Gaussian => (libm::exp(-2.0 * distance * distance) - edge).max(0.0),
             Shape::Mitchell => mitchell(2.0 * distance / self.radius),
+            Shape::BlackmanHarris => blackman_harris(distance / self.radius),
         }
     }
 }
@@ -199,6 +209,14 @@ fn mitchell(x: f64) -> f64 {
     } else {
         0.0
     }
+}
+
+/// The minimum four-term window of Harris (1978) over [-1, 1], positive throughout.
+fn blackman_harris(x: f64) -> f64 {
+    // cosines of two and three times the angle from that of the angle itself
+    let c = libm::cos(std::f64::consts::PI * x);
+    let (c2, c3) = (2.0 * c * c - 1.0, (4.0 * c * c - 3.0) * c);
+    0.35875 + 0.48829 * c + 0.14128 * c2 + 0.01168 * c3
 }
 
 /// The pixels that one point touches along one axis.

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use glam::{Affine3A, DMat3, DVec3};
+use glam::{Affine3A, DMat3, DVec3, Vec3};
 
 use crate::surface::Corners;
 use crate::{Instance, Mesh};
@@ -72,15 +72,23 @@ impl Standing {
     }
 
     /// A triangle's corners exactly as the walk sees them.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn corners(&self, primitive: u32) -> Corners<'_> {
-        let corners = self.mesh.corners(primitive);
         let positions = match self.way {
-            Way::Still => corners.map(|p| p.as_dvec3()),
-            Way::Moved => corners.map(|p| self.transform.transform_point3(p).as_dvec3()),
+            // Corner by corner: an array of the mesh's own would be copied before it is widened.
+            Way::Still => {
+                let [a, b, c] = self.mesh.indices[primitive as usize];
+                let wide = |i: u32| self.mesh.positions[i as usize].as_dvec3();
+                [wide(a), wide(b), wide(c)]
+            }
+            Way::Moved => {
+                let moved = |p| self.transform.transform_point3(p).as_dvec3();
+                self.mesh.corners(primitive).map(moved)
+            }
             Way::OwnTree => {
                 let shift = self.transform.translation.as_dvec3();
-                corners.map(|p| self.linear * p.as_dvec3() + shift)
+                let placed = |p: Vec3| self.linear * p.as_dvec3() + shift;
+                self.mesh.corners(primitive).map(placed)
             }
         };
         Corners {

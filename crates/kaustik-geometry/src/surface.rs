@@ -98,10 +98,17 @@ pub(crate) struct Corners<'a> {
 impl Corners<'_> {
     /// The surface at barycentric weights `u`, `v`, seen along `direction` (zero: from the front).
     ///
-    /// Always inlined: the fields go where the caller keeps them instead of through a copy on the stack, which
-    /// waits for stores of other sizes.
+    /// Always inlined, and into the caller's slot: the fields go where they stay instead of through a copy on the
+    /// stack, which waits for stores of other sizes. For the same reason its position, geometric and shading normal
+    /// are returned as well.
     #[inline(always)]
-    pub(crate) fn surface(&self, u: f32, v: f32, direction: Vec3) -> Surface {
+    pub(crate) fn write_surface(
+        &self,
+        u: f32,
+        v: f32,
+        direction: Vec3,
+        surface: &mut Surface,
+    ) -> [Vec3; 3] {
         let weights = [
             1.0 - f64::from(u) - f64::from(v),
             f64::from(u),
@@ -118,16 +125,24 @@ impl Corners<'_> {
             self.off_edges(weights, double_area)
         };
         let position = (p0 * inner[0] + p1 * inner[1] + p2 * inner[2]).as_vec3();
-        let mut surface = Surface::bare(position, geometric.as_vec3());
+        let normal = geometric.as_vec3();
+        *surface = Surface::bare(position, normal);
         surface.front = geometric.dot(direction.as_dvec3()) <= 0.0;
-        if !self.standing.bare {
-            if let Some(normal) = self.shading_normal(weights) {
-                surface.shading_normal = normal.as_vec3();
-            }
-            surface.uv = [self.uv(0, weights), self.uv(1, weights)];
-            surface.color = self.color(weights);
+        if self.standing.bare {
+            return [position, normal, normal];
         }
-        surface
+        self.write_attributes(weights, surface);
+        [position, normal, surface.shading_normal]
+    }
+
+    /// What the mesh gives besides positions. Apart, so that bare meshes do not carry its code along.
+    #[inline(never)]
+    fn write_attributes(&self, weights: [f64; 3], surface: &mut Surface) {
+        if let Some(normal) = self.shading_normal(weights) {
+            surface.shading_normal = normal.as_vec3();
+        }
+        surface.uv = [self.uv(0, weights), self.uv(1, weights)];
+        surface.color = self.color(weights);
     }
 
     /// See [`World::tangent`](crate::World::tangent).

@@ -132,8 +132,21 @@ impl World {
     /// The surface that `ray` met at `hit`.
     #[inline(always)]
     pub fn surface(&self, ray: &Ray, hit: &Hit) -> Surface {
-        self.corners(hit.instance, hit.primitive)
-            .surface(hit.u, hit.v, ray.direction)
+        let mut surface = Surface::bare(Vec3::ZERO, Vec3::Z);
+        self.write_surface(ray, hit, &mut surface);
+        surface
+    }
+
+    /// [`World::surface`] into the caller's slot, for innermost loops. Returns its position, geometric and shading
+    /// normal, as it is slow to read at once what was just written.
+    #[inline(always)]
+    pub fn write_surface(&self, ray: &Ray, hit: &Hit, surface: &mut Surface) -> [Vec3; 3] {
+        self.corners(hit.instance, hit.primitive).write_surface(
+            hit.u,
+            hit.v,
+            ray.direction,
+            surface,
+        )
     }
 
     /// The surface at barycentric weights `u`, `v` of a triangle, seen from its front.
@@ -142,7 +155,10 @@ impl World {
     /// Where there is no such instance or triangle.
     #[inline]
     pub fn surface_at(&self, instance: u32, primitive: u32, u: f32, v: f32) -> Surface {
-        self.corners(instance, primitive).surface(u, v, Vec3::ZERO)
+        let mut surface = Surface::bare(Vec3::ZERO, Vec3::Z);
+        self.corners(instance, primitive)
+            .write_surface(u, v, Vec3::ZERO, &mut surface);
+        surface
     }
 
     /// Unit tangent at a hit, orthogonal to a shading normal, and the sign of the bitangent
@@ -250,7 +266,7 @@ impl World {
     }
 
     /// A triangle's corners exactly as the walk sees them.
-    #[inline]
+    #[inline(always)]
     fn corners(&self, instance: u32, primitive: u32) -> Corners<'_> {
         self.standing[instance as usize].corners(primitive)
     }

@@ -409,6 +409,27 @@ impl<M: Mutation, V: Default, const K: usize> Ladder<Point<M>, V, K> {
         }
     }
 
+    /// Puts the chain of a level where another chain is, with the sizes of its own steps: for chains that a target which has
+    /// changed has left at density zero. What was gathered and not flushed is forgotten, statistics go on.
+    ///
+    /// # Panics
+    ///
+    /// If `level` is K or more.
+    pub fn restart_from<D: Draws + ?Sized>(
+        &mut self,
+        level: usize,
+        other: &Metropolis<Point<M>, V, K>,
+        draws: &mut D,
+    ) where
+        M: Clone,
+        V: Clone,
+    {
+        let chain = &mut self.replicas[level];
+        let mutation = chain.state().mutation().clone();
+        chain.copy_from(other);
+        chain.set_mutation(mutation, draws);
+    }
+
     /// Changes the sizes of small steps at a level, after paying what is owed to the old ones.
     ///
     /// # Panics

@@ -254,6 +254,12 @@ impl<const K: usize> SteppingStone<K> {
         }
     }
 
+    /// The constant of each level over that of the level below it; 1 for the first, 0 where nothing is known.
+    pub fn ratios(&self) -> [f64; K] {
+        let moments = self.moments();
+        from_fn(|k| if k == 0 { 1.0 } else { moments.ratio(k) })
+    }
+
     /// How many ratios were not finite (a density too small to divide by) and left out.
     pub fn defects(&self) -> u64 {
         self.defects

@@ -3,13 +3,13 @@
 use std::ops::RangeInclusive;
 
 use kaustik_geometry::Ray;
-use kaustik_mcmc::{Draws, Kernel, Move};
+use kaustik_mcmc::Draws;
 use kaustik_scene::EmitterPoint;
 use kaustik_spectrum::Wavelengths;
 
 use crate::factor::{Factor, factor};
-use crate::lens::ratio;
 use crate::vertex::Place;
+use crate::walk::Way;
 use crate::{Path, PathSpace};
 
 /// Deletes a part of the path and makes it anew, longer or shorter, by walks from both its ends. Moves
@@ -150,7 +150,12 @@ impl Additions {
 }
 
 impl BidirectionalMutation<'_> {
-    fn mutate<D: Draws + ?Sized>(&self, x: &Path, y: &mut Path, draws: &mut D) -> Option<f64> {
+    pub(crate) fn mutate<D: Draws + ?Sized>(
+        &self,
+        x: &Path,
+        y: &mut Path,
+        draws: &mut D,
+    ) -> Option<f64> {
         if x.edges() == 0 {
             return None;
         }
@@ -261,7 +266,7 @@ impl PathSpace<'_> {
         for i in part.start..joint {
             let made = match i {
                 0 => self.begin_at_light(y, draws),
-                _ => self.scatter_to_eye(y, i - 1, draws),
+                _ => self.scatter(y, i - 1, Way::ToEye, draws),
             };
             if !made {
                 return false;
@@ -271,7 +276,7 @@ impl PathSpace<'_> {
             let made = match y.len() - 1 - i {
                 0 => self.begin_at_lens(y, draws),
                 1 => self.leave_lens(y, draws),
-                _ => self.scatter_to_light(y, i + 1, draws),
+                _ => self.scatter(y, i + 1, Way::ToLight, draws),
             };
             if !made {
                 return false;
@@ -334,20 +339,6 @@ impl PathSpace<'_> {
         lens.toward_light = ray.direction;
         let ray = Ray::new(ray.origin.as_vec3(), ray.direction.as_vec3());
         self.refresh(y, n - 1) && self.step_to_light(y, n - 2, &ray, draws)
-    }
-}
-
-impl Kernel<()> for BidirectionalMutation<'_> {
-    type Value = Path;
-
-    fn propose<D: Draws + ?Sized>(
-        &self,
-        (): &mut (),
-        current: &Path,
-        proposed: &mut Path,
-        draws: &mut D,
-    ) -> Move {
-        Move::new(0, ratio(self.mutate(current, proposed, draws)))
     }
 }
 

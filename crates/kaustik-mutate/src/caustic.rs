@@ -3,13 +3,13 @@
 use glam::DVec3;
 use kaustik_bsdf::{Frame, Lobe, Mode};
 use kaustik_geometry::Ray;
-use kaustik_mcmc::{Draws, Kernel, Move};
+use kaustik_mcmc::Draws;
 use kaustik_scene::EmitterPoint;
 
 use crate::density::{bending, geometry_to_eye};
 use crate::factor::{Factor, factor};
-use crate::lens::ratio;
 use crate::vertex::Place;
+use crate::walk::Way;
 use crate::{Path, PathSpace, Radii};
 
 /// Moves the direction in which light leaves the last vertex but one that can be joined, traces the same
@@ -55,7 +55,12 @@ impl CausticPerturbation<'_> {
         self.radii.times(footprint / chain)
     }
 
-    fn perturb<D: Draws + ?Sized>(&self, x: &Path, y: &mut Path, draws: &mut D) -> Option<f64> {
+    pub(crate) fn perturb<D: Draws + ?Sized>(
+        &self,
+        x: &Path,
+        y: &mut Path,
+        draws: &mut D,
+    ) -> Option<f64> {
         let space = self.space;
         let pivot = pivot(x)?;
         let (n, sizes) = (x.len(), self.sizes(x, pivot));
@@ -84,7 +89,7 @@ impl CausticPerturbation<'_> {
             let wi = vertex.vertex.frame.to_local(vertex.toward_light);
             let delta = (vertex.bsdf).delta(wi, vertex.transmitted, Mode::Importance)?;
             vertex.toward_eye = vertex.vertex.frame.to_world(delta.wi);
-            if !space.follow_to_eye(y, i, draws) {
+            if !space.follow(y, i, Way::ToEye, draws) {
                 return None;
             }
         }
@@ -132,7 +137,7 @@ impl CausticPerturbation<'_> {
                 let ray = Ray::spawn(&from.vertex.surface, direction);
                 self.space.leave_emitter(y, &ray, draws)
             }
-            Place::Surface | Place::Lens => self.space.follow_to_eye(y, pivot, draws),
+            Place::Surface | Place::Lens => self.space.follow(y, pivot, Way::ToEye, draws),
         }
     }
 }
@@ -144,18 +149,4 @@ fn density(path: &Path, pivot: usize) -> f64 {
         let bent = if from.specular { bending(from) } else { 1.0 };
         product * bent * geometry_to_eye(path, i)
     })
-}
-
-impl Kernel<()> for CausticPerturbation<'_> {
-    type Value = Path;
-
-    fn propose<D: Draws + ?Sized>(
-        &self,
-        (): &mut (),
-        current: &Path,
-        proposed: &mut Path,
-        draws: &mut D,
-    ) -> Move {
-        Move::new(0, ratio(self.perturb(current, proposed, draws)))
-    }
 }

@@ -6,12 +6,13 @@ use std::f64::consts::TAU;
 use glam::{DVec2, DVec3};
 use kaustik_bsdf::{Frame, Lobe, Mode};
 use kaustik_geometry::Ray;
-use kaustik_mcmc::{Draws, Kernel, Move, Mutation, Uniform};
+use kaustik_mcmc::{Draws, Mutation, Uniform};
 use kaustik_scene::EmitterPoint;
 use kaustik_spectrum::Wavelengths;
 
-use crate::lens::{density, ratio};
+use crate::lens::density;
 use crate::vertex::{PathVertex, Place};
+use crate::walk::Way;
 use crate::{Path, PathSpace};
 
 /// Perturbs every variable of a path by a fraction of its domain, and traces the whole path again with the same
@@ -50,7 +51,12 @@ impl EveryPerturbation<'_> {
         path.edges() > 0 && (path.at(0).is_hittable() || last(path) > 0)
     }
 
-    fn perturb<D: Draws + ?Sized>(&self, x: &Path, y: &mut Path, draws: &mut D) -> Option<f64> {
+    pub(crate) fn perturb<D: Draws + ?Sized>(
+        &self,
+        x: &Path,
+        y: &mut Path,
+        draws: &mut D,
+    ) -> Option<f64> {
         if !self.suits(x) {
             return None;
         }
@@ -61,7 +67,7 @@ impl EveryPerturbation<'_> {
         self.leave_lens(x, y, draws)?;
         for i in (last + 1..n - 1).rev() {
             self.scatter(x.at(i), y.at_mut(i), draws)?;
-            if !space.follow_to_light(y, i, draws) {
+            if !space.follow(y, i, Way::ToLight, draws) {
                 return None;
             }
         }
@@ -179,18 +185,4 @@ fn weights([u, v]: [DVec3; 2], w: DVec3) -> DVec2 {
     let normal = u.cross(v);
     let twice = normal.length_squared();
     DVec2::new(w.cross(v).dot(normal), u.cross(w).dot(normal)) / twice
-}
-
-impl Kernel<()> for EveryPerturbation<'_> {
-    type Value = Path;
-
-    fn propose<D: Draws + ?Sized>(
-        &self,
-        (): &mut (),
-        current: &Path,
-        proposed: &mut Path,
-        draws: &mut D,
-    ) -> Move {
-        Move::new(0, ratio(self.perturb(current, proposed, draws)))
-    }
 }

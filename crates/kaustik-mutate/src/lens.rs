@@ -3,10 +3,11 @@
 use glam::DVec2;
 use kaustik_bsdf::{Lobe, Mode};
 use kaustik_geometry::Ray;
-use kaustik_mcmc::{Draws, Kernel, Move};
+use kaustik_mcmc::Draws;
 
 use crate::density::geometry_to_light;
 use crate::factor::{Factor, factor};
+use crate::walk::Way;
 use crate::{Path, PathSpace, Radii};
 
 /// Which paths a perturbation from the lens moves.
@@ -62,7 +63,12 @@ impl LensPerturbation<'_> {
         part(path).is_some_and(|part| (part.turns > 0) == (self.run == Run::Multiple))
     }
 
-    fn perturb<D: Draws + ?Sized>(&self, x: &Path, y: &mut Path, draws: &mut D) -> Option<f64> {
+    pub(crate) fn perturb<D: Draws + ?Sized>(
+        &self,
+        x: &Path,
+        y: &mut Path,
+        draws: &mut D,
+    ) -> Option<f64> {
         let space = self.space;
         let part = part(x).filter(|_| self.suits(x))?;
         let n = x.len();
@@ -107,7 +113,7 @@ impl LensPerturbation<'_> {
         } else {
             vertex.toward_light = self.angles.turn(old.toward_light, draws)?.0;
         }
-        self.space.follow_to_light(y, i, draws).then_some(())
+        self.space.follow(y, i, Way::ToLight, draws).then_some(())
     }
 
     /// Joins what was traced to what is kept; the ratio of the densities back and there.
@@ -140,23 +146,4 @@ pub(crate) fn density(space: &PathSpace<'_>, path: &Path, last: usize) -> f64 {
     let start = space.raster_per_direction(lens.vertex.position, lens.toward_light);
     let start = factor(Factor::Raster, start);
     (last..path.edges()).fold(start, |product, i| product * geometry_to_light(path, i))
-}
-
-impl Kernel<()> for LensPerturbation<'_> {
-    type Value = Path;
-
-    fn propose<D: Draws + ?Sized>(
-        &self,
-        (): &mut (),
-        current: &Path,
-        proposed: &mut Path,
-        draws: &mut D,
-    ) -> Move {
-        Move::new(0, ratio(self.perturb(current, proposed, draws)))
-    }
-}
-
-/// A ratio that is infinite or not a number belongs to a step that rounding made impossible.
-pub(crate) fn ratio(found: Option<f64>) -> f64 {
-    found.filter(|ratio| ratio.is_finite()).unwrap_or(0.0)
 }

@@ -1,9 +1,9 @@
 //! Lens mutation (Veach 1997, 11.4.5; spec: path-space-mlt.md 3).
 
 use kaustik_bsdf::Lobe;
-use kaustik_mcmc::{Draws, Kernel, Move};
+use kaustik_mcmc::Draws;
 
-use crate::lens::ratio;
+use crate::walk::Way;
 use crate::{Path, PathSpace};
 
 /// Makes the part `D S* E` of `.. (L or D) D S* E` anew from a fresh raster point anywhere in the image: a
@@ -34,7 +34,12 @@ impl LensMutation<'_> {
         joined(path).is_some()
     }
 
-    fn mutate<D: Draws + ?Sized>(&self, x: &Path, y: &mut Path, draws: &mut D) -> Option<f64> {
+    pub(crate) fn mutate<D: Draws + ?Sized>(
+        &self,
+        x: &Path,
+        y: &mut Path,
+        draws: &mut D,
+    ) -> Option<f64> {
         let space = self.space;
         let kept = joined(x)?;
         let longest = space.settings.max_edges as usize + 1;
@@ -50,7 +55,7 @@ impl LensMutation<'_> {
             if at <= kept {
                 return None;
             }
-            if !space.scatter_to_light(y, at, draws) {
+            if !space.scatter(y, at, Way::ToLight, draws) {
                 return None;
             }
             at -= 1;
@@ -75,19 +80,5 @@ impl LensMutation<'_> {
         (kept..path.edges()).fold(start, |product, i| {
             product * self.space.step_to_light_pdf(path, i)
         })
-    }
-}
-
-impl Kernel<()> for LensMutation<'_> {
-    type Value = Path;
-
-    fn propose<D: Draws + ?Sized>(
-        &self,
-        (): &mut (),
-        current: &Path,
-        proposed: &mut Path,
-        draws: &mut D,
-    ) -> Move {
-        Move::new(0, ratio(self.mutate(current, proposed, draws)))
     }
 }

@@ -47,6 +47,7 @@ mod every;
 mod factor;
 mod jitter;
 mod join;
+mod kernel;
 mod lens;
 mod lens_subpath;
 mod path;

@@ -6,6 +6,7 @@ use kaustik_scene::EmitterPoint;
 use kaustik_spectrum::Wavelengths;
 
 use crate::vertex::Place;
+use crate::walk::Way;
 use crate::{Path, PathSpace};
 
 /// Independent paths: a walk from an emitter and one from the eye, joined in every way (Veach 1997 ch. 10).
@@ -89,7 +90,10 @@ impl<'a> Seeds<'a> {
                 return;
             };
             odds *= survival;
-            if !self.space.scatter_to_eye(&mut self.light, i - 1, draws) {
+            if !self
+                .space
+                .scatter(&mut self.light, i - 1, Way::ToEye, draws)
+            {
                 return;
             }
             self.light_odds.push(odds);
@@ -113,7 +117,9 @@ impl<'a> Seeds<'a> {
             odds *= survival;
             let made = match vertices {
                 1 => self.space.leave_lens(&mut self.eye, draws),
-                _ => self.space.scatter_to_light(&mut self.eye, i + 1, draws),
+                _ => self
+                    .space
+                    .scatter(&mut self.eye, i + 1, Way::ToLight, draws),
             };
             if !made {
                 return false;

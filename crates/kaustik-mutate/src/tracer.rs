@@ -8,6 +8,7 @@ use kaustik_spectrum::Wavelengths;
 
 use crate::seed::survives;
 use crate::vertex::Place;
+use crate::walk::Way;
 use crate::{Path, PathSpace};
 
 /// A path tracer that keeps its paths: a walk from the eye, each of whose vertices is joined to a point of an
@@ -58,7 +59,7 @@ impl Tracer {
             odds *= survival;
             let made = match vertices {
                 1 => space.look_through(&mut self.walk, raster, draws),
-                _ => space.scatter_to_light(&mut self.walk, i + 1, draws),
+                _ => space.scatter(&mut self.walk, i + 1, Way::ToLight, draws),
             };
             if !made {
                 return;

@@ -3,6 +3,8 @@ use kaustik_bsdf::Bsdf;
 use kaustik_scene::{EmitterPoint, Interior, Vertex};
 use kaustik_spectrum::Spectrum;
 
+use crate::walk::Way;
+
 /// What a vertex is to its path.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Place {
@@ -82,7 +84,7 @@ impl Default for PathVertex {
         Self {
             place: Place::Surface,
             vertex: Vertex::default(),
-            bsdf: Bsdf::lambertian(Spectrum::ZERO),
+            bsdf: Bsdf::black(),
             interior: Interior::VACUUM,
             back: DVec3::Z,
             toward_light: DVec3::Z,
@@ -103,6 +105,15 @@ impl Default for PathVertex {
 }
 
 impl PathVertex {
+    /// The direction to the next vertex that way.
+    #[inline]
+    pub(crate) fn ahead_mut(&mut self, way: Way) -> &mut DVec3 {
+        match way {
+            Way::ToLight => &mut self.toward_light,
+            Way::ToEye => &mut self.toward_eye,
+        }
+    }
+
     /// May a walk run into it, as into an emitter?
     #[inline]
     pub(crate) fn is_hittable(&self) -> bool {

@@ -10,6 +10,15 @@ use kaustik_spectrum::Spectrum;
 use crate::vertex::{Edge, PathVertex, Place};
 use crate::{Path, PathSpace};
 
+/// Which way a walk runs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Way {
+    /// From vertex `i` to vertex `i - 1`.
+    ToLight,
+    /// From vertex `i` to vertex `i + 1`.
+    ToEye,
+}
+
 impl PathSpace<'_> {
     /// The solids beyond a vertex toward `direction` (world).
     #[inline]
@@ -72,7 +81,7 @@ impl PathSpace<'_> {
             slot.place = Place::Emitter(EmitterPoint::Surface);
             return self.scene.is_emitter(&slot.vertex);
         }
-        slot.bsdf = self.scene.bsdf(&slot.vertex, &wavelengths, &interior);
+        (self.scene).write_bsdf(&slot.vertex, &wavelengths, &interior, &mut slot.bsdf);
         true
     }
 
@@ -101,7 +110,7 @@ impl PathSpace<'_> {
         slot.transmitted = false;
         slot.dispersive = false;
         self.arrive(slot, interior, -direction);
-        slot.bsdf = self.scene.bsdf(&slot.vertex, &wavelengths, &interior);
+        (self.scene).write_bsdf(&slot.vertex, &wavelengths, &interior, &mut slot.bsdf);
         from.edge = self.edge_from(from, slot, segment.absorption);
         if self.scene.has_alpha() {
             from.edge.passed = self.passed(from, slot, &start);
@@ -166,77 +175,60 @@ impl PathSpace<'_> {
         }
     }
 
-    /// Draws how a walk from the eye goes on from vertex `i`, and follows it to vertex `i - 1`.
-    pub(crate) fn scatter_to_light<D: Draws + ?Sized>(
+    /// Draws how a walk goes on from vertex `i`, and follows it to its neighbour: from the emitter, too, on the way
+    /// to the eye.
+    pub(crate) fn scatter<D: Draws + ?Sized>(
         &self,
         path: &mut Path,
         i: usize,
-        draws: &mut D,
-    ) -> bool {
-        let from = path.at_mut(i);
-        from.wo = from.vertex.frame.to_local(from.toward_eye);
-        let (choice, u) = (draws.uniform(), [draws.uniform(), draws.uniform()]);
-        let Some(sample) = from.bsdf.sample(from.wo, choice, u, Mode::Radiance) else {
-            return false;
-        };
-        from.specular = sample.delta;
-        from.transmitted = sample.transmitted;
-        from.toward_light = from.vertex.frame.to_world(sample.wi);
-        self.follow_to_light(path, i, draws)
-    }
-
-    /// Follows `toward_light` of the surface vertex `i` to vertex `i - 1`.
-    pub(crate) fn follow_to_light<D: Draws + ?Sized>(
-        &self,
-        path: &mut Path,
-        i: usize,
-        draws: &mut D,
-    ) -> bool {
-        if !self.refresh(path, i) {
-            return false;
-        }
-        let from = path.at(i);
-        let ray = Ray::spawn(&from.vertex.surface, from.toward_light.as_vec3());
-        self.step_to_light(path, i - 1, &ray, draws)
-    }
-
-    /// Draws how a walk from the light goes on from vertex `i`, and follows it to vertex `i + 1`.
-    pub(crate) fn scatter_to_eye<D: Draws + ?Sized>(
-        &self,
-        path: &mut Path,
-        i: usize,
+        way: Way,
         draws: &mut D,
     ) -> bool {
         let from = path.at_mut(i);
         let (choice, u) = (draws.uniform(), [draws.uniform(), draws.uniform()]);
-        if let Place::Emitter(point) = from.place {
+        if let (Way::ToEye, Place::Emitter(point)) = (way, from.place) {
             let (ray, direction) = self.scene.sample_departure(point, &from.vertex, u);
             from.toward_eye = direction;
             return self.leave_emitter(path, &ray, draws);
         }
-        from.wi = from.vertex.frame.to_local(from.toward_light);
-        let Some(sample) = from.bsdf.sample(from.wi, choice, u, Mode::Importance) else {
+        let frame = from.vertex.frame;
+        let sample = match way {
+            Way::ToLight => {
+                from.wo = frame.to_local(from.toward_eye);
+                from.bsdf.sample(from.wo, choice, u, Mode::Radiance)
+            }
+            Way::ToEye => {
+                from.wi = frame.to_local(from.toward_light);
+                from.bsdf.sample(from.wi, choice, u, Mode::Importance)
+            }
+        };
+        let Some(sample) = sample else {
             return false;
         };
         from.specular = sample.delta;
         from.transmitted = sample.transmitted;
-        from.toward_eye = from.vertex.frame.to_world(sample.wi);
-        self.follow_to_eye(path, i, draws)
+        *from.ahead_mut(way) = frame.to_world(sample.wi);
+        self.follow(path, i, way, draws)
     }
 
-    /// Follows `toward_eye` of the surface vertex `i` to vertex `i + 1`.
-    pub(crate) fn follow_to_eye<D: Draws + ?Sized>(
+    /// Follows the direction of the surface vertex `i` that leads this way to its neighbour.
+    pub(crate) fn follow<D: Draws + ?Sized>(
         &self,
         path: &mut Path,
         i: usize,
+        way: Way,
         draws: &mut D,
     ) -> bool {
         if !self.refresh(path, i) {
             return false;
         }
-        let from = path.at(i);
-        let ray = Ray::spawn(&from.vertex.surface, from.toward_eye.as_vec3());
-        self.step_to_eye(path, i, &ray, draws)
+        let from = path.at_mut(i);
+        let direction = from.ahead_mut(way).as_vec3();
+        let ray = Ray::spawn(&from.vertex.surface, direction);
+        match way {
+            Way::ToLight => self.step_to_light(path, i - 1, &ray, draws),
+            Way::ToEye => self.step_to_eye(path, i, &ray, draws),
+        }
     }
 
     /// The first edge of a walk from the light, along `toward_eye` of vertex 0.

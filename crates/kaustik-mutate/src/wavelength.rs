@@ -1,5 +1,5 @@
 use kaustik_bsdf::{Lobe, Mode};
-use kaustik_mcmc::{Draws, Kernel, Move};
+use kaustik_mcmc::Draws;
 use kaustik_spectrum::{Spectrum, Wavelengths};
 
 use crate::vertex::Place;
@@ -25,11 +25,16 @@ impl WavelengthMutation<'_> {
             && (1..path.edges()).all(|i| !(path.is_specular(i) && path.at(i).dispersive))
     }
 
-    fn redraw<D: Draws + ?Sized>(&self, x: &Path, y: &mut Path, draws: &mut D) -> bool {
+    pub(crate) fn redraw<D: Draws + ?Sized>(
+        &self,
+        x: &Path,
+        y: &mut Path,
+        draws: &mut D,
+    ) -> Option<f64> {
         let space = self.space;
         let n = x.len();
         if !self.suits(x) {
-            return false;
+            return None;
         }
         y.resize(n);
         y.copy(0, x, 0..n);
@@ -40,23 +45,26 @@ impl WavelengthMutation<'_> {
         let wavelengths = y.wavelengths;
         for i in 1..n - 1 {
             let vertex = y.at_mut(i);
-            vertex.bsdf = space
-                .scene
-                .bsdf(&vertex.vertex, &wavelengths, &vertex.interior);
+            (space.scene).write_bsdf(
+                &vertex.vertex,
+                &wavelengths,
+                &vertex.interior,
+                &mut vertex.bsdf,
+            );
             if vertex.specular && vertex.transmitted {
                 let delta = vertex.bsdf.delta(vertex.wo, true, Mode::Radiance);
                 if !delta.is_some_and(|delta| (delta.wi - vertex.wi).length() < SAME) {
-                    return false;
+                    return None;
                 }
             }
         }
         for i in 0..n - 1 {
             self.tint(y, i);
             if !space.refresh(y, i) {
-                return false;
+                return None;
             }
         }
-        space.evaluate(y)
+        space.evaluate(y).then_some(1.0)
     }
 
     /// Absorption along the edge of vertex `i`.
@@ -82,20 +90,5 @@ impl WavelengthMutation<'_> {
             };
             space.scene.absorption(&interior, &wavelengths, distance)
         };
-    }
-}
-
-impl Kernel<()> for WavelengthMutation<'_> {
-    type Value = Path;
-
-    fn propose<D: Draws + ?Sized>(
-        &self,
-        (): &mut (),
-        current: &Path,
-        proposed: &mut Path,
-        draws: &mut D,
-    ) -> Move {
-        let possible = self.redraw(current, proposed, draws);
-        Move::new(0, f64::from(u8::from(possible)))
     }
 }

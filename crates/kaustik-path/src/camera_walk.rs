@@ -25,6 +25,7 @@ pub(crate) fn trace(
     let (mut walk, raster) = start(settings, scene, &wavelengths, u);
     let mut gathered = Gathered::new(&wavelengths, settings.largest);
     gather(&mut walk, u, &mut gathered);
+    gathered.count_walk(walk.edges);
     out.merge(raster, &gathered);
 }
 

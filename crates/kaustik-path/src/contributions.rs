@@ -4,7 +4,7 @@ mod serial;
 use glam::DVec2;
 use kaustik_spectrum::{Spectrum, Wavelengths, Xyz};
 
-use crate::{Class, ScalarTarget};
+use crate::{Class, Rays, ScalarTarget};
 
 /// Light that one path, or all paths of one class, bring to one point of the image.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -27,6 +27,7 @@ pub struct Contributions {
     splats: Vec<Splat>,
     largest: Largest,
     nonfinite: u32,
+    rays: Rays,
 }
 
 /// The largest scalars of a single `C_{s,t}`: splats hold sums of them.
@@ -76,6 +77,7 @@ impl Contributions {
         self.splats.clear();
         self.largest = Largest::default();
         self.nonfinite = 0;
+        self.rays = Rays::default();
     }
 
     /// Adds a single weighted `C_{s,t}` as a splat; black ones are left out, values that are not
@@ -109,6 +111,19 @@ impl Contributions {
         if let Some(largest) = gathered.largest {
             self.largest.join(largest);
         }
+        self.rays += gathered.rays;
+    }
+
+    /// Counts a shadow ray.
+    #[inline]
+    pub(crate) fn count_shadow(&mut self) {
+        self.rays.any += 1;
+    }
+
+    /// Counts the rays of a walk that has ended.
+    #[inline]
+    pub(crate) fn count_walk(&mut self, edges: u32) {
+        self.rays.closest += u64::from(edges);
     }
 
     /// The splats.
@@ -143,6 +158,12 @@ impl Contributions {
     pub fn nonfinite(&self) -> u32 {
         self.nonfinite
     }
+
+    /// The rays that the evaluation took.
+    #[inline]
+    pub fn rays(&self) -> Rays {
+        self.rays
+    }
 }
 
 /// The colour of light that a path carries; of a path with a dispersive refraction the hero counts
@@ -168,6 +189,7 @@ pub(crate) struct Gathered<'w> {
     used: u8,
     /// `None` where nobody asks for it.
     largest: Option<Largest>,
+    rays: Rays,
 }
 
 impl<'w> Gathered<'w> {
@@ -179,7 +201,20 @@ impl<'w> Gathered<'w> {
             hero: [Spectrum::ZERO; Class::COUNT],
             used: 0,
             largest: largest.then(Largest::default),
+            rays: Rays::default(),
         }
+    }
+
+    /// Counts a shadow ray.
+    #[inline]
+    pub(crate) fn count_shadow(&mut self) {
+        self.rays.any += 1;
+    }
+
+    /// Counts the rays of a walk that has ended.
+    #[inline]
+    pub(crate) fn count_walk(&mut self, edges: u32) {
+        self.rays.closest += u64::from(edges);
     }
 
     /// Adds a single weighted `C_{s,t}`.

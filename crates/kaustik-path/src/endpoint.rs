@@ -1,6 +1,6 @@
 //! A walk from the camera that is joined to an emitter at its end only (Kelemen sec. 2).
 
-use kaustik_bsdf::Lobe;
+use kaustik_bsdf::{Bsdf, Lobe};
 use kaustik_pss::{Coordinates, Stream};
 use kaustik_scene::{Scene, Vertex};
 
@@ -42,7 +42,7 @@ impl Endpoint {
     ) {
         let mut origin = None;
         let mut share = 0.0;
-        let mut vertex = Vertex::default();
+        let (mut vertex, mut bsdf) = (Vertex::default(), Bsdf::black());
         while walk.advance(scene, u, &mut vertex).is_some() {
             let settings = &self.settings;
             if walk.edges >= settings.min_edges {
@@ -51,7 +51,7 @@ impl Endpoint {
             if walk.edges == settings.max_edges {
                 return;
             }
-            let scatter = walk.scatter(scene, &vertex);
+            let scatter = walk.scatter(scene, &vertex, &mut bsdf);
             let onward = onward(&scatter);
             if onward < 1.0 {
                 let stop = layout::bounce(layout::CAMERA_HEAD, walk.edges) + 3;

@@ -16,6 +16,7 @@ pub mod layout;
 mod light;
 mod next_event;
 mod photon;
+mod rays;
 mod roulette;
 mod scalar;
 mod sighting;
@@ -35,6 +36,7 @@ pub use photon::{
     Lookup, MeasurementPoint, MeasurementPoints, MeasurementWalk, Photon, PhotonPath,
     PhotonTracing, Remainder,
 };
+pub use rays::Rays;
 pub use scalar::ScalarTarget;
 pub use sighting::{Sighting, sight};
 pub use unidirectional::Unidirectional;

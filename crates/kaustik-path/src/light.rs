@@ -1,6 +1,6 @@
 //! Light tracing: walks from the emitters, every vertex joined to the lens.
 
-use kaustik_bsdf::{Lobe, Mode, shading};
+use kaustik_bsdf::{Bsdf, Lobe, Mode, shading};
 use kaustik_geometry::Ray;
 use kaustik_pss::{Coordinates, Stream};
 use kaustik_scene::{AreaSample, EmissionSample, Scene, Vertex};
@@ -33,7 +33,9 @@ impl PathBuilder for LightTracing {
         {
             self.join_emitter(scene, area, &wavelengths, u, out);
         }
-        self.walk(scene, &emission, &wavelengths, u, out);
+        let mut walk = Walk::from_emitter(&emission, emission.weight, &wavelengths);
+        self.follow(scene, &emission, &mut walk, u, out);
+        out.count_walk(walk.edges);
     }
 }
 
@@ -43,16 +45,15 @@ impl LightTracing {
         1.0 / self.settings.window_area()
     }
 
-    fn walk(
+    fn follow(
         &self,
         scene: &Scene,
         emission: &EmissionSample,
-        wavelengths: &Wavelengths,
+        walk: &mut Walk<'_>,
         u: &mut dyn Coordinates,
         out: &mut Contributions,
     ) {
-        let mut walk = Walk::from_emitter(emission, emission.weight, wavelengths);
-        let mut vertex = Vertex::default();
+        let (mut vertex, mut bsdf) = (Vertex::default(), Bsdf::black());
         while walk.edges + 1 < self.settings.max_edges && !walk.throughput.is_zero() {
             let Some(distance) = walk.advance(scene, u, &mut vertex) else {
                 return;
@@ -60,9 +61,9 @@ impl LightTracing {
             if walk.edges == 1 {
                 walk.throughput *= scene.fading(emission, distance);
             }
-            let scatter = walk.scatter(scene, &vertex);
+            let scatter = walk.scatter(scene, &vertex, &mut bsdf);
             if walk.edges + 1 >= self.settings.min_edges {
-                self.join(scene, &walk, &scatter, u, out);
+                self.join(scene, walk, &scatter, u, out);
             }
             if walk.bounce(scene, &scatter, u, BOUNCES).is_none() || !walk.survives(u, BOUNCES) {
                 return;
@@ -104,6 +105,7 @@ impl LightTracing {
         let interior =
             scene.interior_toward(vertex, &walk.interior, -walk.direction, lens.direction);
         let ray = Ray::towards(&vertex.surface, lens.position.as_vec3());
+        out.count_shadow();
         value *= scene.transmittance(&ray, &interior);
         value *= scene.absorption(&interior, walk.wavelengths, lens.distance);
         let dispersive = walk.dispersive || scatter.bsdf.dispersive_between(scatter.wo, wi);
@@ -142,6 +144,7 @@ impl LightTracing {
         }
         let ray = Ray::towards(&area.surface, lens.position.as_vec3());
         let interior = scene.area_interior(area, lens.direction);
+        out.count_shadow();
         value *= scene.transmittance(&ray, &interior);
         value *= scene.absorption(&interior, wavelengths, lens.distance);
         out.push(lens.raster, wavelengths.to_xyz(value), Class::L4);

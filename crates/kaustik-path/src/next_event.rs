@@ -2,7 +2,7 @@
 
 use kaustik_bsdf::{Lobe, Mode, shading};
 use kaustik_pss::{Coordinates, Stream};
-use kaustik_scene::{Reach, Scene};
+use kaustik_scene::{DirectSample, Reach, Scene};
 
 use crate::contributions::Gathered;
 use crate::walk::{Scatter, Walk, power_heuristic};
@@ -41,10 +41,11 @@ pub(crate) fn next_event(
     }
     let vertex = scatter.vertex;
     let first = layout::connection(walk.edges);
-    let sample = scene.sample_direct(vertex.position, walk.wavelengths, |i| {
-        u.get(Stream::Connection, first + i)
-    });
-    let Some(sample) = sample else { return };
+    let mut sample = DirectSample::nothing();
+    let ask = |i: u32| u.get(Stream::Connection, first + i);
+    if !scene.write_direct(vertex.position, walk.wavelengths, ask, &mut sample) {
+        return;
+    }
     let wi = vertex.frame.to_local(sample.wi);
     if !shading::sides_agree(scatter.wo, wi, scatter.ng) {
         return;
@@ -59,6 +60,7 @@ pub(crate) fn next_event(
         value *= power_heuristic(pdf, density * shares.scattering);
     }
     let interior = scene.interior_toward(vertex, &walk.interior, -walk.direction, sample.wi);
+    gathered.count_shadow();
     let visible = scene.transmittance(&scene.shadow_ray(vertex, &sample), &interior);
     if visible == 0.0 {
         return;

@@ -1,5 +1,6 @@
 //! Looking for implicit specular paths by a walk from the camera alone.
 
+use kaustik_bsdf::Bsdf;
 use kaustik_pss::{Coordinates, Stream};
 use kaustik_scene::{Scene, Vertex};
 use kaustik_spectrum::Wavelengths;
@@ -27,7 +28,7 @@ pub enum Sighting {
 pub fn sight(settings: &BuilderSettings, scene: &Scene, u: &mut dyn Coordinates) -> Sighting {
     let wavelengths = Wavelengths::sample(u.get(Stream::Wavelength, 0), settings.wavelengths);
     let (mut walk, _) = camera_walk::start(settings, scene, &wavelengths, u);
-    let mut vertex = Vertex::default();
+    let (mut vertex, mut bsdf) = (Vertex::default(), Bsdf::black());
     let so_far = |walk: &Walk<'_>| {
         if walk.specular {
             Sighting::Specular
@@ -45,7 +46,7 @@ pub fn sight(settings: &BuilderSettings, scene: &Scene, u: &mut dyn Coordinates)
         if walk.edges == settings.max_edges {
             return so_far(&walk);
         }
-        let scatter = walk.scatter(scene, &vertex);
+        let scatter = walk.scatter(scene, &vertex, &mut bsdf);
         if walk.bounce(scene, &scatter, u, BOUNCES).is_none() || !walk.survives(u, BOUNCES) {
             return so_far(&walk);
         }

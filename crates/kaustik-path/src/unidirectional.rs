@@ -1,6 +1,7 @@
 //! Path tracing: walks from the camera, with or without next-event estimation.
 
 use glam::DVec3;
+use kaustik_bsdf::Bsdf;
 use kaustik_pss::{Coordinates, Stream};
 use kaustik_scene::{Scene, Vertex};
 
@@ -54,7 +55,7 @@ impl Unidirectional {
     ) {
         // `None`: next event could not have found what the walk runs into.
         let mut origin = None;
-        let mut vertex = Vertex::default();
+        let (mut vertex, mut bsdf) = (Vertex::default(), Bsdf::black());
         while walk.advance(scene, u, &mut vertex).is_some() {
             let Self { settings, .. } = self;
             if walk.edges >= settings.min_edges {
@@ -63,7 +64,7 @@ impl Unidirectional {
             if walk.edges == settings.max_edges {
                 return;
             }
-            let scatter = walk.scatter(scene, &vertex);
+            let scatter = walk.scatter(scene, &vertex, &mut bsdf);
             if self.next_event && walk.edges + 1 >= settings.min_edges {
                 next_event(scene, walk, &scatter, Shares::BOTH, u, gathered);
             }

@@ -37,7 +37,7 @@ pub(crate) struct Walk<'w> {
 #[derive(Clone, Debug)]
 pub(crate) struct Scatter<'a> {
     pub(crate) vertex: &'a Vertex,
-    pub(crate) bsdf: Bsdf,
+    pub(crate) bsdf: &'a Bsdf,
     /// Local direction to where the walk came from.
     pub(crate) wo: DVec3,
     /// Local geometric normal.
@@ -89,11 +89,18 @@ impl<'w> Walk<'w> {
         Some(segment.distance)
     }
 
-    /// The scattering function at the vertex just reached.
+    /// The vertex just reached, with its scattering function, which is written into `bsdf`: that is large, and this is
+    /// the innermost loop.
     #[inline]
-    pub(crate) fn scatter<'a>(&self, scene: &Scene, vertex: &'a Vertex) -> Scatter<'a> {
+    pub(crate) fn scatter<'a>(
+        &self,
+        scene: &Scene,
+        vertex: &'a Vertex,
+        bsdf: &'a mut Bsdf,
+    ) -> Scatter<'a> {
+        scene.write_bsdf(vertex, self.wavelengths, &self.interior, bsdf);
         Scatter {
-            bsdf: scene.bsdf(vertex, self.wavelengths, &self.interior),
+            bsdf,
             wo: vertex.frame.to_local(-self.direction),
             ng: vertex.local_normal(),
             vertex,

@@ -35,30 +35,32 @@ impl Matter {
     /// The surface that a ray met, with its shading frame.
     #[inline]
     pub(crate) fn vertex(&self, ray: &Ray, hit: &Hit, vertex: &mut Vertex) {
-        vertex.surface = self.world.surface(ray, hit);
+        let surface = &mut vertex.surface;
+        let [position, geometric, shading] = self.world.write_surface(ray, hit, surface);
         vertex.material = self.material_of[hit.instance as usize];
-        vertex.position = vertex.surface.position.as_dvec3();
-        vertex.normal = vertex.surface.geometric_normal.as_dvec3();
-        vertex.frame = self.shading_frame(hit, &vertex.surface, vertex.material);
+        vertex.position = position.as_dvec3();
+        vertex.normal = geometric.as_dvec3();
+        self.write_frame(hit, [geometric, shading], vertex);
         vertex.instance = hit.instance;
         vertex.primitive = hit.primitive;
     }
 
     /// The frame about the shading normal, normal texture applied. A normal that points to the
     /// other side than the geometry's is turned (interpolated) or left out (from a texture).
-    #[inline]
-    fn shading_frame(&self, hit: &Hit, surface: &Surface, material: u32) -> Frame {
-        let mut normal = surface.shading_normal;
-        if normal.dot(surface.geometric_normal) < 0.0 {
+    #[inline(always)]
+    fn write_frame(&self, hit: &Hit, [geometric, shading]: [Vec3; 2], vertex: &mut Vertex) {
+        let mut normal = shading;
+        if normal.dot(geometric) < 0.0 {
             normal = -normal;
         }
-        if self.material(material).needs_tangent() {
-            self.bent_frame(hit, surface, material, normal)
-        } else {
-            Frame::from_z(normal.as_dvec3())
+        // First, though it may be in vain: a frame from two branches would be copied.
+        vertex.frame = Frame::from_z(normal.as_dvec3());
+        if self.material(vertex.material).needs_tangent() {
+            vertex.frame = self.bent_frame(hit, &vertex.surface, vertex.material, normal);
         }
     }
 
+    #[inline(never)]
     fn bent_frame(&self, hit: &Hit, surface: &Surface, material: u32, normal: Vec3) -> Frame {
         let Some(tangent) = self.world.tangent(hit, normal) else {
             return Frame::from_z(normal.as_dvec3());
@@ -84,16 +86,17 @@ impl Matter {
         }
     }
 
-    /// The scattering function at a vertex reached through `interior`.
+    /// The scattering function at a vertex reached through `interior`, into the caller's slot.
     #[inline]
-    pub(crate) fn bsdf(
+    pub(crate) fn write_bsdf(
         &self,
         vertex: &Vertex,
         wavelengths: &Wavelengths,
         interior: &Interior,
-    ) -> Bsdf {
+        bsdf: &mut Bsdf,
+    ) {
         let material = self.material(vertex.material);
-        material.bsdf(&self.textures, &vertex.surface, wavelengths, || {
+        let around = || {
             if interior.is_vacuum() {
                 return Spectrum::ONE;
             }
@@ -104,7 +107,8 @@ impl Matter {
             };
             self.dominant(&around)
                 .map_or(Spectrum::ONE, |solid| self.material(solid).ior(wavelengths))
-        })
+        };
+        material.write_bsdf(&self.textures, &vertex.surface, wavelengths, around, bsdf);
     }
 
     /// Emitted radiance of a material at a surface point; the side is the caller's matter.

@@ -186,7 +186,21 @@ impl Scene {
     /// of the vertex.
     #[inline]
     pub fn bsdf(&self, vertex: &Vertex, wavelengths: &Wavelengths, interior: &Interior) -> Bsdf {
-        self.matter.bsdf(vertex, wavelengths, interior)
+        let mut bsdf = Bsdf::black();
+        self.write_bsdf(vertex, wavelengths, interior, &mut bsdf);
+        bsdf
+    }
+
+    /// [`Self::bsdf`] into the caller's slot, as [`Self::advance`] writes the vertex.
+    #[inline]
+    pub fn write_bsdf(
+        &self,
+        vertex: &Vertex,
+        wavelengths: &Wavelengths,
+        interior: &Interior,
+        bsdf: &mut Bsdf,
+    ) {
+        self.matter.write_bsdf(vertex, wavelengths, interior, bsdf);
     }
 
     /// Radiance that the surface itself sends toward `direction` (unit, world).
@@ -224,8 +238,22 @@ impl Scene {
         wavelengths: &Wavelengths,
         u: impl FnMut(u32) -> f64,
     ) -> Option<DirectSample> {
+        let mut sample = DirectSample::nothing();
+        self.write_direct(position, wavelengths, u, &mut sample)
+            .then_some(sample)
+    }
+
+    /// [`Self::sample_direct`] into the caller's slot; `false` where nothing arrives.
+    #[inline]
+    pub fn write_direct(
+        &self,
+        position: DVec3,
+        wavelengths: &Wavelengths,
+        u: impl FnMut(u32) -> f64,
+        sample: &mut DirectSample,
+    ) -> bool {
         self.emitters
-            .sample_direct(&self.matter, position, wavelengths, u)
+            .write_direct(&self.matter, position, wavelengths, u, sample)
     }
 
     /// Density per solid angle at `from` with which [`Self::sample_direct`] finds `vertex`.

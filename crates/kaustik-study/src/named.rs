@@ -8,6 +8,7 @@ mod checks;
 mod erpt;
 mod pssmlt;
 mod relt;
+mod spatial_target;
 
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
@@ -51,7 +52,7 @@ pub struct Named {
 }
 
 /// All of them.
-pub const ALL: [Named; 3] = [
+pub const ALL: [Named; 4] = [
     Named {
         name: "pssmlt",
         title: "Kelemen, Szirmay-Kalos 2002: a simple and robust mutation strategy for the Metropolis \
@@ -67,6 +68,12 @@ pub const ALL: [Named; 3] = [
         name: "erpt",
         title: "Batty: implementing energy redistribution path tracing (Cline, Talbot, Egbert 2005)",
         figures: erpt::figures,
+    },
+    Named {
+        name: "spatial-target",
+        title: "Gruson, Ribardière, Šik, Vorba, Cozot, Bouatouch, Křivánek 2016: a spatial target function for Metropolis \
+                photon tracing",
+        figures: spatial_target::figures,
     },
 ];
 
@@ -259,6 +266,11 @@ mod tests {
         }
         for (number, samples) in [(2, 1400.0), (3, 24.0), (4, 5625.0), (5, 24.0), (6, 24.0)] {
             assert_eq!(of("erpt", number).budgets, per_pixel(&[samples]));
+        }
+        for (number, minutes) in [(1, 30.0), (4, 10.0), (7, 60.0), (10, 5.0), (11, 60.0)] {
+            let study = of("spatial-target", number);
+            assert_eq!((study.width, study.height), (960, 540));
+            assert_eq!(study.budgets.amounts.last(), Some(&(60.0 * minutes)));
         }
         for (number, side, minutes) in [
             (4, 400, 10.0),

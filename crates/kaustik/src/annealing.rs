@@ -344,6 +344,7 @@ impl<const K: usize> Engine for AnnealingEngine<'_, K> {
             sweeps: self.rounds,
             exchange_acceptance: Vec::new(),
             pairs: Vec::new(),
+            even: 0,
             scouts: 0,
             scouts_found: 0,
             scouts_followed: 0,

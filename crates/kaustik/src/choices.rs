@@ -87,6 +87,16 @@ pub enum Steps {
     Adapted,
 }
 
+/// How many samples of `relt` are spread evenly over the image, for each sweep of a ladder.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum EvenSamples {
+    /// The more, the easier light is to find.
+    #[default]
+    Auto,
+    /// So many.
+    Count(u32),
+}
+
 /// Where the chains of `erpt` start.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Starts {

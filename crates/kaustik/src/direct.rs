@@ -5,9 +5,10 @@ use std::ops::Range;
 use std::sync::atomic::AtomicBool;
 
 use kaustik_film::{Counters, Image, Layer};
+use kaustik_path::Rays;
 use kaustik_scene::Scene;
 
-use crate::engine::{Engine, add_counters};
+use crate::engine::{Engine, add_counters, add_rays};
 use crate::independent::IndependentEngine;
 use crate::state::{Keep, Reader, StateError, Writer};
 use crate::{
@@ -179,6 +180,11 @@ impl Engine for DirectApart<'_> {
         let (of_chains, first) = self.chains.nonfinite();
         let (of_direct, other) = self.direct.nonfinite();
         (of_chains + of_direct, first.or(other))
+    }
+
+    fn rays(&self) -> Option<Rays> {
+        let (chains, direct) = (self.chains.rays()?, self.direct.rays()?);
+        Some(add_rays([chains, direct].into_iter()))
     }
 
     fn film_counters(&self) -> Counters {

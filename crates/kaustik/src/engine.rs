@@ -3,6 +3,7 @@
 use std::sync::atomic::AtomicBool;
 
 use kaustik_film::{Counters, Image, Layer};
+use kaustik_path::Rays;
 use serde::{Deserialize, Serialize};
 
 use crate::state::{Keep, Reader, StateError};
@@ -70,6 +71,11 @@ pub(crate) trait Engine: Send + Sync {
 
     /// Contributions left out because they were not finite, and where the first arose.
     fn nonfinite(&self) -> (u64, Option<Place>);
+
+    /// The rays of all steps taken; `None` of a method that does not count them.
+    fn rays(&self) -> Option<Rays> {
+        None
+    }
 
     /// What the films left out.
     fn film_counters(&self) -> Counters;
@@ -148,6 +154,14 @@ pub(crate) fn add_nonfinite(
 ) -> (u64, Option<Place>) {
     let (more, there) = other.unwrap_or_default();
     (count + more, place.or(there))
+}
+
+/// Rays of several parts, in their order.
+pub(crate) fn add_rays(parts: impl Iterator<Item = Rays>) -> Rays {
+    parts.fold(Rays::default(), |mut sum, part| {
+        sum += part;
+        sum
+    })
 }
 
 /// Sum of two films' counters.

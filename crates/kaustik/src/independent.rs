@@ -8,7 +8,7 @@ use kaustik_estimate::Scale;
 use kaustik_film::{Counters, Film, Image, Quantum, develop};
 use kaustik_mcmc::{Independent, Mean, SampleGenerators};
 use kaustik_path::{
-    Bidirectional, Contributions, Form, LightTracing, PathBuilder, Remainder, Unidirectional,
+    Bidirectional, Contributions, Form, LightTracing, PathBuilder, Rays, Remainder, Unidirectional,
 };
 use kaustik_pss::Coordinates;
 use kaustik_scene::Scene;
@@ -16,7 +16,7 @@ use rayon::prelude::*;
 
 use crate::cells::{Cells, Tour};
 use crate::control::is_stopped;
-use crate::engine::{Engine, Nonfinite, STRIDE};
+use crate::engine::{Engine, Nonfinite, STRIDE, add_rays};
 use crate::erpt_pss::{Chains, Paths, PssRedistribution};
 use crate::pssmlt::builder;
 use crate::render::builder_settings;
@@ -55,6 +55,7 @@ struct SampleStream {
     generators: SampleGenerators,
     value: Contributions,
     nonfinite: Nonfinite,
+    rays: Rays,
     /// Runs chains from the samples, where the method does.
     chains: Option<Box<Chains>>,
 }
@@ -139,6 +140,7 @@ impl<'a> IndependentEngine<'a> {
             generators: SampleGenerators::new(settings.seed, u64::from(ladder)),
             value: Contributions::default(),
             nonfinite: Nonfinite::default(),
+            rays: Rays::default(),
             chains: None,
         };
         Ok(Self {
@@ -293,6 +295,12 @@ impl Engine for IndependentEngine<'_> {
         )
     }
 
+    /// Not of what is redistributed: its chains do not count them.
+    fn rays(&self) -> Option<Rays> {
+        let none = self.redistribution.is_none();
+        none.then(|| add_rays(self.streams.iter().map(|stream| stream.rays)))
+    }
+
     fn film_counters(&self) -> Counters {
         self.film.counters()
     }
@@ -325,22 +333,25 @@ impl Keep for IndependentEngine<'_> {
     fn write(&self, out: &mut Writer<'_>) -> io::Result<()> {
         out.film(&self.film)?;
         let streams = self.streams.iter();
-        let streams: Vec<(u64, Nonfinite)> = streams.map(|s| (s.step, s.nonfinite)).collect();
+        let streams: Vec<(u64, Nonfinite, Rays)> =
+            streams.map(|s| (s.step, s.nonfinite, s.rays)).collect();
         out.value(&streams)
     }
 
     fn take_up(&mut self, from: &mut Reader<'_>) -> Result<(), StateError> {
         from.film(&mut self.film)?;
-        let kept: Vec<(u64, Nonfinite)> = from.value()?;
+        let kept: Vec<(u64, Nonfinite, Rays)> = from.value()?;
         let ladders = from.ladders();
         if kept.len() != ladders.len() {
             return Err(StateError::damaged("a stream of samples is missing"));
         }
         let streams = self.streams.iter_mut();
         let streams = streams.filter(|stream| ladders.contains(&stream.ladder));
-        for (stream, (step, nonfinite)) in streams.zip(kept) {
+        for (stream, (step, nonfinite, rays)) in streams.zip(kept) {
             stream.step = Reader::count(step)?;
             stream.nonfinite = nonfinite.checked()?;
+            (stream.rays.closest, stream.rays.any) =
+                (Reader::count(rays.closest)?, Reader::count(rays.any)?);
         }
         Ok(())
     }
@@ -398,6 +409,7 @@ impl SampleStream {
             _ => {
                 builder.build(scene, coordinates, &mut self.value);
                 job.scale.splat(job.film, &self.value, 1.0);
+                self.rays += self.value.rays();
                 u64::from(self.value.nonfinite())
             }
         };

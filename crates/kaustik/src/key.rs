@@ -227,6 +227,14 @@ pub const KEYS: &[Key] = &[
         methods: EXCHANGE,
     },
     Key {
+        name: "even",
+        default: "auto",
+        range: "auto|0..=64",
+        meaning: "independent samples a sweep beside the chains, spread evenly over the image (the paper: none): 2 to \
+                  16 by how easily light is found, or so many",
+        methods: EXCHANGE,
+    },
+    Key {
         name: "steps",
         default: "fine",
         range: "fine|kelemen|paper|adapted",
@@ -244,16 +252,16 @@ pub const KEYS: &[Key] = &[
     },
     Key {
         name: "length",
-        default: "100",
+        default: "300",
         range: "1..=100000",
         meaning: "steps of each chain that spreads the light of a sample (Batty: 100 to 1000)",
         methods: REDISTRIBUTION,
     },
     Key {
         name: "chains",
-        default: "1",
+        default: "0.01",
         range: "0.01 <= mean <= 100",
-        meaning: "chains a sample in the mean; how many a sample has goes with the light that it brings",
+        meaning: "chains a sample in the mean (Batty: 1); how many a sample has goes with the light that it brings",
         methods: REDISTRIBUTION,
     },
     Key {
@@ -347,4 +355,7 @@ pub const KEYS: &[Key] = &[
     photon_options::TARGET_FUNCTION,
     photon_options::PSI,
     photon_options::REFINEMENT,
+    photon_options::ORIENTATION,
+    photon_options::NORMALISATION,
+    photon_options::MAPS,
 ];

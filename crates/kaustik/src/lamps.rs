@@ -11,7 +11,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use kaustik_estimate::Scale;
 use kaustik_film::{Counters, Film, Quantum};
 use kaustik_mcmc::{Independent, SampleGenerators};
-use kaustik_path::{BuilderSettings, Contributions, PathBuilder, Unidirectional};
+use kaustik_path::{BuilderSettings, Contributions, PathBuilder, Rays, Unidirectional};
 use kaustik_scene::Scene;
 use rayon::prelude::*;
 
@@ -207,6 +207,14 @@ impl<'a> Lamps<'a> {
     /// Contributions left out because they were not finite. They belong to no ladder's step.
     pub(crate) fn nonfinite(&self) -> (u64, Option<Place>) {
         (self.nonfinite.load(Ordering::Relaxed), None)
+    }
+
+    /// One ray a sample of the passes, to the first surface.
+    pub(crate) fn rays(&self) -> Rays {
+        Rays {
+            closest: self.passes * self.often.iter().sum::<u64>(),
+            any: 0,
+        }
     }
 
     /// What the film left out.

@@ -55,8 +55,8 @@ mod statistics;
 mod stratified;
 
 pub use choices::{
-    Builder, Caustics, Colours, Direct, Energy, Jitter, Normaliser, SmallStep, Starts, Steps,
-    Strategies,
+    Builder, Caustics, Colours, Direct, Energy, EvenSamples, Jitter, Normaliser, SmallStep, Starts,
+    Steps, Strategies,
 };
 pub use control::{Control, Progress};
 pub use energy_statistics::EnergyStatistics;
@@ -66,14 +66,14 @@ pub use merge::{merge, whole};
 pub use method::{Method, UnknownMethod};
 pub use mutations::Mutations;
 pub use options::{OptionError, Options};
-pub use photon_options::{PhotonOptions, TargetFunction};
+pub use photon_options::{Normalisation, PhotonOptions, TargetFunction};
 pub use render::{Outcome, Rendered, Watch, render, render_watched, resume};
 pub use replica_statistics::{ReplicaLevel, ReplicaStatistics};
 pub use settings::{Budget, RenderSettings};
 pub use state::{Snapshot, Source, State, StateError};
 pub use statistics::{
     ChainStatistics, DirectStatistics, MutationStatistics, PhotonLevel, PhotonStatistics, Place,
-    RenderStatistics,
+    RayStatistics, RenderStatistics,
 };
 
 pub use kaustik_estimate::Mis;

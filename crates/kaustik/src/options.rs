@@ -9,8 +9,8 @@ mod assign;
 mod value;
 
 use crate::choices::{
-    Builder, Caustics, Colours, Direct, Energy, Jitter, Normaliser, SmallStep, Starts, Steps,
-    Strategies,
+    Builder, Caustics, Colours, Direct, Energy, EvenSamples, Jitter, Normaliser, SmallStep, Starts,
+    Steps, Strategies,
 };
 use crate::key::KEYS;
 use crate::method::Method;
@@ -40,6 +40,7 @@ pub struct Options {
     pub delta: f64,
     pub beta: f64,
     pub exchange: Schedule,
+    pub even: EvenSamples,
     pub steps: Steps,
     pub particles: u64,
     pub length: u32,
@@ -82,10 +83,11 @@ impl Default for Options {
             delta: ReplicaSet::DELTA,
             beta: 2.0,
             exchange: Schedule::Full,
+            even: EvenSamples::default(),
             steps: Steps::default(),
             particles: 10_000,
-            length: 100,
-            chains: 1.0,
+            length: 300,
+            chains: 0.01,
             consecutive: None,
             proposed: None,
             seeds: Starts::default(),

@@ -23,6 +23,11 @@ pub struct PhotonOptions {
     pub target_function: TargetFunction,
     pub psi: Witnesses,
     pub refinement: Refinement,
+    /// Do regions tell orientations apart?
+    pub orientation: bool,
+    pub normalisation: Normalisation,
+    /// Pictures of the target and of how often points were touched.
+    pub maps: bool,
 }
 
 /// What the last of the chains follows.
@@ -33,6 +38,18 @@ pub enum TargetFunction {
     Full,
     /// The second factor alone.
     InverseKernel,
+    /// The full one, with the spread of fluxes in each region as well (G Eq. 3).
+    SecondMoment,
+}
+
+/// How the normaliser of visibility is estimated.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Normalisation {
+    /// From all uniform light paths so far.
+    #[default]
+    Progressive,
+    /// From those of each iteration, for it alone.
+    Iteration,
 }
 
 impl Default for PhotonOptions {
@@ -48,8 +65,11 @@ impl Default for PhotonOptions {
             combine: Combine::Balance,
             levels: 4,
             target_function: TargetFunction::Full,
-            psi: Witnesses::Others,
-            refinement: Refinement::Adaptive,
+            psi: Witnesses::All,
+            refinement: Refinement::EARLY,
+            orientation: false,
+            normalisation: Normalisation::Progressive,
+            maps: false,
         }
     }
 }
@@ -156,28 +176,55 @@ pub(crate) const LEVELS: Key = Key {
 pub(crate) const TARGET_FUNCTION: Key = Key {
     name: "tf",
     default: "full",
-    range: "full|inverse-kernel",
-    meaning: "the target function: inverse density of photons in the region times inverse kernel size, or the \
-              second alone",
+    range: "full|inverse-kernel|second-moment",
+    meaning: "the target function: inverse density of photons in the region times inverse kernel size; the \
+              second alone; or the first times the spread of fluxes in the region as well",
     methods: REGIONS,
 };
 /// Whose visits tell about regions.
 pub(crate) const PSI: Key = Key {
     name: "psi",
-    default: "authors",
-    range: "authors|visibility",
-    meaning: "whose visits tell how dense photons are: all chains but the last, as in the authors' code; or the chain of \
-              visibility (with levels=4)",
+    default: "all",
+    range: "all|authors|visibility",
+    meaning: "whose visits tell how dense photons are: those of all chains; of all but the last, as in the authors' code; \
+              of the chain of visibility (with levels=4)",
     methods: REGIONS,
 };
 /// When regions are divided.
 pub(crate) const REFINEMENT: Key = Key {
     name: "refinement",
-    default: "adaptive",
-    range: "adaptive|iterations|off",
-    meaning: "when regions are divided: where the halves of their statistics differ by less than 5 % and 10,000 light \
-              paths have touched them; every iteration; never",
+    default: "early",
+    range: "early|adaptive|iterations|off",
+    meaning: "when regions are divided: where the halves of their statistics differ by less than 30 % and 200 light paths \
+              have touched both parts; by less than 5 %, and 10,000 (the paper's); every iteration; never",
     methods: REGIONS,
+};
+
+/// How regions are told apart.
+pub(crate) const ORIENTATION: Key = Key {
+    name: "orientation",
+    default: "off",
+    range: "on|off",
+    meaning: "small regions of photon-spatial also part surfaces that face different ways",
+    methods: &[Method::PhotonSpatial],
+};
+/// How visibility's integral is found.
+pub(crate) const NORMALISATION: Key = Key {
+    name: "normalisation",
+    default: "progressive",
+    range: "progressive|iteration",
+    meaning: "how visible light paths are scaled: by the share of all uniform ones so far that are visible, or for each \
+              iteration by its own",
+    methods: CHAINS,
+};
+/// Layers.
+pub(crate) const MAPS: Key = Key {
+    name: "maps",
+    default: "off",
+    range: "on|off",
+    meaning: "layers with the target of the last iteration, its factors and regions, and with how often points were \
+              touched",
+    methods: CHAINS,
 };
 
 const COMBINES: &[(&str, Combine)] =
@@ -185,15 +232,22 @@ const COMBINES: &[(&str, Combine)] =
 const TARGET_FUNCTIONS: &[(&str, TargetFunction)] = &[
     ("full", TargetFunction::Full),
     ("inverse-kernel", TargetFunction::InverseKernel),
+    ("second-moment", TargetFunction::SecondMoment),
 ];
 const PSIS: &[(&str, Witnesses)] = &[
+    ("all", Witnesses::All),
     ("authors", Witnesses::Others),
     ("visibility", Witnesses::Visibility),
 ];
 const REFINEMENTS: &[(&str, Refinement)] = &[
-    ("adaptive", Refinement::Adaptive),
+    ("early", Refinement::EARLY),
+    ("adaptive", Refinement::PUBLISHED),
     ("iterations", Refinement::Iterations),
     ("off", Refinement::Off),
+];
+const NORMALISATIONS: &[(&str, Normalisation)] = &[
+    ("progressive", Normalisation::Progressive),
+    ("iteration", Normalisation::Iteration),
 ];
 const SWITCH: &[(&str, bool)] = &[("on", true), ("off", false)];
 
@@ -213,6 +267,9 @@ impl PhotonOptions {
             "tf" => name(self.target_function, TARGET_FUNCTIONS),
             "psi" => name(self.psi, PSIS),
             "refinement" => name(self.refinement, REFINEMENTS),
+            "orientation" => name(self.orientation, SWITCH),
+            "normalisation" => name(self.normalisation, NORMALISATIONS),
+            "maps" => name(self.maps, SWITCH),
             _ => return None,
         })
     }
@@ -239,6 +296,9 @@ impl PhotonOptions {
             "tf" => self.target_function = meaning(value, TARGET_FUNCTIONS)?,
             "psi" => self.psi = meaning(value, PSIS)?,
             "refinement" => self.refinement = meaning(value, REFINEMENTS)?,
+            "orientation" => self.orientation = meaning(value, SWITCH)?,
+            "normalisation" => self.normalisation = meaning(value, NORMALISATIONS)?,
+            "maps" => self.maps = meaning(value, SWITCH)?,
             _ => return None,
         }
         Some(())
@@ -277,7 +337,10 @@ mod tests {
             "levels=3",
             "tf=inverse-kernel",
             "psi=visibility",
-            "refinement=off",
+            "refinement=adaptive",
+            "orientation=on",
+            "normalisation=iteration",
+            "maps=on",
         ] {
             options.set(Method::PhotonSpatial, text).unwrap();
         }
@@ -298,6 +361,7 @@ mod tests {
             "acceptance=1",
             "levels=5",
             "tf=half",
+            "refinement=soon",
         ] {
             assert!(again.set(Method::PhotonSpatial, wrong).is_err(), "{wrong}");
         }

@@ -1,22 +1,25 @@
 //! Primary sample space Metropolis light transport (Kelemen et al. 2002; spec: pss-and-pssmlt.md).
 
+use std::cell::Cell;
 use std::io;
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
-use kaustik_estimate::{KelemenDeposit, Mis, PathTarget, ScalarContribution, Scale};
+use kaustik_estimate::{CountedTarget, KelemenDeposit, Mis, PathTarget, ScalarContribution, Scale};
 use kaustik_film::{Counters, Film, Image, Quantum, develop};
 use kaustik_mcmc::{
     Draws, Exponential, Mean, Metropolis, Mutation, Pcg64Dxsm, Point, PointKernel, Pool,
     SampleGenerators, Statistics, Uniform, generator, sample, sample_generator,
 };
-use kaustik_path::{Bidirectional, Contributions, Endpoint, Form, PathBuilder, Unidirectional};
+use kaustik_path::{
+    Bidirectional, Contributions, Endpoint, Form, PathBuilder, Rays, Unidirectional,
+};
 use kaustik_scene::Scene;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use crate::control::is_stopped;
-use crate::engine::{Engine, Nonfinite, STRIDE, add_counters, add_nonfinite};
+use crate::engine::{Engine, Nonfinite, STRIDE, add_counters, add_nonfinite, add_rays};
 use crate::lamps::Lamps;
 use crate::render::builder_settings;
 use crate::state::{Keep, Reader, StateError, Writer};
@@ -45,7 +48,7 @@ pub(crate) enum Small {
 }
 
 impl Mutation for Small {
-    #[inline]
+    #[inline(always)]
     fn mutate<D: Draws + ?Sized>(&self, x: f64, draws: &mut D) -> f64 {
         match self {
             Self::Kelemen(mutation) => mutation.mutate(x, draws),
@@ -93,6 +96,7 @@ pub(crate) struct PssmltEngine<'a> {
 struct Chain {
     ladder: u32,
     nonfinite: Nonfinite,
+    rays: Rays,
     draws: Pcg64Dxsm,
     metropolis: Metropolis<Point<Small>, Contributions, 1>,
 }
@@ -172,11 +176,16 @@ impl<'a> PssmltEngine<'a> {
             builder: self.builder.as_ref(),
             nonfinite: &nonfinite,
         };
+        let rays = Cell::new(chain.rays);
+        let target = CountedTarget {
+            target,
+            rays: &rays,
+        };
         let kernel = PointKernel::new(target, self.options.p_large);
         let mut deposit = self.deposit();
         for done in 0..steps {
             if done % STRIDE == 0 && is_stopped(stop) {
-                return;
+                break;
             }
             let step = chain.metropolis.statistics().steps;
             chain
@@ -188,6 +197,7 @@ impl<'a> PssmltEngine<'a> {
                 chain.nonfinite.count(found, step);
             }
         }
+        chain.rays = rays.get();
     }
 
     /// All chains' statistics, in the order of the ladders.
@@ -311,6 +321,7 @@ fn start_chains(
         chains.push(Chain {
             ladder,
             nonfinite: Nonfinite::default(),
+            rays: Rays::default(),
             metropolis,
             draws: own,
         });
@@ -369,6 +380,12 @@ impl Engine for PssmltEngine<'_> {
         let chains = self.chains.iter();
         let own = Nonfinite::all(chains.map(|chain| (chain.ladder, chain.nonfinite)));
         add_nonfinite(own, self.lamps.as_ref().map(Lamps::nonfinite))
+    }
+
+    fn rays(&self) -> Option<Rays> {
+        let lamps = self.lamps.iter().map(Lamps::rays);
+        let chains = self.chains.iter().map(|chain| chain.rays);
+        Some(add_rays(chains.chain(lamps)))
     }
 
     fn film_counters(&self) -> Counters {
@@ -459,6 +476,9 @@ impl Chain {
             return Err(StateError::damaged("a chain does not agree with itself"));
         }
         self.nonfinite.checked()?;
+        for rays in [self.rays.closest, self.rays.any] {
+            Reader::count(rays)?;
+        }
         if self.metropolis.density().to_bits() != family.of(self.metropolis.value()).to_bits() {
             return Err(StateError::damaged(
                 "a chain's density is not that of its path",

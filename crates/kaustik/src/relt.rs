@@ -1,5 +1,6 @@
 //! Replica exchange light transport (Kitaoka, Kitamura and Kishino 2009; spec: relt.md).
 
+mod even;
 mod run;
 pub(crate) mod scouts;
 pub(crate) mod start;
@@ -22,8 +23,8 @@ use crate::control::is_stopped;
 use crate::engine::{Engine, Nonfinite, STRIDE, add_counters, add_nonfinite};
 use crate::lamps::Lamps;
 use crate::{
-    ChainStatistics, Normaliser, Options, Place, RenderError, RenderSettings, ReplicaLevel,
-    ReplicaStatistics, Steps,
+    ChainStatistics, EvenSamples, Normaliser, Options, Place, RenderError, RenderSettings,
+    ReplicaLevel, ReplicaStatistics, Steps,
 };
 use run::{Run, below, pool, runs};
 use scouts::{SpecularLight, scouting};
@@ -75,8 +76,10 @@ struct ReltEngine<'a, const K: usize> {
     pool: Shares<K>,
     /// What scouts look for, if there are any.
     region: Option<SpecularLight<'a>>,
-    /// 1 over the steps of each replica in a sweep.
-    each: [f64; K],
+    /// Samples of each replica a sweep.
+    counts: [f64; K],
+    /// How many of the first's are spread evenly.
+    even: u32,
     particles: u64,
     effective: Vec<[f64; 2]>,
     dropped: Option<String>,
@@ -105,7 +108,14 @@ impl<'a, const K: usize> ReltEngine<'a, K> {
         let Ok(films) = <[Film; K]>::try_from(films) else {
             unreachable!("K films were made");
         };
-        let weights = ReplicaWeights::new(rough.map(|b| b.value), options.beta, specific);
+        let even = match options.even {
+            EvenSamples::Auto => even::samples_a_sweep::<K>(&started),
+            EvenSamples::Count(count) => count,
+        };
+        let mut counts: [f64; K] = std::array::from_fn(|k| f64::from(set.repeats()[k]));
+        counts[0] += f64::from(even);
+        let weights =
+            ReplicaWeights::new(rough.map(|b| b.value), options.beta, specific).with_counts(counts);
         let pool = pool(&weights, &set, &started);
         let scouts = scouting(&set).filter(|_| specific);
         Ok(Self {
@@ -117,7 +127,8 @@ impl<'a, const K: usize> ReltEngine<'a, K> {
             weights,
             pool,
             region: scouts.map(|_| SpecularLight::new(scene, settings)),
-            each: std::array::from_fn(|k| 1.0 / f64::from(set.repeats()[k])),
+            counts,
+            even,
             rough,
             lit: started.mean > 0.0,
             particles: started.particles,
@@ -140,13 +151,14 @@ impl<'a, const K: usize> ReltEngine<'a, K> {
             scale: self.scale,
             weights: self.weights,
             shares,
-            each: self.each,
+            each: self.counts.map(|n| 1.0 / n),
         }
     }
 
-    /// Steps of all replicas in a sweep.
+    /// Samples of all replicas in a sweep.
     fn cost(&self) -> u64 {
-        self.set.repeats()[..K].iter().copied().map(u64::from).sum()
+        let steps = self.set.repeats()[..K].iter().copied().map(u64::from);
+        steps.sum::<u64>() + u64::from(self.even)
     }
 
     /// Drives one ladder on.
@@ -176,6 +188,7 @@ impl<'a, const K: usize> ReltEngine<'a, K> {
                     &mut deposit,
                 );
             }
+            (run.even).samples(self.even, &target, &self.family, &mut deposit);
             (run.ladder).exchange(&kernels, &mut run.draws, &mut deposit);
             let found = nonfinite.load(Ordering::Relaxed);
             if found > 0 {
@@ -401,6 +414,7 @@ impl<const K: usize> Engine for ReltEngine<'_, K> {
             exchange_acceptance: (pairs.iter().map(|&(a, b)| exchanges.swap(a, b).rate()))
                 .collect(),
             pairs: pairs.iter().map(|&(a, b)| [a + 1, b + 1]).collect(),
+            even: self.sweeps() * u64::from(self.even),
             scouts: match self.region {
                 Some(_) => self.sweeps() * u64::from(self.set.scouts()),
                 None => 0,

@@ -18,8 +18,8 @@ use crate::pssmlt::PssmltEngine;
 use crate::relt;
 use crate::state::{Header, take_up};
 use crate::{
-    Budget, Control, Method, Progress, RenderError, RenderSettings, RenderStatistics, Snapshot,
-    State, StateError, annealing, features,
+    Budget, Control, Method, Progress, RayStatistics, RenderError, RenderSettings,
+    RenderStatistics, Snapshot, State, StateError, annealing, features,
 };
 
 /// What became of a render.
@@ -423,6 +423,10 @@ impl<'a> Work<'a> {
             pilot_seconds: self.pilot.as_secs_f64(),
             nonfinite,
             first_nonfinite,
+            rays: engine.rays().map(|rays| RayStatistics {
+                closest: rays.closest,
+                any: rays.any,
+            }),
             film: engine.film_counters(),
             chain: engine.chain_statistics(),
             direct: engine.direct_statistics(),

@@ -11,6 +11,8 @@ pub struct ReplicaStatistics {
     pub exchange_acceptance: Vec<f64>,
     /// The pairs, counted from 1.
     pub pairs: Vec<[usize; 2]>,
+    /// Independent samples of all ladders that were spread evenly over the image.
+    pub even: u64,
     /// Scouts sent by all ladders.
     pub scouts: u64,
     /// How many of them found implicit specular light.

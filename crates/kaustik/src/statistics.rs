@@ -25,6 +25,9 @@ pub struct RenderStatistics {
     pub nonfinite: u64,
     /// Where the first of them (by ladder) arose: with the seed all that a replay needs.
     pub first_nonfinite: Option<Place>,
+    /// Rays of all steps, the pilot's left out; of methods that count them.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rays: Option<RayStatistics>,
     /// What the films left out.
     pub film: Counters,
     /// Of a chain method.
@@ -79,6 +82,15 @@ pub struct MutationStatistics {
     pub proposed: u64,
     /// Their mean acceptance.
     pub acceptance: f64,
+}
+
+/// How many rays were traced.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct RayStatistics {
+    /// Asked for the closest hit: the edges of walks.
+    pub closest: u64,
+    /// Asked for any hit: shadow rays.
+    pub any: u64,
 }
 
 /// A sample or step among all of a render.

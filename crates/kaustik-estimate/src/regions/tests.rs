@@ -8,8 +8,8 @@ fn scattered(count: usize) -> Vec<Place> {
     let mut u = || draws.uniform() as f32;
     (0..count)
         .map(|index| match index % 3 {
-            0 => [0.1 * u(), 0.1 * u(), 0.1 * u()],
-            _ => [4.0 * u(), 0.0, 3.0 * u()],
+            0 => [0.1 * u(), 0.1 * u(), 0.1 * u(), 0.0, 0.0, 0.0],
+            _ => [4.0 * u(), 0.0, 3.0 * u(), 0.0, 0.0, 0.0],
         })
         .collect()
 }
@@ -29,7 +29,7 @@ fn a_tree_holds_each_point_once_and_evenly() {
     let uneven = held.iter().filter(|n| !(70..=71).contains(*n)).count();
     assert!(uneven * 10 < held.len(), "{uneven} of {}", held.len());
     // Far outside of the pilot there are leaves as well.
-    assert!((regions.leaf([1e9, -1e9, 1e9]) as usize) < regions.leaves());
+    assert!((regions.leaf([1e9, -1e9, 1e9, 0.0, 0.0, 0.0]) as usize) < regions.leaves());
 }
 
 /// What leaves are told is what their ancestors know: spec (6) against G Eqs. 8 and 10 as printed.
@@ -53,6 +53,7 @@ fn sums_are_those_of_the_recursion() {
         let tally = |area: &f64| LeafTally {
             psi: [0, 1].map(|_| area * draws.uniform()),
             paths: 1.0,
+            ..LeafTally::default()
         };
         let tallies: Vec<LeafTally> = area.iter().map(tally).collect();
         let psi: f64 = tallies.iter().map(|t| t.psi[0] + t.psi[1]).sum();
@@ -83,22 +84,23 @@ fn the_cut_follows_what_is_known() {
             .map(|leaf| LeafTally {
                 psi: halves.map(|half| half * (1.0 + leaf as f64)),
                 paths,
+                ..LeafTally::default()
             })
             .collect::<Vec<_>>()
     };
     regions.set_areas(&areas);
-    regions.learn(&with(20_000.0, [0.5, 0.4]), Refinement::Adaptive);
+    regions.learn(&with(20_000.0, [0.5, 0.4]), Refinement::PUBLISHED);
     assert_eq!(regions.cut(), 1, "halves that differ by more than 5 %");
     let mut regions = Regions::spatial(&mut scattered(9_000));
     regions.set_areas(&areas);
-    regions.learn(&with(3_000.0, [0.5, 0.5]), Refinement::Adaptive);
+    regions.learn(&with(3_000.0, [0.5, 0.5]), Refinement::PUBLISHED);
     let cut = regions.cut();
     assert!(
         cut > 8 && cut < leaves,
         "{cut}: regions of four leaves or more"
     );
     regions.set_areas(&areas);
-    regions.learn(&with(20_000.0, [0.5, 0.5]), Refinement::Adaptive);
+    regions.learn(&with(20_000.0, [0.5, 0.5]), Refinement::PUBLISHED);
     assert_eq!(regions.cut(), leaves);
     for (leaf, density) in regions.densities().into_iter().enumerate() {
         let wanted = (1.0 + leaf as f64) / leaves as f64;
@@ -132,7 +134,7 @@ fn the_unknown_go_by_their_ancestors() {
 fn an_image_is_halved_both_ways() {
     let regions = Regions::image();
     assert_eq!(regions.leaves(), 1 << Regions::MOST_LEVELS);
-    let at = |x: f32, y: f32| regions.leaf([x, y, 0.0]);
+    let at = |x: f32, y: f32| regions.leaf([x, y, 0.0, 0.0, 0.0, 0.0]);
     assert_ne!(at(0.1, 0.1), at(0.9, 0.1));
     assert_ne!(at(0.1, 0.1), at(0.1, 0.9));
     assert_eq!(at(0.1, 0.1), at(0.1001, 0.1001));
@@ -142,4 +144,50 @@ fn an_image_is_halved_both_ways() {
 fn factors_stay_in_their_range() {
     assert!((inverse(0.0) - 1.0).abs() < 1e-15);
     assert!((inverse(1.0) - EPSILON / (1.0 + EPSILON)).abs() < 1e-15);
+}
+
+/// Two sheets in one place that face opposite ways have no region in common where regions are small, and share them where
+/// normals have no length.
+#[test]
+fn normals_part_what_places_do_not() {
+    let sheets = |length: f32| -> Vec<Place> {
+        let mut points = scattered(6_000);
+        for (index, point) in points.iter_mut().enumerate() {
+            let side = if index % 2 == 0 { 1.0 } else { -1.0 };
+            *point = [point[0], 0.0, point[2], 0.0, side * length, 0.0];
+        }
+        points
+    };
+    for (length, apart) in [(1.0, true), (0.0, false)] {
+        let points = sheets(length);
+        let regions = Regions::spatial(&mut points.clone());
+        let mut sides = vec![[0_usize; 2]; regions.leaves()];
+        for (index, point) in points.iter().enumerate() {
+            sides[regions.leaf(*point) as usize][index % 2] += 1;
+        }
+        let mixed = sides.iter().filter(|s| s[0] > 0 && s[1] > 0).count();
+        assert_eq!(mixed == 0, apart, "{mixed} of {} leaves", sides.len());
+    }
+}
+
+/// Where fluxes are known, a region counts as dense as one of equal fluxes with the same relative variance (G Eq. 3).
+#[test]
+fn uneven_fluxes_make_a_region_thinner() {
+    let mut regions = Regions::spatial(&mut scattered(9_000));
+    let leaves = regions.leaves();
+    let tallies: Vec<LeafTally> = (0..leaves)
+        .map(|leaf| LeafTally {
+            psi: [1.0, 1.0],
+            // fluxes of 3 everywhere, or of 0 and 6 by turns
+            flux: [6.0, if leaf % 2 == 0 { 18.0 } else { 36.0 }],
+            paths: 20_000.0,
+        })
+        .collect();
+    regions.set_areas(&vec![1.0; leaves]);
+    regions.learn(&tallies, Refinement::EARLY);
+    assert_eq!(regions.cut(), leaves);
+    for (leaf, density) in regions.densities().into_iter().enumerate() {
+        let wanted = if leaf % 2 == 0 { 1.0 } else { 0.5 };
+        assert!((density - wanted).abs() < 1e-12, "{leaf}: {density}");
+    }
 }

@@ -94,6 +94,8 @@ struct Variant {
     name: &'static str,
     weights: ReplicaWeights<4>,
     scales: [f64; 4],
+    /// Independent samples a sweep beside the ladder's.
+    even: u32,
     right: bool,
 }
 
@@ -105,7 +107,17 @@ fn variants(b: [f64; 4]) -> Vec<Variant> {
         name,
         weights: ReplicaWeights::new(constants, beta, specific),
         scales,
+        even: 0,
         right,
+    };
+    let beside = |name, counts: f64, even, right| {
+        let variant = one(name, rough, 2.0, true, scales, right);
+        let weights = variant.weights.with_counts([counts, 1.0, 1.0, 1.0]);
+        Variant {
+            weights,
+            even,
+            ..variant
+        }
     };
     vec![
         one("beta 1", rough, 1.0, false, scales, true),
@@ -122,6 +134,9 @@ fn variants(b: [f64; 4]) -> Vec<Variant> {
         ),
         one("the same, two groups", rough, 2.0, true, [1.0; 4], false),
         one("eq. 22 as printed", b, 2.0, false, scales, false),
+        beside("samples beside the ladder", 4.0, 3, true),
+        beside("samples that are not counted", 1.0, 3, false),
+        beside("samples that are not there", 4.0, 0, false),
     ]
 }
 
@@ -158,11 +173,25 @@ fn batch(index: u64, runs: u32, sweeps: u32, variants: &[Variant]) -> Vec<[f64; 
             each: [1.0; 4],
         })
         .collect());
+    let beside = family();
     for _ in 0..runs {
         let starts = std::array::from_fn(|k| stationary(&toy, k, sizes[k], &mut rng));
         let mut ladder = Ladder::new(starts, &family());
         for _ in 0..sweeps {
             ladder.sweep(&kernels, &family(), &mut rng, &mut all);
+            for (deposit, variant) in all.0.iter_mut().zip(variants) {
+                for _ in 0..variant.even {
+                    let mut value = Contributions::default();
+                    toy.evaluate(&mut Fixed(rng.uniform()), &mut value);
+                    deposit.record(Visit {
+                        level: 0,
+                        value: &value,
+                        densities: &beside.densities(&value),
+                        weight: 1.0,
+                        independent: 1.0,
+                    });
+                }
+            }
         }
         ladder.flush(&mut all);
     }
@@ -213,10 +242,11 @@ fn weights_are_a_partition_of_unity() {
         let rough: [f64; 4] = [(); 4].map(|()| libm::exp(6.0 * rng.uniform() - 3.0));
         for beta in [1.0, 2.0, 2.5, 3.0] {
             for specific in [false, true] {
-                let weights = ReplicaWeights::new(rough, beta, specific);
-                // w_k = (q_k / b_hat_k) * factor: what a film gains over the density of its samples
+                let counts: [f64; 4] = [(); 4].map(|()| 1.0 + 9.0 * rng.uniform());
+                let weights = ReplicaWeights::new(rough, beta, specific).with_counts(counts);
+                // w_k = (n_k q_k / b_hat_k) * factor: what a film gains over the density of its samples
                 let sum: f64 = (0..weights.shared())
-                    .map(|k| q[k] / rough[k] * weights.factor(k, &q))
+                    .map(|k| counts[k] * q[k] / rough[k] * weights.factor(k, &q))
                     .sum();
                 assert!((sum - 1.0).abs() < 1e-12, "{sum}");
                 if q[3] > 0.0 {

@@ -94,6 +94,22 @@ fn mitchell_is_the_published_cubic() {
 }
 
 #[test]
+fn blackman_harris_is_the_published_window() {
+    // in the middle of a pixel: the window at 0 beside that at two thirds of its half width
+    let taps = Filter::BLACKMAN_HARRIS.taps(0.5);
+    let at = |x: f64| {
+        let angle = std::f64::consts::TAU * 0.5 * (x + 1.0);
+        0.35875 - 0.48829 * angle.cos() + 0.14128 * (2.0 * angle).cos()
+            - 0.01168 * (3.0 * angle).cos()
+    };
+    assert!((at(0.0) - 1.0).abs() < 1e-12 && (at(1.0) - 6e-5).abs() < 1e-12);
+    let sum = at(0.0) + 2.0 * at(2.0 / 3.0);
+    let middle = taps.weights()[(-taps.first()) as usize];
+    assert!((middle - at(0.0) / sum).abs() < 1e-12, "{middle}");
+    assert!(taps.weights().iter().all(|&weight| weight > 0.0));
+}
+
+#[test]
 fn errors_list_the_names() {
     let message = "lanczos".parse::<Filter>().unwrap_err().to_string();
     for name in Filter::names() {

@@ -75,7 +75,7 @@ impl Default for Exponential {
 }
 
 impl Mutation for Exponential {
-    #[inline]
+    #[inline(always)] // a call for each coordinate is felt
     fn mutate<D: Draws + ?Sized>(&self, x: f64, draws: &mut D) -> f64 {
         let (sign, xi) = sign_and_rest(draws.uniform());
         let step = self.s2 * exp2_below_zero(self.octaves * xi);

@@ -297,6 +297,7 @@ fn restore(streams: &mut [Vec<Coordinate>; Stream::COUNT], undo: &[Undo]) {
 }
 
 /// Replays the accepted steps that a coordinate slept through.
+#[inline(never)]
 fn catch_up<M: Mutation, D: Draws + ?Sized>(
     coordinate: &mut Coordinate,
     (stream, index): (Stream, u32),

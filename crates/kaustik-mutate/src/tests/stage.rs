@@ -42,7 +42,11 @@ impl Stage {
     }
 
     pub(crate) fn lens(mut self, aperture: f32, focus: f32) -> Self {
-        self.description.cameras[0].lens = Some(Lens { aperture, focus });
+        self.description.cameras[0].lens = Some(Lens {
+            aperture,
+            focus,
+            blades: None,
+        });
         self
     }
 

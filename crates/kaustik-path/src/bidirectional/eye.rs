@@ -40,32 +40,52 @@ pub(super) fn trace(
     gathered: &mut Gathered<'_>,
     witness: &mut impl Witness,
 ) -> DVec2 {
+    let settings = &job.builder.settings;
+    let (mut walk, raster) = camera_walk::start(settings, job.scene, job.wavelengths, u);
+    follow(job, &mut walk, u, workspace, other, gathered, witness);
+    gathered.count_walk(walk.edges);
+    raster
+}
+
+/// The walk of [`trace`], once it has begun.
+fn follow(
+    job: &Job<'_>,
+    walk: &mut Walk<'_>,
+    u: &mut dyn Coordinates,
+    workspace: &mut Workspace,
+    other: OtherEnd,
+    gathered: &mut Gathered<'_>,
+    witness: &mut impl Witness,
+) {
     let scene = job.scene;
     let (form, heuristic) = (job.builder.form, job.builder.heuristic);
     let most = job.builder.settings.max_edges;
-    let settings = &job.builder.settings;
-    let (mut walk, raster) = camera_walk::start(settings, scene, job.wavelengths, u);
-    let mut departure = start(job, &mut walk);
+    let mut departure = start(job, walk);
     let mut from = walk.ray.origin.as_dvec3();
     let Workspace { light, eye } = workspace;
     loop {
         let slot = eye.next();
         if walk.advance(scene, u, &mut slot.vertex).is_none() {
             let running = departure.escape(heuristic);
-            escape(job, &walk, &running, eye.vertices(), gathered, witness);
-            return raster;
+            escape(job, walk, &running, eye.vertices(), gathered, witness);
+            return;
         }
-        slot.reach(&walk);
+        slot.reach(walk);
         let squared = (slot.vertex.position - from).length_squared();
         slot.running = departure.arrive(heuristic, squared, slot.cos_back());
         from = slot.vertex.position;
         eye.keep();
         emission(job, walk.specular, eye.vertices(), gathered, witness);
         if walk.edges == most {
-            return raster;
+            return;
         }
         let slot = eye.last_mut();
-        slot.bsdf = scene.bsdf(&slot.vertex, job.wavelengths, &walk.interior);
+        scene.write_bsdf(
+            &slot.vertex,
+            job.wavelengths,
+            &walk.interior,
+            &mut slot.bsdf,
+        );
         slot.connectable = slot.bsdf.is_connectable();
         slot.onward = form.at_surface(&slot.bsdf);
         let onward = slot.onward.onward;
@@ -82,13 +102,13 @@ pub(super) fn trace(
                     }
                     OtherEnd::Any | OtherEnd::None => {}
                 }
-                return raster;
+                return;
             }
             walk.throughput /= onward as f32;
         }
-        match job.depart(&mut walk, eye, u, BOUNCES) {
+        match job.depart(walk, eye, u, BOUNCES) {
             Some(next) => departure = next,
-            None => return raster,
+            None => return,
         }
     }
 }

@@ -26,10 +26,11 @@ pub(super) fn next_event(
         return;
     }
     let first = layout::connection(z.edges);
-    let sample = scene.sample_direct(z.vertex.position, job.wavelengths, |i| {
-        u.get(Stream::Connection, first + i)
-    });
-    let Some(sample) = sample else { return };
+    let mut sample = DirectSample::nothing();
+    let ask = |i: u32| u.get(Stream::Connection, first + i);
+    if !scene.write_direct(z.vertex.position, job.wavelengths, ask, &mut sample) {
+        return;
+    }
     let wi = z.vertex.frame.to_local(sample.wi);
     if !shading::sides_agree(z.wo, wi, z.ng) {
         return;
@@ -61,6 +62,7 @@ pub(super) fn next_event(
         joint: Joint::Direct(&sample),
     });
     let interior = scene.interior_toward(&z.vertex, &z.interior, z.back, sample.wi);
+    gathered.count_shadow();
     let visible = scene.transmittance(&scene.shadow_ray(&z.vertex, &sample), &interior);
     if visible == 0.0 {
         return;
@@ -141,6 +143,7 @@ pub(super) fn join(
     });
     let interior = scene.interior_toward(&z.vertex, &z.interior, z.back, direction);
     let ray = Ray::between(&z.vertex.surface, &y.vertex.surface);
+    gathered.count_shadow();
     let visible = scene.transmittance(&ray, &interior);
     if visible == 0.0 {
         return;

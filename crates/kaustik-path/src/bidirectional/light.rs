@@ -30,20 +30,41 @@ pub(super) fn trace(
     out: &mut Contributions,
     witness: &mut impl Witness,
 ) -> bool {
-    let scene = job.scene;
-    let (form, heuristic) = (job.builder.form, job.builder.heuristic);
-    let most = job.builder.settings.max_edges;
-    let emission = scene.sample_emission(job.wavelengths, |i| u.get(Stream::Light, i));
+    let emission = (job.scene).sample_emission(job.wavelengths, |i| u.get(Stream::Light, i));
     let Some(emission) = emission else {
         return false;
     };
-    let (mut walk, mut departure, mut from) = start(job, &emission);
+    let (mut walk, departure, from) = start(job, &emission);
+    let begin = (&emission, departure, from);
+    let ended = follow(job, &mut walk, begin, u, path, to_lens, out, witness);
+    out.count_walk(walk.edges);
+    ended
+}
+
+/// The walk of [`trace`], once it has begun.
+#[expect(
+    clippy::too_many_arguments,
+    reason = "all that a walk reads and writes"
+)]
+fn follow(
+    job: &Job<'_>,
+    walk: &mut Walk<'_>,
+    (emission, mut departure, mut from): (&EmissionSample, Departure, DVec3),
+    u: &mut dyn Coordinates,
+    path: &mut Subpath,
+    to_lens: bool,
+    out: &mut Contributions,
+    witness: &mut impl Witness,
+) -> bool {
+    let scene = job.scene;
+    let (form, heuristic) = (job.builder.form, job.builder.heuristic);
+    let most = job.builder.settings.max_edges;
     let aperture = scene.camera().has_aperture();
     while !walk.throughput.is_zero() {
         // A path needs one more edge to be joined, and none to run into the lens.
         let joinable = walk.edges + 2 <= most;
         let lens = (aperture && walk.edges >= 1 && walk.edges < most)
-            .then(|| job.lens_ahead(&walk))
+            .then(|| job.lens_ahead(walk))
             .flatten();
         if !joinable && lens.is_none() {
             return false;
@@ -55,7 +76,7 @@ pub(super) fn trace(
                 throughput,
                 interior,
                 departure: &departure,
-                walk: &walk,
+                walk,
             };
             meet_lens(job, &ray, &hit, path, out, witness);
         }
@@ -66,12 +87,17 @@ pub(super) fn trace(
             return false;
         }
         if walk.edges == 1 {
-            walk.throughput *= scene.fading(&emission, distance);
+            walk.throughput *= scene.fading(emission, distance);
         }
 
         let slot = path.next();
-        slot.reach(&walk);
-        slot.bsdf = scene.bsdf(&slot.vertex, job.wavelengths, &walk.interior);
+        slot.reach(walk);
+        scene.write_bsdf(
+            &slot.vertex,
+            job.wavelengths,
+            &walk.interior,
+            &mut slot.bsdf,
+        );
         slot.connectable = slot.bsdf.is_connectable();
         slot.onward = form.at_surface(&slot.bsdf);
         let squared = (slot.vertex.position - from).length_squared();
@@ -95,7 +121,7 @@ pub(super) fn trace(
         if !aperture && walk.edges + 2 > most {
             return false;
         }
-        match job.depart(&mut walk, path, u, BOUNCES) {
+        match job.depart(walk, path, u, BOUNCES) {
             Some(next) => departure = next,
             None => return false,
         }
@@ -223,6 +249,7 @@ pub(super) fn join_lens(
     });
     let ray = Ray::towards(&y.vertex.surface, lens.position.as_vec3());
     let interior = scene.interior_toward(&y.vertex, &y.interior, y.back, lens.direction);
+    out.count_shadow();
     let visible = scene.transmittance(&ray, &interior);
     if visible == 0.0 {
         return;

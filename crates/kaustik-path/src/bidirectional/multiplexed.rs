@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 use kaustik_pss::{Coordinates, Stream};
-use kaustik_scene::Scene;
+use kaustik_scene::{EmissionSample, Scene};
 use kaustik_spectrum::Wavelengths;
 
 use super::eye;
@@ -103,6 +103,15 @@ struct Going<'a> {
     from: DVec3,
 }
 
+/// How far a walk from an emitter is to go.
+struct Way<'a> {
+    emission: &'a EmissionSample,
+    /// Vertices on surfaces.
+    vertices: u32,
+    /// Vertices of the eye.
+    t: u32,
+}
+
 impl Going<'_> {
     /// The next edge, to a vertex that is kept; `None` if it leaves the scene. The vertex cannot be joined
     /// yet.
@@ -128,9 +137,8 @@ impl Going<'_> {
     #[inline]
     fn open(&self, job: &Job<'_>, path: &mut Subpath) {
         let slot = path.last_mut();
-        slot.bsdf = job
-            .scene
-            .bsdf(&slot.vertex, job.wavelengths, &self.walk.interior);
+        let interior = &self.walk.interior;
+        (job.scene).write_bsdf(&slot.vertex, job.wavelengths, interior, &mut slot.bsdf);
         let onward = Form::Full.at_surface(&slot.bsdf);
         slot.connectable = onward.stop > 0.0;
         slot.onward = onward;
@@ -212,12 +220,37 @@ impl Job<'_> {
             departure,
             from,
         };
+        let way = Way {
+            emission: &emission,
+            vertices,
+            t,
+        };
+        let joins = self.follow_from_light(&mut going, &way, u, path, out, witness);
+        out.count_walk(going.walk.edges);
+        joins
+    }
+
+    /// The walk of [`Self::walk_from_light`], once it has begun.
+    fn follow_from_light(
+        &self,
+        going: &mut Going<'_>,
+        way: &Way<'_>,
+        u: &mut dyn Coordinates,
+        path: &mut Subpath,
+        out: &mut Contributions,
+        witness: &mut impl Witness,
+    ) -> bool {
+        let Way {
+            emission,
+            vertices,
+            t,
+        } = *way;
         for vertex in 1..=vertices {
             let Some(distance) = going.arrive(self, u, path) else {
                 return false;
             };
             if vertex == 1 {
-                let fading = scene.fading(&emission, distance);
+                let fading = self.scene.fading(emission, distance);
                 going.walk.throughput *= fading;
                 path.last_mut().throughput *= fading;
             }
@@ -228,7 +261,7 @@ impl Job<'_> {
             }
         }
         match t {
-            0 => self.run_into_lens(&mut going, u, path, out, witness),
+            0 => self.run_into_lens(going, u, path, out, witness),
             1 => light::join_lens(self, u, path, out, witness),
             _ => return path.last_mut().connectable,
         }
@@ -272,7 +305,6 @@ impl Job<'_> {
         witness: &mut impl Witness,
     ) -> glam::DVec2 {
         let settings = &self.builder.settings;
-        let Technique { s, t, .. } = *technique;
         let (mut walk, raster) = camera_walk::start(settings, self.scene, self.wavelengths, u);
         let departure = eye::start(self, &mut walk);
         walk.throughput *= scale as f32;
@@ -282,6 +314,22 @@ impl Job<'_> {
             departure,
             from,
         };
+        self.follow_from_eye(&mut going, technique, u, workspace, gathered, witness);
+        gathered.count_walk(going.walk.edges);
+        raster
+    }
+
+    /// The walk of [`Self::walk_from_eye`], once it has begun.
+    fn follow_from_eye(
+        &self,
+        going: &mut Going<'_>,
+        technique: &Technique,
+        u: &mut dyn Coordinates,
+        workspace: &mut Workspace,
+        gathered: &mut Gathered<'_>,
+        witness: &mut impl Witness,
+    ) {
+        let Technique { s, t, .. } = *technique;
         let Workspace { light, eye } = workspace;
         for vertex in 1..t {
             let last = vertex + 1 == t;
@@ -291,16 +339,16 @@ impl Job<'_> {
                     let vertices = eye.vertices();
                     eye::escape(self, &going.walk, &running, vertices, gathered, witness);
                 }
-                return raster;
+                return;
             }
             if s == 0 && last {
                 let specular = going.walk.specular;
                 eye::emission(self, specular, eye.vertices(), gathered, witness);
-                return raster;
+                return;
             }
             going.open(self, eye);
             if !last && !going.depart(self, u, eye, eye::BOUNCES) {
-                return raster;
+                return;
             }
         }
         if eye.last_mut().connectable {
@@ -309,6 +357,5 @@ impl Job<'_> {
                 _ => join(self, light.vertices(), eye.vertices(), gathered, witness),
             }
         }
-        raster
     }
 }

@@ -8,6 +8,8 @@ mod analytic;
 mod furnace;
 /// One strategy at a time against all at once.
 mod multiplexed;
+/// How many rays.
+mod rays;
 /// The weights' definition.
 mod reference;
 /// The renderer's own paths.

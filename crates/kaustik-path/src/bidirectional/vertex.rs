@@ -37,7 +37,7 @@ impl Default for PathVertex {
     fn default() -> Self {
         Self {
             vertex: Vertex::default(),
-            bsdf: Bsdf::lambertian(Spectrum::ZERO),
+            bsdf: Bsdf::black(),
             wo: DVec3::Z,
             ng: DVec3::Z,
             back: DVec3::Z,
@@ -75,7 +75,7 @@ impl PathVertex {
     pub(super) fn scatter(&self) -> Scatter<'_> {
         Scatter {
             vertex: &self.vertex,
-            bsdf: self.bsdf,
+            bsdf: &self.bsdf,
             wo: self.wo,
             ng: self.ng,
         }

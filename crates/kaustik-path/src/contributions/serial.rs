@@ -6,7 +6,7 @@ use serde::de::{Deserialize, Deserializer, Error};
 use serde::ser::{Serialize, Serializer};
 
 use super::{Contributions, Largest, Quality, Splat, quality};
-use crate::Class;
+use crate::{Class, Rays};
 
 /// Raster point, colour, class of a splat.
 type Written = ([f64; 2], [f32; 3], u8);
@@ -16,14 +16,14 @@ impl Serialize for Contributions {
         let written = |splat: &Splat| (splat.raster.to_array(), splat.xyz.0, splat.class as u8);
         let splats: Vec<Written> = self.splats.iter().map(written).collect();
         let largest = [self.largest.xyz, self.largest.luminance];
-        (splats, largest, self.nonfinite).serialize(serializer)
+        (splats, largest, self.nonfinite, self.rays).serialize(serializer)
     }
 }
 
 impl<'de> Deserialize<'de> for Contributions {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let (splats, largest, nonfinite) =
-            <(Vec<Written>, [f32; 2], u32)>::deserialize(deserializer)?;
+        let (splats, largest, nonfinite, rays) =
+            <(Vec<Written>, [f32; 2], u32, Rays)>::deserialize(deserializer)?;
         if !largest.iter().all(|v| v.is_finite() && *v >= 0.0) {
             return Err(D::Error::custom(
                 "a largest contribution is no amount of light",
@@ -37,6 +37,7 @@ impl<'de> Deserialize<'de> for Contributions {
                 luminance: largest[1],
             },
             nonfinite,
+            rays,
         })
     }
 }
@@ -67,7 +68,8 @@ mod tests {
     fn what_is_no_light_is_refused() {
         let sound: Written = ([0.5; 2], [1.0; 3], 5);
         let read = |splat: Written, largest: [f32; 2]| {
-            let bytes = postcard::to_allocvec(&(vec![splat], largest, 0_u32)).expect("bytes");
+            let bytes = postcard::to_allocvec(&(vec![splat], largest, 0_u32, Rays::default()))
+                .expect("bytes");
             postcard::from_bytes::<Contributions>(&bytes)
         };
         assert!(read(sound, [1.0; 2]).is_ok());

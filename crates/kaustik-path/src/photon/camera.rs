@@ -1,6 +1,7 @@
 //! From the camera to the first surface that scatters widely.
 
 use glam::DVec2;
+use kaustik_bsdf::Bsdf;
 use kaustik_pss::{Coordinates, Stream};
 use kaustik_scene::{Scene, Vertex};
 use kaustik_spectrum::Wavelengths;
@@ -40,13 +41,13 @@ impl MeasurementWalk {
         let (mut walk, raster) = camera_walk::start(&self.settings, scene, wavelengths, u);
         let (origin, direction) = (walk.ray.origin.as_dvec3(), walk.direction);
         let mut length = 0.0;
-        let mut vertex = Vertex::default();
+        let (mut vertex, mut bsdf) = (Vertex::default(), Bsdf::black());
         while walk.edges + 1 < self.settings.max_edges {
             let Some(distance) = walk.advance(scene, u, &mut vertex) else {
                 return;
             };
             length += distance;
-            let scatter = walk.scatter(scene, &vertex);
+            let scatter = walk.scatter(scene, &vertex, &mut bsdf);
             match take(&mut walk, &scatter, self.threshold, u) {
                 Part::Wide(bsdf) => {
                     // What the image shows of one pixel, if nothing on the way spread or gathered the rays.
@@ -66,8 +67,11 @@ impl MeasurementWalk {
                     });
                     return;
                 }
-                Part::Narrow(bsdf) => {
-                    let scatter = Scatter { bsdf, ..scatter };
+                Part::Narrow(narrow) => {
+                    let scatter = Scatter {
+                        bsdf: &narrow,
+                        ..scatter
+                    };
                     if walk.bounce(scene, &scatter, u, BOUNCES).is_none()
                         || !walk.survives(u, BOUNCES)
                     {

@@ -1,7 +1,7 @@
 //! From the lights to wherever light lands.
 
 use glam::{DVec3, Vec3};
-use kaustik_bsdf::Lobe;
+use kaustik_bsdf::{Bsdf, Lobe};
 use kaustik_pss::{Coordinates, Stream};
 use kaustik_scene::{Scene, Vertex};
 use kaustik_spectrum::{Spectrum, Wavelengths};
@@ -84,7 +84,7 @@ impl PhotonTracing {
         let emission = scene.sample_emission(wavelengths, |i| u.get(Stream::Light, i));
         let Some(emission) = emission else { return };
         let mut walk = Walk::from_emitter(&emission, emission.weight, wavelengths);
-        let mut vertex = Vertex::default();
+        let (mut vertex, mut bsdf) = (Vertex::default(), Bsdf::black());
         while walk.edges + 1 < self.max_edges && !walk.throughput.is_zero() {
             let Some(distance) = walk.advance(scene, u, &mut vertex) else {
                 return;
@@ -92,7 +92,7 @@ impl PhotonTracing {
             if walk.edges == 1 {
                 walk.throughput *= scene.fading(&emission, distance);
             }
-            let scatter = walk.scatter(scene, &vertex);
+            let scatter = walk.scatter(scene, &vertex, &mut bsdf);
             if !walk.throughput.is_finite() || walk.throughput.min() < 0.0 {
                 out.nonfinite += 1;
                 return;

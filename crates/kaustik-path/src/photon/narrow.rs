@@ -27,7 +27,7 @@ pub(super) fn take(
 ) -> Part {
     // The most frequent of all needs no look at its parts.
     if let Bsdf::Lambertian(_) = scatter.bsdf {
-        return Part::Wide(scatter.bsdf);
+        return Part::Wide(*scatter.bsdf);
     }
     match scatter.bsdf.parts(threshold) {
         Parts {
@@ -49,6 +49,6 @@ pub(super) fn take(
             narrow: Some(narrow),
             ..
         } => Part::Narrow(narrow),
-        Parts { wide, .. } => Part::Wide(wide.unwrap_or(scatter.bsdf)),
+        Parts { wide, .. } => Part::Wide(wide.unwrap_or(*scatter.bsdf)),
     }
 }

@@ -144,16 +144,31 @@ impl MeasurementPoints {
     pub fn contribution(&self, index: usize, photon: &Photon, wavelengths: &Wavelengths) -> Xyz {
         let point = &self.points[index];
         let kernel = 1.0 / (PI * f64::from(point.radius) * f64::from(point.radius));
-        let (f, dispersive) = match point.scattering {
-            Scattering::Diffuse { front } => (point.diffuse(photon, front), false),
-            Scattering::Listed(listed) => self.listed[listed as usize].scatter(point, photon),
-        };
+        let (f, dispersive) = self.scattered(point, photon);
         let value = point.throughput * photon.power * f * (kernel as f32);
         colour(
             value,
             dispersive || point.dispersive || photon.dispersive,
             wavelengths,
         )
+    }
+
+    /// How strongly a photon counts at a point, but for the size of its disc and what the camera walk carries: flux times
+    /// scattering function, a mean over wavelengths. Not finite or negative is a fault, and 0.
+    #[inline]
+    pub fn response(&self, index: usize, photon: &Photon) -> f64 {
+        let (f, _) = self.scattered(&self.points[index], photon);
+        let mean = f64::from((photon.power * f).mean());
+        if mean.is_finite() { mean.max(0.0) } else { 0.0 }
+    }
+
+    /// The scattering function toward the eye; has it told wavelengths apart?
+    #[inline]
+    fn scattered(&self, point: &MeasurementPoint, photon: &Photon) -> (Spectrum, bool) {
+        match point.scattering {
+            Scattering::Diffuse { front } => (point.diffuse(photon, front), false),
+            Scattering::Listed(listed) => self.listed[listed as usize].scatter(point, photon),
+        }
     }
 }
 

@@ -1,5 +1,6 @@
 //! What photons cannot carry: emitters seen directly, and in mirrors, through glass, in narrow lobes.
 
+use kaustik_bsdf::Bsdf;
 use kaustik_pss::{Coordinates, Stream};
 use kaustik_scene::{Scene, Vertex};
 
@@ -41,17 +42,20 @@ impl Remainder {
         gathered: &mut Gathered<'_>,
     ) {
         let mut origin = None;
-        let mut vertex = Vertex::default();
+        let (mut vertex, mut bsdf) = (Vertex::default(), Bsdf::black());
         while walk.advance(scene, u, &mut vertex).is_some() {
             emission(scene, walk, &vertex, origin, 1.0, gathered);
             if walk.edges == self.settings.max_edges {
                 return;
             }
-            let scatter = walk.scatter(scene, &vertex);
-            let Part::Narrow(bsdf) = take(walk, &scatter, self.threshold, u) else {
+            let scatter = walk.scatter(scene, &vertex, &mut bsdf);
+            let Part::Narrow(narrow) = take(walk, &scatter, self.threshold, u) else {
                 return;
             };
-            let scatter = Scatter { bsdf, ..scatter };
+            let scatter = Scatter {
+                bsdf: &narrow,
+                ..scatter
+            };
             next_event(scene, walk, &scatter, Shares::BOTH, u, gathered);
             let Some(sample) = walk.bounce(scene, &scatter, u, BOUNCES) else {
                 return;

@@ -41,7 +41,11 @@ impl Stage {
 
     /// Gives the camera a lens.
     pub(crate) fn lens(mut self, aperture: f32, focus: f32) -> Self {
-        self.description.cameras[0].lens = Some(Lens { aperture, focus });
+        self.description.cameras[0].lens = Some(Lens {
+            aperture,
+            focus,
+            blades: None,
+        });
         self
     }
 

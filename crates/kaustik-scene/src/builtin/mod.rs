@@ -9,6 +9,7 @@
 //! its area shrinks, so a picture keeps its brightness while it gets harder to
 //! find the lamp by chance.
 
+mod canyon;
 mod cornell;
 mod cornell_direct;
 mod cornell_indirect;
@@ -17,8 +18,12 @@ mod disco;
 mod furnace;
 mod glass_cube;
 mod glossy_cornell;
+mod material_ball;
 mod materials;
+mod mirror_balls;
 mod mirror_statue;
+mod patterns;
+mod prism;
 mod query;
 mod ring_and_sphere;
 mod room;
@@ -26,6 +31,9 @@ mod shapes;
 mod spheres;
 mod stage;
 mod statue;
+mod tea_time;
+mod underwater;
+mod villa;
 mod water_cornell;
 
 use crate::Description;
@@ -119,6 +127,13 @@ const SCENES: &[BuiltinScene] = &[
     disco::SCENE,
     mirror_statue::SCENE,
     dinner_hall::SCENE,
+    villa::SCENE,
+    underwater::SCENE,
+    canyon::SCENE,
+    mirror_balls::SCENE,
+    tea_time::SCENE,
+    prism::SCENE,
+    material_ball::SCENE,
     furnace::SCENE,
 ];
 

@@ -68,6 +68,33 @@ pub(super) fn cuboid(centre: Vec3, half: Vec3, turn: f32) -> Mesh {
     block(level(-1.0), level(1.0))
 }
 
+/// An upright column over a convex polygon of corners (x, z), flat and closed.
+pub(super) fn column(corners: &[Vec2], bottom: f32, top: f32) -> Mesh {
+    let at = |corner: Vec2, y: f32| Vec3::new(corner.x, y, corner.y);
+    let centre = corners.iter().sum::<Vec2>() / corners.len() as f32;
+    let middle = at(centre, 0.5 * (bottom + top));
+    let mut parts = Vec::new();
+    for (i, &a) in corners.iter().enumerate() {
+        let b = corners[(i + 1) % corners.len()];
+        let side = [at(a, bottom), at(b, bottom), at(b, top), at(a, top)];
+        let outside = side.iter().sum::<Vec3>() * 0.5 - middle;
+        parts.push(quad(side, outside));
+    }
+    for (y, outside) in [(bottom, bottom - 1.0), (top, top + 1.0)] {
+        let mut face: Vec<Vec3> = corners.iter().map(|&corner| at(corner, y)).collect();
+        let normal = (face[1] - face[0]).cross(face[2] - face[0]);
+        if normal.y * (outside - y) < 0.0 {
+            face.reverse();
+        }
+        parts.push(Mesh {
+            indices: (2..face.len() as u32).map(|i| [0, i - 1, i]).collect(),
+            positions: face,
+            ..Mesh::default()
+        });
+    }
+    join(parts)
+}
+
 /// A band around an axis along z through `centre`, rectangular in section, between the two
 /// radii and `depth` long towards +z; smooth around, sharp at the edges.
 pub(super) fn ring(centre: Vec3, radii: [f32; 2], depth: f32, segments: u32) -> Mesh {
@@ -166,13 +193,65 @@ fn flat(corners: &[Vec3]) -> Mesh {
     }
 }
 
-/// One mesh of several; either all have normals or none has.
+/// A block with its edges along the axes, by two opposite corners; flat.
+pub(super) fn slab(low: [f32; 3], high: [f32; 3]) -> Mesh {
+    let (low, high) = (Vec3::from(low), Vec3::from(high));
+    cuboid(0.5 * (low + high), 0.5 * (high - low), 0.0)
+}
+
+/// A wall of so much thickness along x (from, to) around `z` with an opening (from, to along x; from, to in height).
+pub(super) fn pierced(x: [f32; 2], y: [f32; 2], z: [f32; 2], opening: [[f32; 2]; 2]) -> [Mesh; 4] {
+    let [[left, right], [sill, lintel]] = opening;
+    // A wall without a sill has a sliver there, which lies in the floor.
+    [
+        slab([x[0], y[0], z[0]], [left, y[1], z[1]]),
+        slab([right, y[0], z[0]], [x[1], y[1], z[1]]),
+        slab([left, lintel, z[0]], [right, y[1], z[1]]),
+        slab([left, y[0], z[0]], [right, sill, z[1]]),
+    ]
+}
+
+/// What an outline (radius, height; from below) sweeps around the vertical through `centre`: smooth, its front to the right
+/// of the way that the outline takes; ends of radius 0 are closed.
+pub(super) fn revolved(centre: Vec3, outline: &[Vec2], segments: u32) -> Mesh {
+    let mut mesh = Mesh::default();
+    let last = outline.len() - 1;
+    for (k, p) in outline.iter().enumerate() {
+        let along = outline[(k + 1).min(last)] - outline[k.saturating_sub(1)];
+        let normal = Vec2::new(along.y, -along.x).normalize();
+        for i in 0..segments {
+            let angle = std::f64::consts::TAU * f64::from(i) / f64::from(segments);
+            let (sin, cos) = (libm::sin(angle) as f32, libm::cos(angle) as f32);
+            let swept = |v: Vec2| Vec3::new(v.x * cos, v.y, v.x * sin);
+            mesh.positions.push(centre + swept(*p));
+            mesh.normals.push(swept(normal).normalize());
+        }
+    }
+    for k in 0..last as u32 {
+        for i in 0..segments {
+            let j = (i + 1) % segments;
+            let (a, b) = (k * segments + i, k * segments + j);
+            let (c, d) = (a + segments, b + segments);
+            if outline[k as usize].x > 0.0 {
+                mesh.indices.push([a, c, b]);
+            }
+            if outline[k as usize + 1].x > 0.0 {
+                mesh.indices.push([b, c, d]);
+            }
+        }
+    }
+    mesh
+}
+
+/// One mesh of several; either all have normals or none has, and so with the first texture coordinates.
 pub(super) fn join(parts: impl IntoIterator<Item = Mesh>) -> Mesh {
     let mut all = Mesh::default();
     for part in parts {
         let first = all.positions.len() as u32;
         all.positions.extend(part.positions);
         all.normals.extend(part.normals);
+        let [uv, _] = part.uv;
+        all.uv[0].extend(uv);
         let shifted = part
             .indices
             .iter()

@@ -22,6 +22,15 @@ const ALL: &[&str] = &[
     "disco",
     "mirror-statue",
     "dinner-hall",
+    "villa",
+    "underwater",
+    "canyon",
+    "mirror-balls",
+    "tea-time",
+    "prism",
+    "prism?light=0.2",
+    "material-ball",
+    "material-ball?material=colored-glass",
     "furnace",
     "furnace?kind=diffuse",
     "furnace?kind=glass",
@@ -81,10 +90,10 @@ fn scenes_are_well_formed() {
             assert!(used, "{words}: material {material} is not used");
         }
         let count: usize = scene.meshes.iter().map(|mesh| mesh.indices.len()).sum();
-        let most = if words == &"mirror-statue" {
-            320_000
-        } else {
-            25_000
+        let most = match *words {
+            "mirror-statue" => 320_000,
+            "dinner-hall" | "villa" | "underwater" | "canyon" | "tea-time" => 150_000,
+            _ => 25_000,
         };
         assert!((1..most).contains(&count), "{words}: {count} triangles");
         assert_eq!(scene.cameras.len(), 1);
@@ -139,6 +148,8 @@ fn solids_are_closed_and_face_outward() {
             let mesh = &scene.meshes[instance.mesh];
             if material.volume.is_some()
                 || instance.name == "ring"
+                || instance.name == "prism"
+                || instance.name == "ball"
                 || instance.name == "statue"
                 || instance.name.contains("block")
             {
@@ -282,6 +293,51 @@ fn paints_have_the_colours_of_their_tables() {
             assert!((seen - stated).abs() < 0.001, "{name}: {rgb:?}");
         }
     }
+}
+
+#[test]
+fn every_ball_is_made_and_comes_back_from_a_file() {
+    let names = material_ball::names();
+    assert_eq!(names.len(), 22);
+    let mut seen: Vec<String> = Vec::new();
+    for name in names {
+        let scene = load(&format!("material-ball?material={name}")).unwrap();
+        assert_eq!(scene.materials[0].name, name);
+        let mut unnamed = scene.materials[0].clone();
+        unnamed.name.clear();
+        let words = format!("{unnamed:?}");
+        assert!(!seen.contains(&words), "{name} is like another");
+        seen.push(words);
+        let bytes = crate::gltf::export_bytes(&scene).unwrap();
+        let options = crate::gltf::LoadOptions::default();
+        let back = crate::gltf::load_bytes(&bytes, "ball.glb", &options).unwrap();
+        assert!(
+            back.warnings.is_empty() && back.description == scene,
+            "{name}"
+        );
+    }
+    let wrong = load("material-ball?material=cheese").unwrap_err();
+    assert!(wrong.to_string().contains("rough-glass"), "{wrong}");
+}
+
+/// A ray of yellow light through the slit comes to the middle of the screen: the constants of the
+/// scene are those of the glass.
+#[test]
+fn the_prism_bends_light_onto_the_screen() {
+    let glass = kaustik_spectrum::Glass::named("sf11").unwrap();
+    let deviation = |nm: f32| {
+        // symmetric at 587.6 nm; others by Snell's law at both faces
+        let apex = 60.0_f64.to_radians();
+        let first = (0.5 * f64::from(glass.at(587.6))).asin();
+        let n = f64::from(glass.at(nm));
+        let inside = (first.sin() / n).asin();
+        let last = (n * (apex - inside).sin()).asin();
+        first + last - apex
+    };
+    assert!((0.5 * deviation(587.6) - 0.579_0).abs() < 2e-4);
+    let spread = deviation(420.0) - deviation(680.0);
+    // on a screen 3.2 away, some tenths of a unit: within its half width of 1.6
+    assert!(spread * 3.2 > 0.3 && spread * 3.2 < 1.5, "{spread}");
 }
 
 #[test]

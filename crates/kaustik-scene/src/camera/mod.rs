@@ -17,6 +17,7 @@
 //! reach as far. All densities stay per unit of the *image's* raster area; whoever draws from a
 //! larger window divides by its area.
 
+mod aperture;
 mod orthographic;
 mod perspective;
 mod pose;

@@ -1,10 +1,10 @@
 use std::f64::consts::PI;
 
 use glam::{DVec2, DVec3};
-use kaustik_bsdf::warp;
 
+use super::aperture::Aperture;
 use super::{CameraError, LensHit, LensSample};
-use crate::description::Lens;
+use crate::description::{Blades, Lens};
 
 /// A pinhole or a thin lens, in the camera's own frame (it looks along -z).
 ///
@@ -21,7 +21,8 @@ pub(super) struct Perspective {
 
 #[derive(Clone, Debug, PartialEq)]
 struct ThinLens {
-    radius: f64,
+    aperture: Aperture,
+    pdf: f64,
     focus: f64,
 }
 
@@ -44,7 +45,12 @@ impl Perspective {
         let y = libm::tan(0.5 * f64::from(yfov));
         let ok = yfov > 0.0 && f64::from(yfov) < PI && y.is_finite();
         check(ok, "yfov", yfov, "an angle between 0 and pi")?;
-        if let Some(Lens { aperture, focus }) = lens {
+        if let Some(Lens {
+            aperture,
+            focus,
+            blades,
+        }) = lens
+        {
             let positive = |value: f32| value > 0.0 && value.is_finite();
             check(
                 positive(aperture),
@@ -53,12 +59,22 @@ impl Perspective {
                 "a positive radius",
             )?;
             check(positive(focus), "focus", focus, "a positive distance")?;
+            if let Some(Blades { count, rotation }) = blades {
+                let ok = (3..=64).contains(&count);
+                check(ok, "blades", count as f32, "3 to 64")?;
+                let ok = rotation.is_finite();
+                check(ok, "rotation", rotation, "an angle in radians")?;
+            }
         }
         Ok(Self {
             half: DVec2::new(y * aspect, y),
-            lens: lens.map(|lens| ThinLens {
-                radius: f64::from(lens.aperture),
-                focus: f64::from(lens.focus),
+            lens: lens.map(|lens| {
+                let aperture = Aperture::new(&lens);
+                ThinLens {
+                    pdf: 1.0 / aperture.area(),
+                    aperture,
+                    focus: f64::from(lens.focus),
+                }
             }),
         })
     }
@@ -69,7 +85,7 @@ impl Perspective {
 
     pub(super) fn pdf_lens(&self) -> f64 {
         match &self.lens {
-            Some(lens) => 1.0 / (PI * lens.radius * lens.radius),
+            Some(lens) => lens.pdf,
             None => 1.0,
         }
     }
@@ -84,7 +100,10 @@ impl Perspective {
     }
 
     pub(super) fn ray(&self, raster: DVec2, u: [f64; 2]) -> (DVec3, DVec3) {
-        let origin = self.lens.as_ref().map_or(DVec3::ZERO, |lens| lens.point(u));
+        let origin = self
+            .lens
+            .as_ref()
+            .map_or(DVec3::ZERO, |lens| lens.aperture.point(u));
         self.ray_from(origin, raster)
     }
 
@@ -110,7 +129,10 @@ impl Perspective {
     }
 
     pub(super) fn sample_lens(&self, point: DVec3, u: [f64; 2]) -> Option<LensSample> {
-        let position = self.lens.as_ref().map_or(DVec3::ZERO, |lens| lens.point(u));
+        let position = self
+            .lens
+            .as_ref()
+            .map_or(DVec3::ZERO, |lens| lens.aperture.point(u));
         let along = position - point;
         let distance = along.length();
         let direction = along / distance;
@@ -142,7 +164,7 @@ impl Perspective {
         }
         let mut position = origin + direction * distance;
         position.z = 0.0;
-        if position.length_squared() > lens.radius * lens.radius {
+        if !lens.aperture.holds(position) {
             return None;
         }
         Some(LensHit {
@@ -169,12 +191,5 @@ impl Perspective {
         let x = 0.5 * (1.0 + window.x / self.half.x);
         let y = 0.5 * (1.0 - window.y / self.half.y);
         DVec2::new(x, y)
-    }
-}
-
-impl ThinLens {
-    fn point(&self, u: [f64; 2]) -> DVec3 {
-        let [x, y] = warp::concentric_disk(u);
-        DVec3::new(x, y, 0.0) * self.radius
     }
 }

@@ -1,7 +1,7 @@
 use glam::{Affine3A, Quat, Vec3};
 
 use super::*;
-use crate::description::Lens;
+use crate::description::{Blades, Lens};
 use crate::testing::{Rng, chi_square};
 
 fn description(projection: Projection, lens: Option<Lens>) -> CameraDescription {
@@ -26,10 +26,18 @@ fn perspective(yfov: f32, lens: Option<Lens>) -> Camera {
     Camera::new(&description(projection, lens), 320, 200).unwrap()
 }
 
-fn all() -> [Camera; 3] {
+fn all() -> [Camera; 4] {
     let lens = Lens {
         aperture: 0.3,
         focus: 4.0,
+        blades: None,
+    };
+    let bladed = Lens {
+        blades: Some(Blades {
+            count: 5,
+            rotation: 0.3,
+        }),
+        ..lens
     };
     let projection = Projection::Orthographic {
         xmag: 1.0,
@@ -38,6 +46,7 @@ fn all() -> [Camera; 3] {
     [
         perspective(0.9, None),
         perspective(1.8, Some(lens)),
+        perspective(1.8, Some(bladed)),
         Camera::new(&description(projection, None), 320, 200).unwrap(),
     ]
 }
@@ -100,8 +109,9 @@ fn a_joined_point_lies_on_the_ray_of_its_raster() {
 #[test]
 fn light_meets_the_lens_where_a_ray_leaves_it() {
     let mut rng = Rng::new(4);
-    let [pinhole, camera, parallel] = all();
-    for _ in 0..1000 {
+    let [pinhole, round, bladed, parallel] = all();
+    for i in 0..2000 {
+        let camera = if i % 2 == 0 { &round } else { &bladed };
         let (raster, u) = (DVec2::from(rng.pair()), rng.pair());
         let ray = camera.sample_ray(raster, u);
         let distance = 0.1 + 10.0 * rng.uniform();
@@ -157,7 +167,7 @@ fn importance_is_the_raster_seen_through_the_lens() {
 fn importance_integrates_to_one() {
     // We cos / p_lens over the directions from one lens point, drawn uniformly in a cone that
     // contains the window.
-    for camera in &all()[..2] {
+    for camera in &all()[..3] {
         let mut rng = Rng::new(7);
         let (n, u, cap) = (400_000, [0.95, 0.2], 0.15);
         let origin = camera.sample_ray(DVec2::splat(0.5), u).origin;
@@ -243,7 +253,7 @@ fn direction_p_value(camera: &Camera, samples: u32, fault: i32) -> f64 {
 
 #[test]
 fn directions_follow_their_density() {
-    for camera in &all()[..2] {
+    for camera in &all()[..3] {
         let p = direction_p_value(camera, 100_000, 0);
         assert!(p > 1e-4, "p = {p}");
     }
@@ -252,7 +262,7 @@ fn directions_follow_their_density() {
 #[test]
 #[ignore = "long"]
 fn directions_follow_their_density_long() {
-    for camera in &all()[..2] {
+    for camera in &all()[..3] {
         let p = direction_p_value(camera, 1_000_000, 0);
         assert!(p > 1e-4, "p = {p}");
     }
@@ -260,7 +270,7 @@ fn directions_follow_their_density_long() {
 
 #[test]
 fn a_wrong_density_of_directions_is_caught() {
-    for camera in &all()[..2] {
+    for camera in &all()[..3] {
         assert!(direction_p_value(camera, 100_000, 1) < 1e-6);
     }
 }
@@ -298,8 +308,21 @@ fn bad_descriptions_are_refused() {
     let lens = Lens {
         aperture: -1.0,
         focus: 1.0,
+        blades: None,
     };
     assert!(refuse(&description(pinhole(1.0), Some(lens))).contains("aperture"));
+    for (count, rotation, word) in [
+        (2, 0.0, "blades"),
+        (65, 0.0, "blades"),
+        (5, f32::NAN, "rotation"),
+    ] {
+        let lens = Lens {
+            aperture: 1.0,
+            blades: Some(Blades { count, rotation }),
+            ..lens
+        };
+        assert!(refuse(&description(pinhole(1.0), Some(lens))).contains(word));
+    }
     let mut flat = description(pinhole(1.0), None);
     flat.transform = Affine3A::from_scale(Vec3::new(1.0, 1.0, 0.0));
     assert!(refuse(&flat).contains("view direction"));

@@ -26,6 +26,18 @@ pub struct Lens {
     pub aperture: f32,
     /// Distance of the plane of focus along the axis in scene units, > 0.
     pub focus: f32,
+    /// A polygon in place of the round aperture.
+    pub blades: Option<Blades>,
+}
+
+/// An aperture of straight blades: a regular polygon with its corners on the circle of the
+/// aperture's radius.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Blades {
+    /// Corners, 3 to 64.
+    pub count: u32,
+    /// Angle of the first corner from the camera's +x in radians, counter-clockwise toward +y.
+    pub rotation: f32,
 }
 
 /// When the shutter is open, in seconds.

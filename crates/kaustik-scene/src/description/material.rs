@@ -36,6 +36,18 @@ pub struct Specular {
     pub color_texture: Option<TextureSlot>,
 }
 
+/// `KHR_materials_pbrSpecularGlossiness`: the older model. The base colour is its diffuse colour;
+/// metallic, roughness, specular and ior are not used.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SpecularGlossiness {
+    /// Reflectance at normal incidence, linear Rec.709 in [0, 1].
+    pub specular: [f32; 3],
+    /// 1 - perceptual roughness, in [0, 1].
+    pub glossiness: f32,
+    /// Specular colour (sRGB), glossiness in the alpha channel.
+    pub texture: Option<TextureSlot>,
+}
+
 /// `KHR_materials_transmission`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Transmission {
@@ -108,6 +120,8 @@ pub struct MaterialDescription {
     pub dispersion: f32,
     /// Dielectric reflection.
     pub specular: Specular,
+    /// The older model in place of the newer, if so.
+    pub specular_glossiness: Option<SpecularGlossiness>,
     /// Transmission, if any.
     pub transmission: Option<Transmission>,
     /// The interior, if any.
@@ -159,6 +173,7 @@ impl Default for MaterialDescription {
                 color: [1.0; 3],
                 color_texture: None,
             },
+            specular_glossiness: None,
             transmission: None,
             volume: None,
             clearcoat: None,

@@ -18,13 +18,14 @@ use std::sync::Arc;
 use glam::Affine3A;
 use kaustik_geometry::Mesh;
 
-pub use camera::{CameraDescription, Lens, Projection, Shutter};
+pub use camera::{Blades, CameraDescription, Lens, Projection, Shutter};
 pub use environment::EnvironmentDescription;
 pub use image::{ImageData, Pixels};
 pub use layers::{Anisotropy, Clearcoat, Iridescence, Sheen};
 pub use light::{LightDescription, LightKind};
 pub use material::{
-    AlphaMode, MaterialDescription, Model, SpectralInput, Specular, Transmission, Volume,
+    AlphaMode, MaterialDescription, Model, SpectralInput, Specular, SpecularGlossiness,
+    Transmission, Volume,
 };
 pub use texture::{Filtering, TextureDescription, TextureSlot, UvTransform, Wrap};
 
@@ -64,4 +65,18 @@ pub struct Description {
     pub cameras: Vec<CameraDescription>,
     /// Light from infinitely far away, if any.
     pub environment: Option<EnvironmentDescription>,
+}
+
+impl Description {
+    /// The camera of this name or, where none has it, of this index; the first if nothing is
+    /// wanted. `None` if there is no such camera.
+    #[must_use]
+    pub fn camera(&self, wanted: Option<&str>) -> Option<&CameraDescription> {
+        let Some(wanted) = wanted else {
+            return self.cameras.first();
+        };
+        let named = self.cameras.iter().find(|camera| camera.name == wanted);
+        let index = || wanted.parse::<usize>().ok();
+        named.or_else(|| self.cameras.get(index()?))
+    }
 }

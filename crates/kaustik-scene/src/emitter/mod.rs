@@ -165,17 +165,22 @@ impl Emitters {
     }
 
     /// Next event: a point or direction of an emitter as seen from `position`. `u(i)` gives
-    /// coordinate `i` of three: choice, then the point or direction. `None` where nothing arrives.
+    /// coordinate `i` of three: choice, then the point or direction. `false` where nothing arrives.
+    ///
+    /// The sample goes into the caller's slot, because this is the innermost loop: returned, it would be copied twice.
     #[inline]
-    pub(crate) fn sample_direct(
+    pub(crate) fn write_direct(
         &self,
         matter: &Matter,
         position: DVec3,
         wavelengths: &Wavelengths,
         mut u: impl FnMut(u32) -> f64,
-    ) -> Option<DirectSample> {
-        let (emitter, probability) = self.choose(|| u(0))?;
-        match emitter {
+        sample: &mut DirectSample,
+    ) -> bool {
+        let Some((emitter, probability)) = self.choose(|| u(0)) else {
+            return false;
+        };
+        let other = match emitter {
             Emitter::Triangle(triangle) => {
                 let weights = warp::uniform_triangle([u(1), u(2)]);
                 let (point, normal, surface) = triangle.point(matter, weights);
@@ -185,32 +190,50 @@ impl Emitters {
                 let cos = -wi.dot(normal.as_dvec3());
                 let material = matter.material(triangle.material);
                 let pdf = probability * triangle.inverse_area * squared / cos.abs();
-                let shines = material.emits_toward(cos) && pdf.is_finite() && pdf > 0.0;
-                shines.then(|| DirectSample {
-                    wi,
-                    pdf,
-                    emission_pdf: lambertian_pdf(cos, material.emits_on_both_sides()),
-                    radiance: triangle.radiance(matter, surface.as_ref(), wavelengths),
-                    delta: false,
-                    reach: Reach::Surface(point, normal),
-                })
+                if !(material.emits_toward(cos) && pdf.is_finite() && pdf > 0.0) {
+                    return false;
+                }
+                sample.wi = wi;
+                sample.pdf = pdf;
+                sample.emission_pdf = lambertian_pdf(cos, material.emits_on_both_sides());
+                sample.radiance = triangle.radiance(matter, surface.as_ref(), wavelengths);
+                sample.delta = false;
+                sample.reach = Reach::Surface(point, normal);
+                return true;
             }
             Emitter::Punctual(index) => {
                 self.punctual_direct(*index, probability, position, wavelengths)
             }
             Emitter::Environment => {
-                let environment = self.environment.as_ref()?;
-                let (wi, pdf) = environment.sample([u(1), u(2)]);
-                (pdf > 0.0).then(|| DirectSample {
-                    wi,
-                    pdf: pdf * probability,
-                    emission_pdf: self.disc_pdf(),
-                    radiance: environment.radiance(wi, wavelengths),
-                    delta: false,
-                    reach: Reach::Infinity,
-                })
+                let u = [u(1), u(2)];
+                self.environment_direct(probability, wavelengths, u)
             }
+        };
+        match other {
+            Some(other) => {
+                *sample = other;
+                true
+            }
+            None => false,
         }
+    }
+
+    fn environment_direct(
+        &self,
+        probability: f64,
+        wavelengths: &Wavelengths,
+        u: [f64; 2],
+    ) -> Option<DirectSample> {
+        let environment = self.environment.as_ref()?;
+        let (wi, pdf) = environment.sample(u);
+        (pdf > 0.0).then(|| DirectSample {
+            wi,
+            pdf: pdf * probability,
+            emission_pdf: self.disc_pdf(),
+            radiance: environment.radiance(wi, wavelengths),
+            delta: false,
+            reach: Reach::Infinity,
+        })
     }
 
     fn punctual_direct(
@@ -246,7 +269,7 @@ impl Emitters {
         })
     }
 
-    /// Density per solid angle with which [`Self::sample_direct`] at a distance whose square is
+    /// Density per solid angle with which [`Self::write_direct`] at a distance whose square is
     /// `squared` finds a point of a triangle met at `cos`.
     #[inline]
     pub(crate) fn direct_pdf(&self, instance: u32, primitive: u32, squared: f64, cos: f64) -> f64 {
@@ -263,7 +286,7 @@ impl Emitters {
         }
     }
 
-    /// Density per solid angle with which [`Self::sample_direct`] finds the environment in `direction`.
+    /// Density per solid angle with which [`Self::write_direct`] finds the environment in `direction`.
     #[inline]
     pub(crate) fn environment_pdf(&self, direction: DVec3) -> f64 {
         self.environment.as_ref().map_or(0.0, |environment| {

@@ -37,6 +37,21 @@ pub struct DirectSample {
     pub reach: Reach,
 }
 
+impl DirectSample {
+    /// A slot to write into.
+    #[inline]
+    pub fn nothing() -> Self {
+        Self {
+            wi: DVec3::Z,
+            pdf: 0.0,
+            emission_pdf: 0.0,
+            radiance: Spectrum::ZERO,
+            delta: false,
+            reach: Reach::Infinity,
+        }
+    }
+}
+
 /// The start of a light walk.
 #[derive(Clone, Copy, Debug)]
 pub struct EmissionSample {

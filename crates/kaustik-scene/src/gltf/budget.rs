@@ -48,7 +48,7 @@ impl Budget {
             return Err(LoadError::new(
                 ErrorKind::Budget,
                 place,
-                format!("a need of {} in all", size(used)),
+                format!("a need of at least {}", size(used)),
                 format!("at most {}", size(self.limit)),
             )
             .help("if the file is to be trusted, allow more memory (--max-memory)"));

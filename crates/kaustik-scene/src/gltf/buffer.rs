@@ -1,6 +1,8 @@
+use std::collections::HashMap;
 use std::sync::Arc;
 
 use super::budget::Budget;
+use super::compressed;
 use super::folder::Folder;
 use super::json::Cursor;
 use super::{ErrorKind, LoadError};
@@ -28,6 +30,8 @@ struct Buffer<'a> {
 pub(super) struct Buffers<'a> {
     root: Cursor<'a>,
     buffers: Vec<Buffer<'a>>,
+    /// Compressed views by their index, decoded.
+    decoded: HashMap<usize, Vec<u8>>,
 }
 
 /// A checked range of bytes with the stride that its buffer view gives.
@@ -49,15 +53,33 @@ impl<'a> Buffers<'a> {
             let chunk = binary.filter(|_| i == 0);
             buffers.push(Buffer::load(place, chunk, folder, budget)?);
         }
-        Ok(Self {
+        let mut loaded = Self {
             root: root.clone(),
             buffers,
-        })
+            decoded: HashMap::new(),
+        };
+        for (i, view) in root.list("bufferViews")?.iter().enumerate() {
+            if let Some(place) = view.extension(compressed::NAME)? {
+                let bytes = compressed::decode(view, &place, loaded.range(&place)?, budget)?;
+                loaded.decoded.insert(i, bytes);
+            }
+        }
+        Ok(loaded)
     }
 
     /// The bytes of the buffer view whose index stands at `place`.
     pub(super) fn view(&self, place: &Cursor<'a>) -> Result<View<'_>> {
         let view = place.target(&self.root, "bufferViews")?;
+        let stride = view.get("byteStride")?.map(|s| s.usize()).transpose()?;
+        if let Some(bytes) = self.decoded.get(&place.usize()?) {
+            return Ok(View { bytes, stride });
+        }
+        let bytes = self.range(&view)?;
+        Ok(View { bytes, stride })
+    }
+
+    /// The bytes that `buffer`, `byteOffset` and `byteLength` of this object name.
+    fn range(&self, view: &Cursor<'a>) -> Result<&[u8]> {
         let place = view.need("buffer")?;
         let index = place.index("/buffers", self.buffers.len())?;
         let bytes = self.buffers[index].bytes(&place)?;
@@ -66,13 +88,11 @@ impl<'a> Buffers<'a> {
         let range = offset
             .checked_add(length)
             .and_then(|end| bytes.get(offset..end));
-        let bytes = range.ok_or_else(|| {
+        range.ok_or_else(|| {
             let found = format!("byteOffset {offset}, byteLength {length}");
             let expected = format!("a range within the {} bytes of the buffer", bytes.len());
             view.error(ErrorKind::Reference, found, expected)
-        })?;
-        let stride = view.get("byteStride")?.map(|s| s.usize()).transpose()?;
-        Ok(View { bytes, stride })
+        })
     }
 }
 
@@ -85,6 +105,7 @@ impl<'a> Buffer<'a> {
     ) -> Result<Self> {
         let length = place.need("byteLength")?.usize()?;
         let data = match (place.get("uri")?, chunk) {
+            _ if compressed::is_fallback(place)? => Data::Absent,
             (Some(uri), _) => Data::Fetched(folder.fetch(&uri, budget)?),
             (None, Some(chunk)) => Data::Chunk(chunk),
             (None, None) => Data::Absent,

@@ -59,7 +59,7 @@ pub(super) fn load<'a>(
 }
 
 /// Kept with its bits; the length must be 1 to within rounding.
-fn rotation(place: &Cursor<'_>) -> Result<Quat> {
+pub(super) fn rotation(place: &Cursor<'_>) -> Result<Quat> {
     let xyzw: [f32; 4] = place.floats_or("rotation", [0.0, 0.0, 0.0, 1.0])?;
     let length: f32 = xyzw.iter().map(|q| q * q).sum();
     if (length - 1.0).abs() > 1e-3 {

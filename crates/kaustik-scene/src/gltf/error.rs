@@ -24,8 +24,12 @@ pub enum ErrorKind {
     Budget,
     /// An image did not decode.
     Image,
+    /// A compressed buffer view did not decode.
+    Compressed,
     /// A required extension that this loader lacks.
     Extension,
+    /// The options ask for a material variant that the file has not.
+    Variant,
 }
 
 /// Why a file was refused: which file, where in it, what was found, what was expected, and

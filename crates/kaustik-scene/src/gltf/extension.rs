@@ -2,9 +2,12 @@ use super::json::{Cursor, shorten};
 use super::warning::Warnings;
 use super::{ErrorKind, LoadError};
 
-/// The extensions that are read, and written where a scene needs them.
-pub const EXTENSIONS: [&str; 16] = [
+/// The extensions that are read.
+pub const EXTENSIONS: [&str; 20] = [
+    "EXT_lights_image_based",
     "EXT_mesh_gpu_instancing",
+    "EXT_meshopt_compression",
+    "EXT_texture_webp",
     "KHR_lights_punctual",
     "KHR_materials_anisotropy",
     "KHR_materials_clearcoat",
@@ -17,47 +20,94 @@ pub const EXTENSIONS: [&str; 16] = [
     "KHR_materials_specular",
     "KHR_materials_transmission",
     "KHR_materials_unlit",
+    "KHR_materials_variants",
     "KHR_materials_volume",
     "KHR_mesh_quantization",
     "KHR_texture_transform",
 ];
 
-/// Known, but not read yet: a scene that merely uses them loads without what they add.
-const LATER: [&str; 4] = [
-    "EXT_lights_image_based",
-    "EXT_meshopt_compression",
-    "EXT_texture_webp",
-    "KHR_materials_variants",
+/// Known and not read, each with what a user can do about it.
+const REFUSED: [(&str, &str); 4] = [
+    (
+        "KHR_draco_mesh_compression",
+        "there is no decoder of Draco that is kept and in Rust alone: export without Draco, or with EXT_meshopt_compression",
+    ),
+    (
+        "KHR_texture_basisu",
+        "there is no decoder of Basis Universal that is kept and in Rust alone: export textures as PNG, JPEG or WebP",
+    ),
+    (
+        "KHR_meshopt_compression",
+        "only EXT_meshopt_compression is read: export with that",
+    ),
+    (
+        "EXT_texture_avif",
+        "AVIF is not read: export textures as PNG, JPEG or WebP",
+    ),
 ];
 
-/// Refuses required extensions that are not read and warns of used ones. Returns whether
-/// vertices may be quantised.
-pub(super) fn check(root: &Cursor<'_>, warnings: &mut Warnings) -> Result<bool, LoadError> {
-    let mut quantized = false;
+/// The extensions that a file names in `extensionsUsed` and `extensionsRequired`.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Extensions {
+    /// Used and read.
+    pub read: Vec<String>,
+    /// Used and ignored: the scene is shown without what they add.
+    pub ignored: Vec<String>,
+}
+
+/// Refuses required extensions that are not read and warns of used ones.
+pub(super) fn check(root: &Cursor<'_>, warnings: &mut Warnings) -> Result<Extensions, LoadError> {
+    let mut extensions = Extensions::default();
     for name in root.list("extensionsRequired")? {
         let text = name.string()?;
-        quantized |= text == "KHR_mesh_quantization";
         if EXTENSIONS.contains(&text) {
+            extensions.add(text, true);
             continue;
         }
         let found = format!("the required extension {}", shorten(text));
         let expected = format!("only extensions that are read: {}", EXTENSIONS.join(", "));
-        return Err(name
-            .error(ErrorKind::Extension, found, expected)
-            .help("export the scene again without it, or with it as optional"));
+        let help =
+            reason(text).unwrap_or("export the scene again without it, or with it as optional");
+        return Err(name.error(ErrorKind::Extension, found, expected).help(help));
     }
     for name in root.list("extensionsUsed")? {
         let text = name.string()?;
-        quantized |= text == "KHR_mesh_quantization";
-        if !EXTENSIONS.contains(&text) {
-            let known = if LATER.contains(&text) {
-                "not read yet"
-            } else {
-                "unknown"
+        let known = EXTENSIONS.contains(&text);
+        extensions.add(text, known);
+        if !known {
+            let message = match reason(text) {
+                Some(reason) => format!("the extension {text} is ignored: {reason}"),
+                None => format!("the extension {} is unknown and ignored", shorten(text)),
             };
-            let message = format!("the extension {} is {known} and ignored", shorten(text));
             warnings.push(name.pointer(), message);
         }
     }
-    Ok(quantized)
+    Ok(extensions)
+}
+
+fn reason(name: &str) -> Option<&'static str> {
+    let row = REFUSED.iter().find(|row| row.0 == name);
+    row.map(|row| row.1)
+}
+
+impl Extensions {
+    /// More than this many are not listed.
+    const MOST: usize = 200;
+
+    fn add(&mut self, name: &str, read: bool) {
+        let name = shorten(name);
+        let list = if read {
+            &mut self.read
+        } else {
+            &mut self.ignored
+        };
+        if list.len() < Self::MOST && !list.contains(&name) {
+            list.push(name);
+        }
+    }
+
+    /// Is the extension among those that are read?
+    pub(super) fn has(&self, name: &str) -> bool {
+        self.read.iter().any(|read| read == name)
+    }
 }

@@ -8,7 +8,7 @@ use kaustik_spectrum::{Glass, Illuminant, Metal, NM_MAX, NM_MIN, Tabulated};
 use super::json::Cursor;
 use super::reader::Reader;
 use super::{ErrorKind, LoadError};
-use crate::description::{Lens, MaterialDescription, Model, Shutter, SpectralInput};
+use crate::description::{Blades, Lens, MaterialDescription, Model, Shutter, SpectralInput};
 
 type Result<T> = std::result::Result<T, LoadError>;
 
@@ -24,7 +24,7 @@ const MATERIAL: [&str; 8] = [
     "sigma",
 ];
 /// Keys of cameras that are read.
-const CAMERA: [&str; 3] = ["aperture", "focus", "shutter"];
+const CAMERA: [&str; 5] = ["aperture", "focus", "blades", "rotation", "shutter"];
 
 /// Warns about keys that are not `known`; those of a `later` version are told as such.
 pub(super) fn warn_of_unknown(
@@ -202,7 +202,7 @@ pub(super) fn camera(
     reader: &mut Reader<'_>,
     place: &Cursor<'_>,
 ) -> Result<(Option<Lens>, Option<Shutter>)> {
-    warn_of_unknown(reader, place, &CAMERA, &["blades", "lens"])?;
+    warn_of_unknown(reader, place, &CAMERA, &["lens"])?;
     Ok((lens(reader, place)?, shutter(place)?))
 }
 
@@ -212,8 +212,10 @@ fn lens(reader: &mut Reader<'_>, place: &Cursor<'_>) -> Result<Option<Lens>> {
         _ => Err(place.mismatch("a number above 0")),
     };
     let Some(aperture) = place.get("aperture")? else {
-        if let Some(focus) = place.get("focus")? {
-            reader.warn(&focus, "ignored: there is no \"aperture\"");
+        for key in ["focus", "blades", "rotation"] {
+            if let Some(member) = place.get(key)? {
+                reader.warn(&member, "ignored: there is no \"aperture\"");
+            }
         }
         return Ok(None);
     };
@@ -223,7 +225,24 @@ fn lens(reader: &mut Reader<'_>, place: &Cursor<'_>) -> Result<Option<Lens>> {
     Ok(Some(Lens {
         aperture: positive(&aperture)?,
         focus: positive(&place.need("focus")?)?,
+        blades: blades(reader, place)?,
     }))
+}
+
+fn blades(reader: &mut Reader<'_>, place: &Cursor<'_>) -> Result<Option<Blades>> {
+    let Some(count) = place.get("blades")? else {
+        if let Some(rotation) = place.get("rotation")? {
+            reader.warn(&rotation, "ignored: there are no \"blades\"");
+        }
+        return Ok(None);
+    };
+    match count.usize()? {
+        number @ 3..=64 => Ok(Some(Blades {
+            count: number as u32,
+            rotation: place.f32_or("rotation", 0.0)?,
+        })),
+        _ => Err(count.mismatch("3 to 64 blades")),
+    }
 }
 
 fn shutter(place: &Cursor<'_>) -> Result<Option<Shutter>> {

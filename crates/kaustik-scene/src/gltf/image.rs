@@ -20,14 +20,14 @@ pub(super) struct Images {
     pub(super) index: Vec<Option<usize>>,
 }
 
-/// Reads all images of the file. One in a format that is not read (WebP, KTX2) is left out;
+/// Reads all images of the file. One in a format that is not read (KTX2) is left out;
 /// whether that matters is seen where a texture uses it.
 pub(super) fn load(reader: &mut Reader<'_>) -> Result<Images> {
     let mut images = Images::default();
     for place in reader.root.list("images")? {
         let (bytes, uri) = source(reader, &place)?;
         let Some(format) = format_of(&bytes) else {
-            let found = "neither PNG nor JPEG; it is left out";
+            let found = "neither PNG, JPEG nor WebP; it is left out";
             reader.warnings.push(place.pointer(), found);
             images.index.push(None);
             continue;
@@ -73,20 +73,36 @@ pub(super) fn format_of(bytes: &[u8]) -> Option<ImageFormat> {
     match bytes {
         [0x89, b'P', b'N', b'G', ..] => Some(ImageFormat::Png),
         [0xff, 0xd8, 0xff, ..] => Some(ImageFormat::Jpeg),
+        [
+            b'R',
+            b'I',
+            b'F',
+            b'F',
+            _,
+            _,
+            _,
+            _,
+            b'W',
+            b'E',
+            b'B',
+            b'P',
+            ..,
+        ] => Some(ImageFormat::WebP),
         _ => None,
     }
 }
 
 /// Pixels that a byte of a file can stand for: deflate repeats at most 258 bytes in 2 bits
-/// and a byte holds up to 8 pixels; JPEG spends at least a bit on 64 pixels. A header that
-/// claims more lies, and is refused before memory is set aside for it.
+/// and a byte holds up to 8 pixels; JPEG spends at least a bit on 64 pixels. WebP can say "all
+/// alike" in a few bytes, whatever the size: it gets 4 million pixels, and more for each byte. A
+/// header that claims more lies, and is refused before memory is set aside for it.
 fn plausible(format: ImageFormat, bytes: usize) -> u64 {
-    let per_byte = if format == ImageFormat::Png {
-        8256
-    } else {
-        512
+    let (least, per_byte) = match format {
+        ImageFormat::Png => (0, 8256),
+        ImageFormat::WebP => (1 << 22, 4096),
+        _ => (0, 512),
     };
-    per_byte * (bytes as u64 + 64)
+    least + per_byte * (bytes as u64 + 64)
 }
 
 /// Decodes to four bytes a pixel. The decoder gets strict limits.
@@ -119,8 +135,10 @@ pub(super) fn decode(
         let expected = format!("sides up to {side} and data for them");
         return Err(place.error(ErrorKind::Image, found, expected));
     }
-    // the decoder's own pixels, the converted ones, and the file kept for export
-    let scratch = decoder.total_bytes();
+    // the decoder's own pixels (WebP's planes beside them), the converted ones, and the file kept
+    // for export
+    let planes = if format == ImageFormat::WebP { 2 } else { 1 };
+    let scratch = decoder.total_bytes().saturating_mul(planes);
     let kept = 4 * pixels + bytes.len() as u64 + name.len() as u64;
     reader
         .budget

@@ -5,15 +5,17 @@ use serde_json::Value;
 use super::budget::Budget;
 use super::buffer::Buffers;
 use super::container::Container;
+use super::extension::Extensions;
 use super::folder::{Folder, read_file};
 use super::json::Cursor;
 use super::mesh::Meshes;
 use super::placement::{self, Parts};
 use super::reader::Reader;
 use super::texture::Textures;
+use super::variant::Variants;
 use super::warning::{Warning, Warnings};
 use super::{ErrorKind, LoadError, LoadOptions};
-use super::{camera, environment, extension, image, light, material, node, syntax};
+use super::{camera, environment, extension, image, image_light, light, material, node, syntax};
 use crate::description::Description;
 
 /// A scene file's contents, and what could not be taken from it as it stands.
@@ -25,6 +27,10 @@ pub struct Loaded {
     pub warnings: Vec<Warning>,
     /// Bytes that loading counted at the end: about what the description takes.
     pub memory: u64,
+    /// The file's material variants (`KHR_materials_variants`), by name.
+    pub variants: Vec<String>,
+    /// The extensions that the file names.
+    pub extensions: Extensions,
 }
 
 /// Loads a `.gltf` or `.glb` file; which of them it is, its first bytes tell.
@@ -78,7 +84,7 @@ fn document<'a>(
 ) -> Result<Loaded, LoadError> {
     let root = Cursor::root(tree);
     check_version(&root)?;
-    let quantized = extension::check(&root, &mut warnings)?;
+    let extensions = extension::check(&root, &mut warnings)?;
     let buffers = Buffers::load(&root, binary, &mut folder, &mut budget)?;
     let mut reader = Reader {
         root,
@@ -86,18 +92,21 @@ fn document<'a>(
         folder,
         budget,
         warnings,
-        options: *options,
-        quantized,
+        options: options.clone(),
+        quantized: extensions.has("KHR_mesh_quantization"),
     };
-    let description = describe(&mut reader)?;
+    let variants = Variants::load(&reader)?;
+    let description = describe(&mut reader, &variants)?;
     Ok(Loaded {
         description,
         memory: reader.budget.used(),
         warnings: reader.warnings.into_list(),
+        variants: variants.names,
+        extensions,
     })
 }
 
-fn describe(reader: &mut Reader<'_>) -> Result<Description, LoadError> {
+fn describe(reader: &mut Reader<'_>, variants: &Variants) -> Result<Description, LoadError> {
     let mut description = Description::default();
     let root = reader.root.clone();
     // the cheap checks first, so that a file with broken nodes is refused at once
@@ -106,7 +115,7 @@ fn describe(reader: &mut Reader<'_>) -> Result<Description, LoadError> {
     let parts = Parts {
         cameras: camera::load(reader)?,
         lights: light::load(reader)?,
-        meshes: Meshes::load(reader)?,
+        meshes: Meshes::load(reader, variants)?,
     };
     placement::place(reader, &nodes, &parts, &mut description)?;
     let images = image::load(reader)?;
@@ -114,11 +123,14 @@ fn describe(reader: &mut Reader<'_>) -> Result<Description, LoadError> {
     description.materials = material::load(reader, &textures)?;
     description.meshes = parts.meshes.list;
     description.textures = textures.list;
-    description.images = images.list;
     if let Some(scene) = &scene {
         description.name = scene.text("name")?.to_owned();
-        description.environment = environment::load(reader, scene)?;
+        description.environment = match environment::load(reader, scene)? {
+            Some(ours) => Some(ours),
+            None => image_light::load(reader, scene, &images)?,
+        };
     }
+    description.images = images.list;
     if root.count("animations")? > 0 {
         reader.warn(
             &root,

@@ -3,7 +3,7 @@ use super::reader::Reader;
 use super::texture::Textures;
 use super::{LoadError, extras, layers};
 use crate::description::{
-    AlphaMode, MaterialDescription, Specular, TextureSlot, Transmission, Volume,
+    AlphaMode, MaterialDescription, Specular, SpecularGlossiness, TextureSlot, Transmission, Volume,
 };
 
 type Result<T> = std::result::Result<T, LoadError>;
@@ -176,8 +176,8 @@ fn volume(reader: &mut Reader<'_>, place: &Cursor<'_>) -> Result<Volume> {
     })
 }
 
-/// The older model in terms of the newer: no metal, a specular colour that gives the wanted
-/// reflectance at normal incidence (that of ior 1.5 is 0.04), roughness 1 - glossiness.
+/// The older model. Its diffuse colour takes the place of the base colour; what the newer model says
+/// beside it is a fallback for other readers.
 fn specular_glossiness(
     reader: &mut Reader<'_>,
     textures: &Textures,
@@ -186,17 +186,10 @@ fn specular_glossiness(
 ) -> Result<()> {
     material.base_color = reader.numbers(place, "diffuseFactor", [1.0; 4], UNIT)?;
     material.base_color_texture = slot(reader, textures, place, "diffuseTexture")?;
-    material.metallic = 0.0;
-    material.roughness = 1.0 - reader.number(place, "glossinessFactor", 1.0, UNIT)?;
-    material.metallic_roughness_texture = None;
-    let specular = reader.numbers(place, "specularFactor", [1.0; 3], UNIT)?;
-    material.specular.color = specular.map(|f| f / 0.04);
-    material.specular.color_texture = slot(reader, textures, place, "specularGlossinessTexture")?;
-    if let Some(texture) = place.get("specularGlossinessTexture")? {
-        reader.warn(
-            &texture,
-            "its alpha (glossiness) is ignored; the factor alone is used",
-        );
-    }
+    material.specular_glossiness = Some(SpecularGlossiness {
+        specular: reader.numbers(place, "specularFactor", [1.0; 3], UNIT)?,
+        glossiness: reader.number(place, "glossinessFactor", 1.0, UNIT)?,
+        texture: slot(reader, textures, place, "specularGlossinessTexture")?,
+    });
     Ok(())
 }

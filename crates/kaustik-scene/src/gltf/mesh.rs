@@ -7,6 +7,7 @@ use super::accessor::Accessor;
 use super::json::Cursor;
 use super::reader::Reader;
 use super::triangles::Topology;
+use super::variant::Variants;
 use super::{ErrorKind, LoadError, vertices};
 
 type Result<T> = std::result::Result<T, LoadError>;
@@ -41,7 +42,7 @@ pub(super) struct Meshes {
 }
 
 impl Meshes {
-    pub(super) fn load(reader: &mut Reader<'_>) -> Result<Self> {
+    pub(super) fn load(reader: &mut Reader<'_>, variants: &Variants) -> Result<Self> {
         let shared = shared_vertices(reader)?;
         let mut meshes = Self::default();
         for place in reader.root.list("meshes")? {
@@ -49,7 +50,7 @@ impl Meshes {
             let mut morphs = false;
             for primitive in place.need("primitives")?.items()? {
                 morphs |= primitive.count("targets")? > 0;
-                parts.extend(meshes.part(reader, &shared, &primitive)?);
+                parts.extend(meshes.part(reader, variants, &shared, &primitive)?);
             }
             if morphs {
                 reader.warn(
@@ -66,6 +67,7 @@ impl Meshes {
     fn part<'a>(
         &mut self,
         reader: &mut Reader<'a>,
+        variants: &Variants,
         shared: &HashSet<Attributes>,
         primitive: &Cursor<'a>,
     ) -> Result<Option<Part>> {
@@ -79,10 +81,7 @@ impl Meshes {
             reader.warn(primitive, format!("{what}; the primitive is left out"));
             return Ok(None);
         };
-        let material = match primitive.get("material")? {
-            Some(material) => Some(material.index("/materials", reader.root.count("materials")?)?),
-            None => None,
-        };
+        let material = variants.material(&reader.root, primitive)?;
         if let Some(&mesh) = self.known.get(&key) {
             return Ok(Some(Part { mesh, material }));
         }

@@ -1,5 +1,5 @@
 /// What a file may cost. The defaults suit files of unknown origin.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct LoadOptions {
     /// Most bytes that loading may hold at a time, as counted before they are allocated;
@@ -13,6 +13,9 @@ pub struct LoadOptions {
     pub max_file: u64,
     /// Most columns and most rows of an image.
     pub max_image_side: u32,
+    /// Which of the file's material variants (`KHR_materials_variants`) to show, by name;
+    /// `None`: each primitive's own material.
+    pub variant: Option<String>,
 }
 
 impl Default for LoadOptions {
@@ -23,6 +26,7 @@ impl Default for LoadOptions {
             max_depth: 4096,
             max_file: u32::MAX.into(),
             max_image_side: 32_768,
+            variant: None,
         }
     }
 }
@@ -32,6 +36,13 @@ impl LoadOptions {
     #[must_use]
     pub fn with_max_memory(mut self, bytes: u64) -> Self {
         self.max_memory = Some(bytes);
+        self
+    }
+
+    /// These options with the material variant of this name.
+    #[must_use]
+    pub fn with_variant(mut self, name: impl Into<String>) -> Self {
+        self.variant = Some(name.into());
         self
     }
 }

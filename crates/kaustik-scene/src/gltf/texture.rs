@@ -18,7 +18,12 @@ impl Textures {
     pub(super) fn load(reader: &mut Reader<'_>, images: &Images) -> Result<Self> {
         let mut textures = Self::default();
         for place in reader.root.list("textures")? {
-            let Some(source) = place.get("source")? else {
+            let webp = match place.extension("EXT_texture_webp")? {
+                Some(webp) => webp.get("source")?,
+                None => None,
+            };
+            let plain = place.get("source")?;
+            let Some(source) = webp.or(plain) else {
                 let message = "no image in a format that is read; the texture is left out";
                 reader.warnings.push(place.pointer(), message);
                 textures.index.push(None);
@@ -26,8 +31,8 @@ impl Textures {
             };
             let image = images.index[source.index("/images", images.index.len())?];
             let image = image.ok_or_else(|| {
-                let found = "an image that is neither PNG nor JPEG";
-                source.error(ErrorKind::Image, found, "PNG or JPEG")
+                let found = "an image that is neither PNG, JPEG nor WebP";
+                source.error(ErrorKind::Image, found, "PNG, JPEG or WebP")
             })?;
             let texture = sampled(&reader.root, &place, image)?;
             textures.index.push(Some(textures.list.len()));

@@ -36,6 +36,9 @@ pub(crate) struct Material {
     specular: f32,
     specular_texture: Option<Slot>,
     specular_color: ColorSource,
+    /// The largest channel of the factor of `specular_color` where that is above 1.
+    specular_scale: f32,
+    older: Option<Older>,
     transmission: f32,
     transmission_texture: Option<Slot>,
     glass: Glass,
@@ -83,6 +86,7 @@ impl Material {
             &description.name,
         )?;
         let transmission = description.transmission;
+        let specular_scale = description.specular.color.into_iter().fold(1.0, f32::max);
         Ok(Self {
             kind: Kind::of(description),
             base,
@@ -94,8 +98,21 @@ impl Material {
             normal: slot(description.normal_texture)?.map(|slot| (slot, description.normal_scale)),
             specular: description.specular.factor,
             specular_texture: slot(description.specular.texture)?,
+            specular_scale,
+            older: match &description.specular_glossiness {
+                None => None,
+                Some(older) => Some(Older {
+                    color: ColorSource::reflectance(
+                        older.specular,
+                        slot(older.texture)?,
+                        None,
+                        &description.name,
+                    )?,
+                    glossiness: older.glossiness,
+                }),
+            },
             specular_color: ColorSource::reflectance(
-                description.specular.color.map(|c| c.min(1.0)),
+                description.specular.color.map(|c| c / specular_scale),
                 slot(description.specular.color_texture)?,
                 None,
                 &description.name,
@@ -117,25 +134,29 @@ impl Material {
         })
     }
 
-    /// The scattering function at a hit. `around` is the index of refraction of the medium
-    /// on the outer side of the surface at the path's wavelengths.
+    /// The scattering function at a hit, into the caller's slot: most are a plain wall's, a fraction of the size of the
+    /// largest. `around` is the index of refraction of the medium on the outer side of the surface at the path's
+    /// wavelengths.
     #[inline]
-    pub(crate) fn bsdf(
+    pub(crate) fn write_bsdf(
         &self,
         textures: &[Texture],
         surface: &Surface,
         wavelengths: &Wavelengths,
         around: impl FnOnce() -> Spectrum,
-    ) -> Bsdf {
+        bsdf: &mut Bsdf,
+    ) {
         match self.kind {
-            Kind::Black => Bsdf::lambertian(Spectrum::ZERO),
-            Kind::Lambertian => Bsdf::lambertian(self.base.eval(textures, surface, wavelengths)),
-            Kind::Principled => self.principled(textures, surface, wavelengths, around()),
-            _ => self.special(textures, surface, wavelengths, around()),
+            Kind::Lambertian => {
+                *bsdf = Bsdf::lambertian(self.base.eval(textures, surface, wavelengths));
+            }
+            Kind::Principled => *bsdf = self.principled(textures, surface, wavelengths, around()),
+            _ => *bsdf = self.special(textures, surface, wavelengths, around()),
         }
     }
 
     /// Everything but the plain wall and glTF's mixture.
+    #[inline(never)]
     fn special(
         &self,
         textures: &[Texture],
@@ -143,6 +164,9 @@ impl Material {
         wavelengths: &Wavelengths,
         around: Spectrum,
     ) -> Bsdf {
+        if self.kind == Kind::Black {
+            return Bsdf::black();
+        }
         let base = self.base.eval(textures, surface, wavelengths);
         let (metallic, roughness) = self.metallic_roughness(textures, surface);
         let alpha = f64::from(roughness * roughness);
@@ -176,6 +200,7 @@ impl Material {
         }
     }
 
+    #[inline(never)]
     fn principled(
         &self,
         textures: &[Texture],
@@ -197,7 +222,8 @@ impl Material {
             specular: f64::from(self.specular * read(&self.specular_texture, 3)),
             specular_color: self
                 .specular_color
-                .eval_plain(textures, surface, wavelengths),
+                .eval_plain(textures, surface, wavelengths)
+                * self.specular_scale,
             ior: self.glass.ior(wavelengths) / around,
             transmission: f64::from(self.transmission * read(&self.transmission_texture, 0)),
             wall: if self.solid.is_some() {
@@ -208,6 +234,10 @@ impl Material {
             anisotropy: layers.map_or(0.0, |layers| layers.anisotropy(textures, surface)),
             film: layers.and_then(|layers| layers.film(textures, surface, wavelengths, around)),
             compensation: self.compensation,
+        };
+        let base = match &self.older {
+            None => base,
+            Some(older) => older.replace(&base, textures, surface, wavelengths),
         };
         match layers {
             None => Bsdf::principled(&base),
@@ -350,6 +380,41 @@ impl Material {
     }
 }
 
+/// The older model (`KHR_materials_pbrSpecularGlossiness`).
+#[derive(Debug)]
+struct Older {
+    /// Reflectance at normal incidence; its texture's alpha holds the glossiness.
+    color: ColorSource,
+    glossiness: f32,
+}
+
+impl Older {
+    /// The parameters with its numbers: no metal, and an index so high that the colour alone
+    /// tells what is reflected at normal incidence.
+    fn replace(
+        &self,
+        base: &PrincipledParameters,
+        textures: &[Texture],
+        surface: &Surface,
+        wavelengths: &Wavelengths,
+    ) -> PrincipledParameters {
+        const ALL_BY_COLOUR: f32 = 1e6;
+        let alpha = self
+            .color
+            .slot()
+            .map_or(1.0, |slot| slot.read(textures, surface, Coding::Srgb)[3]);
+        PrincipledParameters {
+            metallic: 0.0,
+            roughness: f64::from(1.0 - self.glossiness * alpha),
+            specular: 1.0,
+            specular_color: self.color.eval_plain(textures, surface, wavelengths),
+            ior: Spectrum::splat(ALL_BY_COLOUR),
+            transmission: 0.0,
+            ..*base
+        }
+    }
+}
+
 impl Kind {
     fn of(description: &MaterialDescription) -> Self {
         let constant_mix = description.metallic_roughness_texture.is_none();
@@ -376,6 +441,7 @@ impl Kind {
             None => match description.metal {
                 Some(metal) => Self::Measured(metal),
                 None if Layers::exist(description) => Self::Principled,
+                None if description.specular_glossiness.is_some() => Self::Principled,
                 None if black => Self::Black,
                 None if plain_metal => Self::Reflector,
                 None if plain_dielectric && clear && full_specular => {

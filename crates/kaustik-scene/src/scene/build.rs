@@ -24,7 +24,7 @@ pub struct SceneOptions {
     pub width: u32,
     /// Rows of the image, > 0.
     pub height: u32,
-    /// Name of the camera; `None` takes the first.
+    /// Name or index of the camera; `None` takes the first.
     pub camera: Option<String>,
     /// Replaces the scene's environment.
     pub environment: Option<EnvironmentDescription>,
@@ -61,6 +61,11 @@ impl Scene {
             (center, radius),
             &mut notices,
         )?;
+        if camera.lens.is_some() && matches!(camera.projection, Projection::Orthographic { .. }) {
+            notices.push(
+                "an orthographic camera has no lens: its aperture and focus are ignored".to_owned(),
+            );
+        }
         // Builders know which part of the raster they serve; the camera accepts all of it.
         let camera = Camera::new(&camera, options.width, options.height)?
             .with_window(DVec2::NEG_INFINITY, DVec2::INFINITY);
@@ -207,18 +212,22 @@ fn camera_description(
     let cameras = &description.cameras;
     match (&options.camera, cameras.first()) {
         (Some(wanted), _) => {
-            let names = cameras
-                .iter()
-                .map(|camera| camera.name.as_str())
-                .collect::<Vec<_>>();
-            cameras
-                .iter()
-                .find(|camera| camera.name == *wanted)
-                .cloned()
-                .ok_or_else(|| SceneError::NoSuchCamera {
+            let camera = description.camera(Some(wanted)).cloned();
+            camera.ok_or_else(|| {
+                let named = cameras.iter().enumerate();
+                let names: Vec<String> = named
+                    .take(50)
+                    .map(|(i, camera)| format!("{i} ({})", camera.name))
+                    .collect();
+                SceneError::NoSuchCamera {
                     wanted: wanted.clone(),
-                    known: names.join(", "),
-                })
+                    known: if names.is_empty() {
+                        "none".to_owned()
+                    } else {
+                        names.join(", ")
+                    },
+                }
+            })
         }
         (None, Some(first)) => Ok(first.clone()),
         (None, None) => {

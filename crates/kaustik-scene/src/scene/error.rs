@@ -40,12 +40,12 @@ pub enum SceneError {
         /// What is wrong.
         reason: String,
     },
-    /// There is no camera of the wanted name.
+    /// There is no camera of the wanted name or index.
     #[error("there is no camera '{wanted}'; there are: {known}")]
     NoSuchCamera {
         /// The name asked for.
         wanted: String,
-        /// Names of the cameras.
+        /// Indices and names of the cameras.
         known: String,
     },
 }

@@ -57,7 +57,7 @@ pub enum Coding {
 /// The decoded values of all bytes in one coding.
 type Table = [f32; 256];
 
-static SRGB: LazyLock<Table> =
+pub(crate) static SRGB: LazyLock<Table> =
     LazyLock::new(|| std::array::from_fn(|byte| srgb_to_linear(byte as f32 / 255.0)));
 
 static LINEAR: LazyLock<Table> = LazyLock::new(|| std::array::from_fn(|byte| byte as f32 / 255.0));

@@ -60,6 +60,77 @@ pub(super) fn lower(
     }
 }
 
+/// At the last budget the normalised standard deviation of `better` over its seeds is at most `factor` times that of each of
+/// `worse`.
+pub(super) fn lower_nsd(
+    results: &Results,
+    place: &str,
+    better: &str,
+    worse: &[(&str, f64)],
+) -> Finding {
+    let nsd = |name: &str| last(results, place, name)?.nsd;
+    let Some(ours) = nsd(better) else {
+        return Finding::open("not rendered");
+    };
+    let mut holds = true;
+    let mut measured = format!("{place}, NSD: {better} {}", number(ours.mean));
+    for &(name, factor) in worse {
+        let Some(theirs) = nsd(name) else {
+            return Finding::open("not rendered");
+        };
+        let ratio = ours.mean / theirs.mean;
+        holds &= ratio <= factor;
+        measured += &format!(", {name} {} (ratio {ratio:.2})", number(theirs.mean));
+    }
+    Finding::new(measured, holds)
+}
+
+/// Pixels of a tile's side.
+const TILE: usize = 8;
+
+/// The 95th over the 5th percentile over tiles of the mean relative error of `better` is at most `factor` times that of
+/// `worse`.
+pub(super) fn evener(
+    results: &Results,
+    place: &str,
+    better: &str,
+    worse: &str,
+    factor: f64,
+) -> Finding {
+    let spread = |name: &str| {
+        let shown = &scene(results, place)?.shown;
+        let shown = (shown.iter()).find(|s| Some(s.method) == method(results, name))?;
+        let width = shown.image.width() as usize;
+        let across = width.div_ceil(TILE);
+        let mut tiles = vec![(0.0, 0.0); across * (shown.image.height() as usize).div_ceil(TILE)];
+        for (pixel, difference) in shown.difference.iter().enumerate() {
+            let error = f64::from(difference.abs());
+            let (x, y) = (pixel % width / TILE, pixel / width / TILE);
+            let tile: &mut (f64, f64) = &mut tiles[y * across + x];
+            if error.is_finite() {
+                *tile = (tile.0 + error, tile.1 + 1.0);
+            }
+        }
+        let means = tiles.iter().filter(|tile| tile.1 > 0.0 && tile.0 > 0.0);
+        let mut means: Vec<f64> = means.map(|(sum, count)| sum / count).collect();
+        means.sort_by(f64::total_cmp);
+        let at = |q: f64| means.get((q * means.len() as f64) as usize).copied();
+        Some(at(0.95)? / at(0.05)?)
+    };
+    match (spread(better), spread(worse)) {
+        (Some(ours), Some(theirs)) => Finding::new(
+            format!(
+                "{place}, 95th over 5th percentile of tiles: {better} {}, {worse} {} (ratio {:.2})",
+                number(ours),
+                number(theirs),
+                ours / theirs
+            ),
+            ours <= factor * theirs,
+        ),
+        _ => Finding::open("not rendered"),
+    }
+}
+
 /// The same at every budget, as a share of the budgets.
 pub(super) fn lower_always(
     results: &Results,
@@ -267,21 +338,23 @@ pub(super) fn starts_within(results: &Results, name: &str, limit: f64) -> Findin
     Finding::new(measured, holds)
 }
 
-/// How many times as many samples one method takes in the same time as another.
-pub(super) fn more_samples(results: &Results, place: &str, more: &str, less: &str) -> Finding {
-    let rate = |name: &str| {
+/// The shadow rays that a sample of one method takes, against another's.
+pub(super) fn fewer_shadow_rays(
+    results: &Results,
+    place: &str,
+    fewer: &str,
+    more: &str,
+) -> Finding {
+    let each = |name: &str| {
         let group = last(results, place, name)?;
-        Some(group.per_pixel() / group.seconds())
+        Some(group.statistic("/rays/any")? / group.statistic("/steps")?)
     };
-    match (rate(more), rate(less)) {
-        (Some(a), Some(b)) if b > 0.0 => Finding::new(
-            format!(
-                "{place}: {more} takes {:.2} times as many samples a second as {less}",
-                a / b
-            ),
-            a > b,
+    match (each(fewer), each(more)) {
+        (Some(a), Some(b)) if a.is_finite() && b > 0.0 => Finding::new(
+            format!("{place}: {fewer} traces {a:.2} shadow rays a sample, {more} {b:.2}"),
+            a < b,
         ),
-        _ => Finding::open("not rendered"),
+        _ => Finding::open("not rendered, or by a version that did not count rays"),
     }
 }
 

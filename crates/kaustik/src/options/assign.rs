@@ -8,8 +8,8 @@ use kaustik_spectrum::WavelengthSampling;
 use super::Options;
 use crate::Mutations;
 use crate::choices::{
-    Builder, Caustics, Colours, Direct, Energy, Jitter, Normaliser, SmallStep, Starts, Steps,
-    Strategies,
+    Builder, Caustics, Colours, Direct, Energy, EvenSamples, Jitter, Normaliser, SmallStep, Starts,
+    Steps, Strategies,
 };
 
 impl Options {
@@ -84,6 +84,8 @@ impl Options {
             "delta" => self.delta = number(value).filter(|d| *d > 0.0 && *d <= 1.0)?,
             "beta" => self.beta = number(value).filter(|b| (1.0..=8.0).contains(b))?,
             "exchange" => self.exchange = word(value, EXCHANGES)?,
+            "even" if value == "auto" => self.even = EvenSamples::Auto,
+            "even" => self.even = EvenSamples::Count(integer(value, 0, 64)? as u32),
             "steps" => {
                 let words = [
                     ("fine", Steps::Fine),

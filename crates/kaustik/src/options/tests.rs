@@ -42,6 +42,7 @@ fn what_is_written_of_replicas_is_what_was_set() {
         "replicas=uniform;1,0,1,1,1,1;0.5,0,0,1,1,1",
         "beta=1.5",
         "exchange=pair",
+        "even=5",
         "steps=adapted",
         "particles=2000",
         "delta=0.1",
@@ -60,6 +61,8 @@ fn what_is_written_of_replicas_is_what_was_set() {
         "beta=0.5",
         "delta=0",
         "exchange=some",
+        "even=65",
+        "even=some",
         "particles=10",
     ] {
         assert!(again.set(Method::Relt, wrong).is_err(), "{wrong}");

@@ -7,7 +7,8 @@ use kaustik_spectrum::WavelengthSampling;
 use super::Options;
 use super::assign::EXCHANGES;
 use crate::choices::{
-    Builder, Caustics, Colours, Direct, Energy, Jitter, SmallStep, Starts, Steps, Strategies,
+    Builder, Caustics, Colours, Direct, Energy, EvenSamples, Jitter, SmallStep, Starts, Steps,
+    Strategies,
 };
 
 impl Options {
@@ -73,6 +74,10 @@ impl Options {
             "replicas" => (self.replicas).map_or("standard".to_owned(), |set| set.to_string()),
             "delta" => self.delta.to_string(),
             "beta" => self.beta.to_string(),
+            "even" => match self.even {
+                EvenSamples::Auto => "auto".to_owned(),
+                EvenSamples::Count(count) => count.to_string(),
+            },
             "exchange" => EXCHANGES
                 .iter()
                 .find(|(_, schedule)| *schedule == self.exchange)

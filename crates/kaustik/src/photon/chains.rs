@@ -1,26 +1,34 @@
 //! Photons of Markov chains that exchange states (spec: stf-photon.md 3, 7 and 8).
 
 use kaustik_estimate::{PhotonDeposit, PhotonLevels, PhotonTarget, PhotonValue};
-use kaustik_film::{Counters, Film, Image};
+use kaustik_film::{Counters, Film, Image, Layer};
 use kaustik_mcmc::{
-    Acceptance, AcceptanceAdaptation, Ignore, Independent, Ladder, Metropolis, Pcg64Dxsm, Point,
-    PointKernel, Pool, Power, SampleGenerators, Statistics, SteppingStone, Target, generator,
+    Acceptance, AcceptanceAdaptation, Draws, Ignore, Independent, Ladder, Mean, Metropolis,
+    Pcg64Dxsm, Point, PointKernel, Pool, Power, SampleGenerators, Statistics, SteppingStone,
+    Target, generator,
 };
 use kaustik_spectrum::{Rgb, Xyz};
 use rayon::prelude::*;
 
 use super::Tracer;
+use super::maps::Maps;
 use super::stage::Stage;
 use super::targets::{Space, Targets};
 use crate::engine::{Nonfinite, add_counters};
+use crate::photon_options::Normalisation;
 use crate::statistics::{PhotonLevel, PhotonStatistics};
 use crate::{ChainStatistics, PhotonOptions, RenderError, RenderSettings};
 
 /// Uniform light paths that choose the first states come from a ladder that no render has; so does the choice.
 const POOL_LADDER: u64 = u64::MAX;
 const CHOICE_LADDER: u64 = u64::MAX - 1;
+/// So does the choice of those that chains go on from which an iteration has left in the dark.
+const REVIVAL_LADDER: u64 = u64::MAX - 2;
 /// Before the first iteration step sizes learn for so many rounds of so many sweeps.
 const WARM_UP: (u64, u64) = (8, 32);
+/// A ladder takes so many sweeps an iteration at least, or there are fewer ladders: means of short chains under targets that have
+/// just changed are off, and many ladders do not mend that.
+const LEAST_SWEEPS: u64 = 4096;
 
 /// Ladders of K chains each: the first draws uniform light paths, the others follow targets.
 pub(super) struct PhotonChains<const K: usize> {
@@ -34,6 +42,12 @@ pub(super) struct PhotonChains<const K: usize> {
     rough: [f64; K],
     /// XYZ of each pixel, summed over iterations.
     sums: Vec<[f64; 3]>,
+    /// The same of all chains but the first where visibility's normaliser is still to come.
+    unscaled: Vec<[f64; 3]>,
+    /// Of visibility, over iterations; `None` where each iteration has its own.
+    visible: Option<Mean>,
+    revival: Pcg64Dxsm,
+    maps: Option<Maps>,
     iterations: u64,
     nonfinite: Nonfinite,
     /// What films of iterations before have left out.
@@ -66,6 +80,9 @@ impl<const K: usize> PhotonChains<K> {
         let films: [Film; K] = films.try_into().unwrap_or_else(|_| unreachable!("K films"));
         let mut targets = Targets::new(stage, options, levels, space);
         targets.assign(stage);
+        // Only the share of visible paths is the same in all iterations.
+        let progressive =
+            options.normalisation == Normalisation::Progressive && levels.get(1) == Some(&1);
         let adaptation = AcceptanceAdaptation::new(Power::new(1.0)).with_target(options.acceptance);
         let mut chains = Self {
             levels: PhotonLevels(levels),
@@ -76,6 +93,14 @@ impl<const K: usize> PhotonChains<K> {
             adaptations: std::array::from_fn(|_| adaptation.clone()),
             rough: [1.0; K],
             sums: vec![[0.0; 3]; settings.pixels() as usize],
+            unscaled: if progressive {
+                vec![[0.0; 3]; settings.pixels() as usize]
+            } else {
+                Vec::new()
+            },
+            visible: progressive.then(Mean::new),
+            revival: generator(settings.seed, REVIVAL_LADDER),
+            maps: options.maps.then(|| Maps::new(settings)),
             iterations: 0,
             nonfinite: Nonfinite::default(),
             counters: Counters::default(),
@@ -122,8 +147,10 @@ impl<const K: usize> PhotonChains<K> {
         let mut choice = generator(settings.seed, CHOICE_LADDER);
         let mutation = Power::new(1.0);
         let mut ladders = Vec::new();
-        for ladder in 0..settings.options.ladders {
-            let mut draws = generator(settings.seed, u64::from(ladder));
+        let useful = stage.photons / (K as u64 * LEAST_SWEEPS);
+        let count = u64::from(settings.options.ladders).min(useful).max(1);
+        for ladder in 0..count {
+            let mut draws = generator(settings.seed, ladder);
             let mut level = 0..;
             let starts = [(); K].map(|()| {
                 let level = level.next().unwrap_or_default();
@@ -182,8 +209,51 @@ impl<const K: usize> PhotonChains<K> {
         total
     }
 
+    /// Reads states under targets that have changed. Where other wavelengths or points have left a chain in the dark, it goes on
+    /// from where another one of its level is; of another level if there is none.
+    fn read_anew(&mut self, stage: &Stage<'_>) {
+        let mut ladders = std::mem::take(&mut self.ladders);
+        let target = self.target(stage);
+        (ladders.par_iter_mut().with_max_len(1)).for_each(|chains| {
+            let Chains { ladder, draws, .. } = chains;
+            ladder.evaluate_anew(&target, &self.levels, draws);
+        });
+        let lit = |ladders: &[Chains<K>], ladder: usize, level: usize| {
+            let replica: &Ladder<_, _, K> = &ladders[ladder].ladder;
+            replica.replicas()[level].density() > 0.0
+        };
+        let all = || (1..K).flat_map(|level| (0..ladders.len()).map(move |l| (l, level)));
+        let living: Vec<_> = all()
+            .filter(|&(l, level)| lit(&ladders, l, level))
+            .collect();
+        let dark: Vec<_> = all()
+            .filter(|&(l, level)| !lit(&ladders, l, level))
+            .collect();
+        for (ladder, level) in dark {
+            let own = living.iter().filter(|from| from.1 == level);
+            let mut own: Vec<_> = own.collect();
+            if own.is_empty() {
+                own = living.iter().collect();
+            }
+            if own.is_empty() {
+                break;
+            }
+            let &(from, at) = own[(self.revival.uniform() * own.len() as f64) as usize];
+            let Chains { ladder: source, .. } = &ladders[from];
+            let source = source.replicas()[at].clone();
+            let Chains {
+                ladder: chains,
+                draws,
+                ..
+            } = &mut ladders[ladder];
+            chains.restart_from(level, &source, draws);
+        }
+        self.ladders = ladders;
+    }
+
     /// The iteration itself: chains go on from where they were, under targets that have changed.
     fn run(&mut self, stage: &Stage<'_>) {
+        self.read_anew(stage);
         let mut ladders = std::mem::take(&mut self.ladders);
         let (sweeps, count) = (stage.photons.div_ceil(K as u64), ladders.len() as u64);
         let share = |ladder: u64| sweeps / count + u64::from(ladder < sweeps % count);
@@ -196,6 +266,7 @@ impl<const K: usize> PhotonChains<K> {
             rough: self.rough,
             combine: self.options.combine,
             regions: self.targets.sums().map(|sums| (sums, half)),
+            touches: self.maps.as_ref().map(Maps::touches),
             counts: [0.0; K],
             faults: 0,
         };
@@ -205,7 +276,6 @@ impl<const K: usize> PhotonChains<K> {
             .with_max_len(1)
             .for_each(|(index, chains)| {
                 let Chains { ladder, draws, .. } = chains;
-                ladder.evaluate_anew(&target, &self.levels, draws);
                 for _ in 0..self.options.burn_in {
                     ladder.sweep(&kernels, &self.levels, draws, &mut Ignore);
                 }
@@ -231,40 +301,54 @@ impl<const K: usize> PhotonChains<K> {
         self.ladders = ladders;
     }
 
-    /// Normalisers of the iteration, each from the chain below (spec (10)), and what turns sums at each level into
-    /// shares of the picture: `b_l / (b0_l N_l)`.
+    /// Normalisers of the iteration, and what turns sums at each level into shares of the picture: `b_l / (b0_l N_l)`.
     fn normalise(&mut self) -> [f64; K] {
         let mut stone = SteppingStone::<K>::line();
         for chains in &self.ladders {
             stone.merge_as_one(chains.ladder.stepping_stone());
         }
-        let found = stone.normalisers(1.0);
-        let values = found.values();
-        for (level, estimate) in found.estimates().iter().enumerate() {
-            let value = values[level];
-            let error = if value > 0.0 {
-                estimate.relative_error() * value
-            } else {
-                0.0
-            };
-            self.normalisers[level] = [value, error];
-        }
+        self.normalisers = match &mut self.visible {
+            None => chained(&stone),
+            Some(visible) => {
+                let ratios = stone.ratios();
+                visible.push(ratios[1]);
+                let (share, error) = (visible.mean(), visible.standard_error());
+                let mut above = 1.0;
+                std::array::from_fn(|level| {
+                    if level == 0 {
+                        return [1.0, 0.0];
+                    }
+                    if level > 1 {
+                        above *= ratios[level];
+                    }
+                    [share * above, error * above]
+                })
+            }
+        };
         std::array::from_fn(|level| {
             let count: f64 = self.ladders.iter().map(|chains| chains.counts[level]).sum();
             if count > 0.0 {
-                values[level] / (self.rough[level] * count)
+                self.normalisers[level][0] / (self.rough[level] * count)
             } else {
                 0.0
             }
         })
     }
 
-    /// Adds the films' light to the picture, and makes them black.
+    /// Adds the films' light to the picture, and makes them black. What waits for visibility's normaliser is added without it.
     fn collect(&mut self, factors: &[f64; K]) {
-        for (film, factor) in self.films.iter_mut().zip(factors) {
-            let scale = factor * film.quantum().value();
+        let share = self.visible.as_ref().map(Mean::mean);
+        for (level, (film, factor)) in self.films.iter_mut().zip(factors).enumerate() {
+            let mut scale = factor * film.quantum().value();
+            let sums = match share {
+                Some(share) if level > 0 => {
+                    scale = if share > 0.0 { scale / share } else { 0.0 };
+                    &mut self.unscaled
+                }
+                _ => &mut self.sums,
+            };
             let mut raw = film.sums();
-            for sum in &mut self.sums {
+            for sum in sums {
                 for channel in sum {
                     *channel += raw.next().unwrap_or_default() as f64 * scale;
                 }
@@ -274,6 +358,32 @@ impl<const K: usize> PhotonChains<K> {
             film.clear();
         }
     }
+
+    /// XYZ of each pixel, summed over iterations.
+    fn total(&self) -> Vec<[f64; 3]> {
+        let share = self.visible.as_ref().map_or(0.0, Mean::mean);
+        let mut sums = self.sums.clone();
+        for (sum, unscaled) in sums.iter_mut().zip(&self.unscaled) {
+            for (channel, more) in sum.iter_mut().zip(unscaled) {
+                *channel += share * more;
+            }
+        }
+        sums
+    }
+}
+
+/// Each normaliser from the chain below (spec (10)), with its standard error.
+fn chained<const K: usize>(stone: &SteppingStone<K>) -> [[f64; 2]; K] {
+    let found = stone.normalisers(1.0);
+    std::array::from_fn(|level| {
+        let (value, estimate) = (found.values()[level], &found.estimates()[level]);
+        let error = if value > 0.0 {
+            estimate.relative_error() * value
+        } else {
+            0.0
+        };
+        [value, error]
+    })
 }
 
 /// Large steps for the first level, small ones for all others.
@@ -289,8 +399,14 @@ impl<const K: usize> Tracer for PhotonChains<K> {
         for (rough, level) in self.rough.iter_mut().zip(self.levels.0) {
             *rough *= grown[level];
         }
+        if let Some(maps) = &mut self.maps {
+            maps.begin(stage);
+        }
         self.run(stage);
         self.iterations += 1;
+        if let Some(maps) = &mut self.maps {
+            maps.end(stage);
+        }
         let factors = self.normalise();
         self.collect(&factors);
         self.targets.learn(&factors, self.options.refinement);
@@ -308,7 +424,7 @@ impl<const K: usize> Tracer for PhotonChains<K> {
     fn develop(&mut self, stage: &Stage<'_>) -> Result<Image, RenderError> {
         let factor = stage.cell_area() / self.iterations.max(1) as f64;
         let mut planes = [(); 3].map(|()| Vec::with_capacity(self.sums.len()));
-        for sum in &self.sums {
+        for sum in &self.total() {
             let rgb = Rgb::from(Xyz(sum.map(|v| (v * factor) as f32))).0;
             for (plane, value) in planes.iter_mut().zip(rgb) {
                 plane.push(value);
@@ -318,6 +434,11 @@ impl<const K: usize> Tracer for PhotonChains<K> {
         let (crop, full) = (layout.crop, [layout.width, layout.height]);
         let image = Image::from_rgb(crop.width(), crop.height(), planes)?;
         Ok(image.placed([crop.x0 as i32, crop.y0 as i32], full))
+    }
+
+    fn layers(&self, stage: &Stage<'_>) -> Vec<Layer> {
+        let maps = self.maps.as_ref();
+        maps.map_or(Vec::new(), |maps| maps.layers(stage, &self.targets))
     }
 
     fn chain_statistics(&self) -> Option<ChainStatistics> {

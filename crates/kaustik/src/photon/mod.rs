@@ -6,6 +6,7 @@
 
 mod chains;
 mod density;
+mod maps;
 mod sppm;
 mod stage;
 mod targets;
@@ -38,6 +39,11 @@ trait Tracer: Send + Sync {
 
     /// The picture of all iterations.
     fn develop(&mut self, stage: &Stage<'_>) -> Result<Image, RenderError>;
+
+    /// Pictures of what chains follow, if they were asked for.
+    fn layers(&self, _: &Stage<'_>) -> Vec<Layer> {
+        Vec::new()
+    }
 
     fn chain_statistics(&self) -> Option<ChainStatistics> {
         None
@@ -179,7 +185,9 @@ impl Engine for PhotonEngine<'_> {
         let image = self.remainder.picture()?;
         let channels = ["R", "G", "B"].into_iter().zip(image.rgb());
         let channels = channels.map(|(name, plane)| (name, plane.to_vec()));
-        Ok(vec![Layer::new("remainder", channels.collect())])
+        let mut layers = vec![Layer::new("remainder", channels.collect())];
+        layers.extend(self.tracer.layers(&self.stage));
+        Ok(layers)
     }
 
     fn nonfinite(&self) -> (u64, Option<Place>) {

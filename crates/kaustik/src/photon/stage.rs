@@ -1,10 +1,12 @@
 //! What an iteration of a photon method stands on: its wavelengths, measurement points, and their lookup.
 
-use glam::DVec2;
+use glam::{DVec2, Vec3};
 use kaustik_estimate::{PhotonMap, Scale};
 use kaustik_film::{Film, Quantum};
 use kaustik_mcmc::{Draws, Independent, Mean, SampleGenerators};
-use kaustik_path::{Lookup, MeasurementPoints, MeasurementWalk, PhotonPath, PhotonTracing};
+use kaustik_path::{
+    Lookup, MeasurementPoint, MeasurementPoints, MeasurementWalk, PhotonPath, PhotonTracing,
+};
 use kaustik_scene::Scene;
 use kaustik_spectrum::{WavelengthSampling, Wavelengths};
 use rayon::prelude::*;
@@ -137,8 +139,12 @@ impl<'a> Stage<'a> {
         (self.walk).trace(self.scene, &self.wavelengths, &mut coordinates, out);
     }
 
-    /// Positions of points from so many walks a cell, for nothing but a look at where things are.
-    pub(super) fn pilot(&self, passes: u64) -> Vec<[f32; 3]> {
+    /// Points from so many walks a cell, by what `of` takes of them, for nothing but a look at where things are.
+    pub(super) fn pilot<T: Send + Clone>(
+        &self,
+        passes: u64,
+        of: impl Fn(&MeasurementPoint) -> T + Sync,
+    ) -> Vec<T> {
         let chunks = (0..self.cells.count().div_ceil(CHUNK)).into_par_iter();
         let positions = |points: &mut MeasurementPoints, chunk: u64| {
             points.clear();
@@ -149,9 +155,9 @@ impl<'a> Stage<'a> {
                 }
             }
             let points = points.points().iter();
-            points.map(|p| p.position.to_array()).collect::<Vec<_>>()
+            points.map(&of).collect::<Vec<T>>()
         };
-        let found: Vec<Vec<[f32; 3]>> = chunks
+        let found: Vec<Vec<T>> = chunks
             .map_init(MeasurementPoints::default, positions)
             .collect();
         found.concat()
@@ -181,12 +187,11 @@ impl<'a> Stage<'a> {
         self.cell_area / paths
     }
 
-    /// A film for contributions of single photons. Their size comes from the mean power of photons and the mean area
-    /// of discs, which are known even where the two never meet.
-    pub(super) fn film(&self, settings: &RenderSettings) -> Result<Film, RenderError> {
+    /// The mean power of photons.
+    pub(super) fn typical_power(&self) -> f64 {
         let mut path = PhotonPath::default();
         let mut power = Mean::new();
-        let generators = SampleGenerators::new(settings.seed, PILOT_LADDER);
+        let generators = SampleGenerators::new(self.seed, PILOT_LADDER);
         for index in 0..PILOT {
             let mut u = Independent::new(generators.at(index));
             (self.tracing).build(self.scene, &self.wavelengths, &mut u, &mut path);
@@ -194,9 +199,23 @@ impl<'a> Stage<'a> {
                 power.push(f64::from(photon.power.mean()));
             }
         }
+        power.mean()
+    }
+
+    /// Diagonal of the box around the points.
+    pub(super) fn reach(&self) -> f32 {
+        let at = self.points.points().iter().map(|point| point.position);
+        let low = at.clone().reduce(Vec3::min).unwrap_or_default();
+        let high = at.reduce(Vec3::max).unwrap_or_default();
+        low.distance(high)
+    }
+
+    /// A film for contributions of single photons. Their size comes from the mean power of photons and the mean area
+    /// of discs, which are known even where the two never meet.
+    pub(super) fn film(&self, settings: &RenderSettings) -> Result<Film, RenderError> {
         let points = self.points.points().iter();
         let inverse: Mean = points.map(|point| 1.0 / point.area()).collect();
-        let typical = power.mean() * inverse.mean() / std::f64::consts::PI;
+        let typical = self.typical_power() * inverse.mean() / std::f64::consts::PI;
         Ok(Film::with_layout(
             &settings.layout(),
             Quantum::from_mean(typical),

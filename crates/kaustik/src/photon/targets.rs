@@ -1,6 +1,6 @@
 //! What chains follow: the targets of measurement points, and the regions that they go by.
 
-use kaustik_estimate::{DensityTarget, Refinement, RegionSums, Regions, inverse};
+use kaustik_estimate::{DensityTarget, Place, Refinement, RegionSums, Regions, inverse};
 use kaustik_path::MeasurementPoint;
 use rayon::prelude::*;
 
@@ -11,6 +11,8 @@ use crate::photon_options::{PhotonOptions, TargetFunction};
 const NAMES: [&str; 4] = ["uniform", "visibility", "inverse-kernel", "full"];
 /// Camera walks a pixel before the first iteration, which the tree is made from (G sec. 4.2).
 const PILOT_PASSES: u64 = 4;
+/// Regions smaller than this share of all that is seen part surfaces by where they face.
+const ORIENTED: f32 = 0.05;
 
 /// Where regions lie, or what stands for them.
 #[derive(Debug)]
@@ -26,6 +28,8 @@ pub(super) enum Space {
 /// `T_3` and `T_4` of all points, and the regions behind them.
 pub(super) struct Targets<const K: usize> {
     space: Space,
+    /// What normals are multiplied by in places; 0 where regions do not ask for them.
+    normals: f32,
     /// Visibility asks nothing of points.
     plain: bool,
     regions: Option<Regions>,
@@ -43,15 +47,33 @@ impl<const K: usize> Targets<K> {
         levels: [usize; K],
         space: Space,
     ) -> Self {
-        let wanted = levels.contains(&3) && options.target_function == TargetFunction::Full;
+        let wanted =
+            levels.contains(&3) && options.target_function != TargetFunction::InverseKernel;
+        let normals = if options.orientation {
+            0.5 * ORIENTED * stage.reach()
+        } else {
+            0.0
+        };
+        let place = |point: &MeasurementPoint| place(point, normals);
         let regions = wanted.then(|| match &space {
-            Space::World | Space::Densities(_) => Regions::spatial(&mut stage.pilot(PILOT_PASSES)),
+            Space::World | Space::Densities(_) => {
+                Regions::spatial(&mut stage.pilot(PILOT_PASSES, place))
+            }
             Space::Image => Regions::image(),
         });
-        let sums = (regions.as_ref())
-            .map(|regions| RegionSums::new(regions.leaves(), levels, options.psi));
+        let sums = (regions.as_ref()).map(|regions| {
+            let sums = RegionSums::new(regions.leaves(), levels, options.psi);
+            match options.target_function {
+                TargetFunction::SecondMoment => {
+                    let power = stage.typical_power().max(f64::MIN_POSITIVE);
+                    sums.with_fluxes(power / std::f64::consts::PI)
+                }
+                _ => sums,
+            }
+        });
         Self {
             space,
+            normals,
             plain: levels.iter().all(|&level| level < 2),
             regions,
             sums,
@@ -108,24 +130,37 @@ impl<const K: usize> Targets<K> {
         [1.0, 1.0, kernel, full]
     }
 
+    /// Where a point lies in the tree.
+    fn place(&self, point: &MeasurementPoint) -> Place {
+        match &self.space {
+            Space::Image => {
+                let [x, y] = point.raster.as_vec2().to_array();
+                [x, y, 0.0, 0.0, 0.0, 0.0]
+            }
+            _ => place(point, self.normals),
+        }
+    }
+
     /// The leaf of each point.
     fn leaves(&self, stage: &Stage<'_>) -> Vec<u32> {
         let Some(regions) = &self.regions else {
             return Vec::new();
         };
         let points = stage.map().points.points().par_iter().with_min_len(4096);
-        let leaf = |place| regions.leaf(place);
         points
-            .map(|point| match &self.space {
-                Space::Image => leaf([point.raster.x as f32, point.raster.y as f32, 0.0]),
-                _ => leaf(point.position.to_array()),
-            })
+            .map(|point| regions.leaf(self.place(point)))
             .collect()
     }
 
     /// `T_3` and `T_4` of each point; empty where nobody asks.
     pub(super) fn of_points(&self) -> &[[f32; 2]] {
         &self.of_points
+    }
+
+    /// The region of each point, if there are any.
+    pub(super) fn region(&self, point: &MeasurementPoint) -> Option<u32> {
+        let regions = self.regions.as_ref()?;
+        Some(regions.regions()[regions.leaf(self.place(point)) as usize])
     }
 
     /// Where visits tell about regions.
@@ -152,4 +187,13 @@ impl<const K: usize> Targets<K> {
     pub(super) fn cut(&self) -> usize {
         self.regions.as_ref().map_or(0, Regions::cut)
     }
+}
+
+/// Position and normal.
+fn place(point: &MeasurementPoint, normals: f32) -> Place {
+    let ([x, y, z], [u, v, w]) = (
+        point.position.to_array(),
+        (point.normal * normals).to_array(),
+    );
+    [x, y, z, u, v, w]
 }

@@ -9,6 +9,7 @@ use kaustik_mcmc::{
 };
 use kaustik_path::Contributions;
 
+use super::even::Even;
 use super::scouts::SpecularLight;
 use super::start::{Mutation, Started, State, mutation};
 use crate::RenderSettings;
@@ -19,6 +20,7 @@ pub(super) struct Run<const K: usize> {
     pub(super) index: u32,
     pub(super) draws: Pcg64Dxsm,
     pub(super) ladder: Ladder<Point<Mutation>, Contributions, K>,
+    pub(super) even: Even,
     /// Where scouts go.
     pub(super) spare: Point<Mutation>,
     pub(super) found: u64,
@@ -110,6 +112,7 @@ pub(super) fn runs<const K: usize>(
                 .with_schedule(settings.options.exchange)
                 .with_graph(graph.clone())
                 .with_stepping_stone(SteppingStone::on(below(set))),
+            even: Even::new(settings, index),
             spare: Point::new(mutation(set, settings.options.steps, K - 1)),
             found: 0,
             followed: 0,

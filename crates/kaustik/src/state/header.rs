@@ -15,6 +15,8 @@ pub struct Source {
     pub scene: String,
     /// Name of the camera, if not the first.
     pub camera: Option<String>,
+    /// Material variant of a glTF file, if not its default.
+    pub variant: Option<String>,
     /// Light from all around, if not the scene's own.
     pub environment: Option<String>,
 }

@@ -1,7 +1,10 @@
 //! The ladder of photon methods (spec stf-photon.md 3.1 and 7): a uniform chain that begins anew in every step, then targets
 //! of one common support, each within the one before.
 
+use kaustik_pss::{Coordinates, Stream};
+
 use super::*;
+use crate::{Metropolis, Point, Power};
 
 /// Fresh states, or a step round the ring.
 #[derive(Clone, Copy)]
@@ -68,4 +71,38 @@ fn a_scan_that_exchanges_too_gladly_is_caught() {
     });
     let defect = matrix.stationarity_defect(&joint(&TARGETS));
     assert!(defect > 1e-3, "{defect}");
+}
+
+/// A chain that goes on from where another one is has that one's state and densities, its own step size, and pays what is
+/// owed to the other's.
+#[test]
+fn a_chain_goes_on_from_another() {
+    let target = crate::target(|u: &mut dyn Coordinates| u.get(Stream::Light, 0));
+    let family = |x: &f64| [1.0, f64::from(u8::from(*x > 0.5))];
+    let mut draws = generator(4, 0);
+    let mut start = |size: f64, lit: bool| loop {
+        let mut levels = 0..;
+        let starts = [(); 2].map(|()| {
+            let level = levels.next().unwrap();
+            let sized = Power::new(size);
+            let chain = Metropolis::start(&target, &family, level, sized, &mut draws);
+            (chain.state().clone(), *chain.value())
+        });
+        if (starts[1].1 > 0.5) == lit {
+            break Ladder::<Point<Power>, f64, 2>::new(starts, &family);
+        }
+    };
+    let (mut dark, source) = (start(0.1, false), start(0.7, true));
+    assert!(dark.replicas()[1].density() <= 0.0);
+    dark.restart_from(1, &source.replicas()[1], &mut generator(5, 0));
+    let chain = &dark.replicas()[1];
+    assert_eq!(chain.value(), source.replicas()[1].value());
+    assert_eq!(chain.densities(), source.replicas()[1].densities());
+    assert!((chain.state().mutation().size() - 0.1).abs() < 1e-12);
+    let again = |chain: &Metropolis<Point<Power>, f64, 2>| {
+        let mut chain = chain.clone();
+        chain.evaluate_anew(&target, &family, &mut generator(6, 0));
+        *chain.value()
+    };
+    assert_eq!(again(chain), *source.replicas()[1].value());
 }

@@ -205,6 +205,7 @@ fn every_strategy_alone_brings_the_same_through_a_lens() {
     let lens = Lens {
         aperture: 0.5,
         focus: 1.5,
+        blades: None,
     };
     assert_equal_strategies(Some(lens), 120_000, 0.06);
 }

@@ -111,6 +111,7 @@ fn a_missing_strategy_is_noticed() {
     description.cameras[0].lens = Some(Lens {
         aperture: 0.5,
         focus: 1.5,
+        blades: None,
     });
     let scene = compile(&description);
     let paths = paths(Heuristic::Power);

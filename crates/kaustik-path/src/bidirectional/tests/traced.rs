@@ -252,6 +252,7 @@ pub(super) fn scenes() -> Vec<(String, Scene)> {
     description.cameras[0].lens = Some(LensDescription {
         aperture: 1.5,
         focus: 8.0,
+        blades: None,
     });
     scenes.push(("thin lens".to_owned(), compile(&description)));
     scenes

@@ -3,7 +3,7 @@ use std::borrow::Cow;
 use image::codecs::hdr::HdrEncoder;
 use image::codecs::png::PngEncoder;
 use image::{ExtendedColorType, ImageEncoder as _, ImageResult, Rgb};
-use serde_json::Value;
+use serde_json::{Value, json};
 
 use super::ExportError;
 use super::writer::{Object, Writer, extras, number, numbers};
@@ -11,6 +11,8 @@ use crate::Description;
 use crate::description::{EnvironmentDescription, Filtering, ImageData, Pixels, Wrap};
 
 type Result<T> = std::result::Result<T, ExportError>;
+
+const WEBP: &str = "EXT_texture_webp";
 
 /// Writes all images with the bytes that they were read from, or else as PNG.
 pub(super) fn images(writer: &mut Writer, description: &Description) -> Result<()> {
@@ -21,14 +23,14 @@ pub(super) fn images(writer: &mut Writer, description: &Description) -> Result<(
             return Err(ExportError::Unsupported {
                 place,
                 found: "an image of floats".into(),
-                expected: "four bytes a pixel, as glTF's textures are PNG or JPEG".into(),
+                expected: "four bytes a pixel, as glTF's textures are PNG, JPEG or WebP".into(),
             });
         }
         let (bytes, generated) = encoded(image, &place)?;
-        let mime = if bytes.starts_with(&[0xff, 0xd8]) {
-            "image/jpeg"
-        } else {
-            "image/png"
+        let mime = match bytes.first() {
+            Some(0xff) => "image/jpeg",
+            Some(b'R') => "image/webp",
+            _ => "image/png",
         };
         let ours = Object::default().maybe("generated", generated.then_some(true));
         let object = Object::default()
@@ -105,9 +107,17 @@ pub(super) fn textures(writer: &mut Writer, description: &Description) {
             kinds.push(kind);
             kinds.len() - 1
         });
-        let object = Object::default()
-            .with("source", texture.image)
-            .with("sampler", sampler);
+        let webp = description
+            .images
+            .get(texture.image)
+            .is_some_and(|image| image.encoded.starts_with(b"RIFF"));
+        let object = Object::default().with("sampler", sampler);
+        let object = if webp {
+            writer.uses(WEBP);
+            object.with("extensions", json!({ WEBP: { "source": texture.image } }))
+        } else {
+            object.with("source", texture.image)
+        };
         list.push(object.into());
     }
     writer.set("textures", list);

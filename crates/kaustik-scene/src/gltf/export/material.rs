@@ -121,6 +121,15 @@ fn extensions(writer: &mut Writer, m: &MaterialDescription, strength: Option<Val
             );
         add(writer, "KHR_materials_specular", members);
     }
+    if let Some(older) = m.specular_glossiness {
+        let members = Object::default()
+            .with("diffuseFactor", numbers(&m.base_color))
+            .maybe("diffuseTexture", slot(writer, m.base_color_texture))
+            .with("specularFactor", numbers(&older.specular))
+            .with("glossinessFactor", number(older.glossiness))
+            .maybe("specularGlossinessTexture", slot(writer, older.texture));
+        add(writer, "KHR_materials_pbrSpecularGlossiness", members);
+    }
     if let Some(transmission) = m.transmission {
         let members = Object::default()
             .with("transmissionFactor", number(transmission.factor))

@@ -77,9 +77,12 @@ fn kind(camera: &CameraDescription) -> Value {
         ),
     };
     let shutter = camera.shutter.map(|s| numbers(&[s.open, s.close]));
+    let blades = camera.lens.and_then(|lens| lens.blades);
     let ours = Object::default()
         .maybe("aperture", camera.lens.map(|lens| number(lens.aperture)))
         .maybe("focus", camera.lens.map(|lens| number(lens.focus)))
+        .maybe("blades", blades.map(|blades| blades.count))
+        .maybe("rotation", blades.map(|blades| number(blades.rotation)))
         .maybe("shutter", shutter);
     Object::default()
         .named(&camera.name)

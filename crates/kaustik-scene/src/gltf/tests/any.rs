@@ -6,7 +6,7 @@ use glam::{Affine3A, Quat, Vec2, Vec3, Vec4};
 use kaustik_geometry::Mesh;
 use kaustik_spectrum::{Glass, Metal};
 
-use super::file::{jpeg, png};
+use super::file::{jpeg, png, webp};
 use crate::Description;
 use crate::description::*;
 use crate::testing::Rng;
@@ -165,6 +165,11 @@ fn material(rng: &mut Rng, textures: usize) -> MaterialDescription {
             color: numbers(rng, bright),
             color_texture: texture(rng),
         },
+        specular_glossiness: maybe(rng, |rng| SpecularGlossiness {
+            specular: numbers(rng, unit),
+            glossiness: unit(rng),
+            texture: texture(rng),
+        }),
         transmission: maybe(rng, |rng| Transmission {
             factor: unit(rng),
             texture: texture(rng),
@@ -231,10 +236,20 @@ fn images() -> Vec<Arc<ImageData>> {
         encoded: Vec::new(),
         ..ImageData::clone(&image("made", 5, 3, false))
     };
+    let encoded = webp(5, 4);
+    let pixels = image::load_from_memory(&encoded).unwrap().into_rgba8();
+    let lossless = ImageData {
+        name: "lossless".to_owned(),
+        width: 5,
+        height: 4,
+        pixels: Pixels::Rgba8(pixels.into_raw()),
+        encoded,
+    };
     vec![
         image("a", 4, 4, false),
         image("", 9, 2, true),
         Arc::new(made),
+        Arc::new(lossless),
     ]
 }
 
@@ -263,6 +278,10 @@ fn camera(rng: &mut Rng, i: usize) -> CameraDescription {
         lens: maybe(rng, |rng| Lens {
             aperture: positive(rng),
             focus: positive(rng),
+            blades: maybe(rng, |rng| Blades {
+                count: 3 + below(rng, 62) as u32,
+                rotation: number(rng),
+            }),
         }),
         shutter: maybe(rng, |rng| Shutter {
             open: unit(rng) - 1.0,

@@ -163,6 +163,12 @@ pub(super) fn png(width: u32, height: u32) -> Vec<u8> {
     encode(width, height, pixel, image::ImageFormat::Png)
 }
 
+/// A lossless WebP of four bytes a pixel.
+pub(super) fn webp(width: u32, height: u32) -> Vec<u8> {
+    let pixel = |x: u32, y: u32| image::Rgba([(9 * x) as u8, (5 * y) as u8, 7, 200 + x as u8]);
+    encode(width, height, pixel, image::ImageFormat::WebP)
+}
+
 pub(super) fn jpeg(width: u32, height: u32) -> Vec<u8> {
     let pixel = |x: u32, y: u32| image::Rgb([(16 * x) as u8, (16 * y) as u8, 7]);
     encode(width, height, pixel, image::ImageFormat::Jpeg)

@@ -4,7 +4,7 @@ use glam::{Affine3A, Quat, Vec3};
 use serde_json::{Value, json};
 
 use super::file::{File, floats};
-use crate::description::{Lens, LightKind, Projection, Shutter};
+use crate::description::{Blades, Lens, LightKind, Projection, Shutter};
 use crate::gltf::{ErrorKind, LoadOptions};
 
 fn nodes(nodes: Value, roots: Value) -> File {
@@ -231,7 +231,8 @@ fn cameras() {
         wide.lens,
         Some(Lens {
             aperture: 0.1,
-            focus: 3.0
+            focus: 3.0,
+            blades: None,
         })
     );
     assert_eq!(
@@ -271,11 +272,34 @@ fn cameras() {
     }
     let camera = &mut file.json["cameras"][0]["extras"]["kaustik"];
     camera["blades"] = json!(6);
+    camera["rotation"] = json!(0.5);
+    camera["lens"] = json!([]);
     camera["bokeh"] = json!("round");
-    let warnings = file.load().warnings;
+    let loaded = file.load();
+    let blades = loaded.description.cameras[0]
+        .lens
+        .and_then(|lens| lens.blades);
+    assert_eq!(
+        blades,
+        Some(Blades {
+            count: 6,
+            rotation: 0.5
+        })
+    );
+    let mut warnings = loaded.warnings;
+    warnings.sort_by(|a, b| b.place.cmp(&a.place));
     assert_eq!(warnings.len(), 2);
     assert!(warnings[0].message.contains("not read yet"));
     assert!(warnings[1].message.contains("unknown key"));
+    for (key, wrong) in [
+        ("blades", json!(2)),
+        ("blades", json!(65)),
+        ("blades", json!(6.5)),
+    ] {
+        let mut file = file.clone();
+        file.json["cameras"][0]["extras"]["kaustik"][key] = wrong;
+        assert_eq!(file.error().place(), "/cameras/0/extras/kaustik/blades");
+    }
 }
 
 #[test]

@@ -5,7 +5,9 @@
 )]
 
 mod any;
+mod crafted;
 mod file;
+mod formats;
 mod geometry;
 mod hierarchy;
 mod hostile;

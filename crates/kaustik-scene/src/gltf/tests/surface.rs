@@ -329,18 +329,6 @@ fn our_own_keys() {
 }
 
 #[test]
-fn specular_glossiness_in_terms_of_the_newer_model() {
-    let m = material(
-        json!({ "extensions": { "KHR_materials_pbrSpecularGlossiness": {
-            "diffuseFactor": [0.5, 0.25, 0.125, 1], "specularFactor": [0.04, 0.08, 0], "glossinessFactor": 0.75,
-        }}}),
-    );
-    assert_eq!(m.base_color, [0.5, 0.25, 0.125, 1.0]);
-    assert_eq!((m.metallic, m.roughness), (0.0, 0.25));
-    assert_eq!(m.specular.color, [1.0, 2.0, 0.0]);
-}
-
-#[test]
 fn images_from_views_and_data_uris() {
     let mut file = File::empty();
     let view = file.view(&jpeg(8, 4));
@@ -391,10 +379,10 @@ fn broken_images_are_refused() {
         "{message}"
     );
     // not read at all
-    with(b"RIFF....WEBPVP8 ").refused(&["/textures/0/source", "PNG or JPEG"]);
+    with(b"\xabKTX 20\xbb").refused(&["/textures/0/source", "PNG, JPEG or WebP"]);
 }
 
-fn crc32(bytes: &[u8]) -> u32 {
+pub(super) fn crc32(bytes: &[u8]) -> u32 {
     let mut crc = !0_u32;
     for &byte in bytes {
         crc ^= u32::from(byte);
@@ -408,10 +396,10 @@ fn crc32(bytes: &[u8]) -> u32 {
 #[test]
 fn textures_of_optional_formats_are_left_out() {
     let mut file = with_material(json!({ "emissiveTexture": { "index": 0 } }));
-    let view = file.view(b"RIFF....WEBPVP8 ");
-    file.json["images"] = json!([{ "bufferView": view, "mimeType": "image/webp" }]);
-    file.json["textures"] = json!([{ "extensions": { "EXT_texture_webp": { "source": 0 } } }]);
-    file.json["extensionsUsed"] = json!(["EXT_texture_webp"]);
+    let view = file.view(b"\xabKTX 20\xbb\r\n\x1a\n");
+    file.json["images"] = json!([{ "bufferView": view, "mimeType": "image/ktx2" }]);
+    file.json["textures"] = json!([{ "extensions": { "KHR_texture_basisu": { "source": 0 } } }]);
+    file.json["extensionsUsed"] = json!(["KHR_texture_basisu"]);
     let loaded = file.load();
     assert_eq!(loaded.description.materials[0].emissive_texture, None);
     assert!(loaded.description.textures.is_empty() && loaded.description.images.is_empty());
@@ -430,22 +418,34 @@ fn uv_sets_past_the_second_are_left_out() {
 #[test]
 fn extensions_required_and_used() {
     let mut file = File::triangle();
-    file.json["extensionsUsed"] = json!(["EXT_texture_webp", "ACME_soap", "KHR_materials_ior"]);
-    let warnings = file.load().warnings;
+    file.json["extensionsUsed"] = json!(["KHR_texture_basisu", "ACME_soap", "KHR_materials_ior"]);
+    let loaded = file.load();
+    let warnings = loaded.warnings;
     assert!(
         warnings[0]
             .message
-            .contains("EXT_texture_webp is not read yet")
+            .contains("KHR_texture_basisu is ignored")
     );
+    assert!(warnings[0].message.contains("PNG, JPEG or WebP"));
     assert!(warnings[1].message.contains("ACME_soap is unknown"));
     assert_eq!(warnings.len(), 2);
-    for name in ["ACME_soap", "EXT_texture_webp"] {
+    assert_eq!(loaded.extensions.read, ["KHR_materials_ior"]);
+    assert_eq!(
+        loaded.extensions.ignored,
+        ["KHR_texture_basisu", "ACME_soap"]
+    );
+    for (name, help) in [
+        ("ACME_soap", "export the scene again"),
+        ("KHR_draco_mesh_compression", "EXT_meshopt_compression"),
+        ("KHR_texture_basisu", "PNG, JPEG or WebP"),
+    ] {
         file.json["extensionsRequired"] = json!(["KHR_texture_transform", name]);
         file.refused(&[
             "/extensionsRequired/1",
             name,
             "KHR_materials_volume",
             "EXT_mesh_gpu_instancing",
+            help,
         ]);
     }
 }

@@ -1,0 +1,42 @@
+//! The mutations of this crate as kernels of chains.
+
+use kaustik_mcmc::{Draws, Kernel, Move};
+
+use crate::{
+    BidirectionalMutation, CausticPerturbation, EveryPerturbation, LensMutation, LensPerturbation,
+    Path, WavelengthMutation,
+};
+
+/// The same for each: a method that makes the proposal and returns the ratio of its densities back and there, or nothing
+/// where there is none to be made.
+macro_rules! kernels {
+    ($($mutation:ident by $propose:ident,)*) => {
+        $(impl Kernel<()> for $mutation<'_> {
+            type Value = Path;
+
+            fn propose<D: Draws + ?Sized>(
+                &self,
+                (): &mut (),
+                current: &Path,
+                proposed: &mut Path,
+                draws: &mut D,
+            ) -> Move {
+                Move::new(0, ratio(self.$propose(current, proposed, draws)))
+            }
+        })*
+    };
+}
+
+kernels! {
+    BidirectionalMutation by mutate,
+    CausticPerturbation by perturb,
+    EveryPerturbation by perturb,
+    LensMutation by mutate,
+    LensPerturbation by perturb,
+    WavelengthMutation by redraw,
+}
+
+/// A ratio that is infinite or not a number belongs to a step that rounding made impossible.
+fn ratio(found: Option<f64>) -> f64 {
+    found.filter(|ratio| ratio.is_finite()).unwrap_or(0.0)
+}

@@ -1,0 +1,286 @@
+//! Gruson et al. 2016, with Hachisuka and Jensen 2009 and 2011.
+
+use kaustik::Method;
+
+use super::checks::{evener, lower, lower_nsd};
+use super::{PaperFigure, Scale, blank, minutes, seconds, settings};
+use crate::{Claim, Figure, MethodEntry, SceneEntry, Study};
+
+pub(super) fn figures(scale: Scale) -> Vec<PaperFigure> {
+    vec![
+        one(scale),
+        four(scale),
+        five(scale),
+        seven(scale),
+        ten(scale),
+        eleven(scale),
+    ]
+}
+
+const HALL: &str = "dinner-hall";
+const VILLA: &str = "villa";
+const UNDERWATER: &str = "underwater";
+const CANYON: &str = "canyon";
+const BALLS: &str = "mirror-balls";
+const TEA: &str = "tea-time";
+
+fn entry(scale: Scale, name: &str, method: Method, more: &[&str]) -> MethodEntry {
+    let mut settings = settings(scale, "pilot=2000", more);
+    settings.push(match scale {
+        Scale::Quick => "photons=2000".to_owned(),
+        Scale::Usual => "photons=100000".to_owned(),
+        Scale::AsPublished => "photons=10000000".to_owned(),
+    });
+    if method == Method::Sppm {
+        // nothing but light paths
+        settings.retain(|setting| !setting.starts_with("pilot"));
+    }
+    MethodEntry {
+        name: name.to_owned(),
+        method,
+        settings,
+    }
+}
+
+fn sppm(scale: Scale) -> MethodEntry {
+    entry(scale, "sppm", Method::Sppm, &[])
+}
+
+fn visibility(scale: Scale) -> MethodEntry {
+    entry(scale, "visibility", Method::PhotonVisibility, &[])
+}
+
+fn image(scale: Scale) -> MethodEntry {
+    entry(scale, "image", Method::PhotonImage, &[])
+}
+
+fn spatial(scale: Scale, name: &str, more: &[&str]) -> MethodEntry {
+    entry(scale, name, Method::PhotonSpatial, more)
+}
+
+/// A study of some scenes at equal times; as published for so many minutes.
+fn study(scale: Scale, title: &str, about: &str, scenes: &[&str], published: f64) -> Study {
+    let mut study = blank(title, about, scale);
+    study.scenes = scenes
+        .iter()
+        .map(|scene| SceneEntry::builtin(scene))
+        .collect();
+    (study.width, study.height) = match scale {
+        Scale::Quick => (32, 18),
+        Scale::Usual => (128, 72),
+        Scale::AsPublished => (960, 540),
+    };
+    study.max_depth = study.max_depth.min(16);
+    if scale == Scale::Quick {
+        // many textures and triangles: a few paths a pixel show that it works
+        study.reference.per_pixel = 4;
+    }
+    study.budgets = match scale {
+        Scale::Quick => seconds(&[0.1, 0.2]),
+        Scale::Usual => seconds(&[5.0, 10.0, 20.0]),
+        Scale::AsPublished => minutes(published),
+    };
+    study
+}
+
+fn one(scale: Scale) -> PaperFigure {
+    let mut study = study(
+        scale,
+        "Figure 1: regions of space and regions of the image",
+        "A bright garden and a dim room with a mirror in it, which shows both side by side.",
+        &[VILLA],
+        30.0,
+    );
+    study.methods = vec![
+        visibility(scale),
+        image(scale),
+        spatial(scale, "spatial", &[]),
+    ];
+    PaperFigure {
+        number: 1,
+        study,
+        claims: &[
+            Claim {
+                text: "Fig. 1: less noise than with the visibility target",
+                check: |r| lower_nsd(r, VILLA, "spatial", &[("visibility", 1.0)]),
+            },
+            Claim {
+                text: "Sec. 5: at worst little more noise than by regions of the image (our goal: at most 1.1 times)",
+                check: |r| lower_nsd(r, VILLA, "spatial", &[("image", 1.1)]),
+            },
+        ],
+    }
+}
+
+fn four(scale: Scale) -> PaperFigure {
+    let mut study = study(
+        scale,
+        "Figure 4: relative error, evenly",
+        "Layers show the target with its factors and regions, and how often points are touched.",
+        &[HALL, CANYON],
+        10.0,
+    );
+    study.layers = true;
+    study.methods = vec![
+        entry(scale, "visibility", Method::PhotonVisibility, &["maps=on"]),
+        spatial(scale, "spatial", &["maps=on"]),
+    ];
+    PaperFigure {
+        number: 4,
+        study,
+        claims: &[
+            Claim {
+                text: "Fig. 4: the relative error is even; our goal: the 95th over the 5th percentile over tiles is at most \
+                       1/3 of the visibility target's (dinner-hall)",
+                check: |r| evener(r, HALL, "spatial", "visibility", 1.0 / 3.0),
+            },
+            Claim {
+                text: "The same on the canyon",
+                check: |r| evener(r, CANYON, "spatial", "visibility", 1.0 / 3.0),
+            },
+        ],
+    }
+}
+
+fn five(scale: Scale) -> PaperFigure {
+    let mut study = study(
+        scale,
+        "Figure 5: chains of a ladder",
+        "Four chains, three without visibility, two without inverse kernel size as well, the plain mean of four; and what is ours: \
+         the statistics of all chains but the last alone, normalisers as printed.",
+        &[HALL],
+        10.0,
+    );
+    study.methods = vec![
+        spatial(scale, "four", &[]),
+        spatial(scale, "three", &["levels=3"]),
+        spatial(scale, "two", &["levels=2"]),
+        spatial(scale, "average", &["combine=average"]),
+        spatial(scale, "authors' statistics", &["psi=authors"]),
+        spatial(scale, "chained normalisers", &["normalisation=iteration"]),
+        spatial(scale, "second moment", &["tf=second-moment"]),
+        spatial(scale, "orientation", &["orientation=on"]),
+    ];
+    PaperFigure {
+        number: 5,
+        study,
+        claims: &[
+            Claim {
+                text: "Sec. 4.4: four chains are better than three",
+                check: |r| lower_nsd(r, HALL, "four", &[("three", 1.0)]),
+            },
+            Claim {
+                text: "Three are better than two",
+                check: |r| lower_nsd(r, HALL, "three", &[("two", 1.0)]),
+            },
+            Claim {
+                text: "Multiple importance sampling is better than the mean",
+                check: |r| lower_nsd(r, HALL, "four", &[("average", 1.0)]),
+            },
+            Claim {
+                text: "Ours: statistics of all chains are better than those of all but the last",
+                check: |r| lower_nsd(r, HALL, "four", &[("authors' statistics", 1.0)]),
+            },
+        ],
+    }
+}
+
+fn seven(scale: Scale) -> PaperFigure {
+    let mut study = study(
+        scale,
+        "Figure 7: four scenes",
+        "Equal times. As published: an hour each at 960x540 and 10 million light paths an iteration.",
+        &[HALL, VILLA, UNDERWATER, CANYON],
+        60.0,
+    );
+    study.methods = vec![
+        sppm(scale),
+        visibility(scale),
+        image(scale),
+        spatial(scale, "spatial", &[]),
+    ];
+    PaperFigure {
+        number: 7,
+        study,
+        claims: &[
+            Claim {
+                text: "Fig. 8: less noise than the visibility target; our goal: half of it (dinner-hall)",
+                check: |r| lower_nsd(r, HALL, "spatial", &[("visibility", 0.5)]),
+            },
+            Claim {
+                text: "Our goal: half of it (villa)",
+                check: |r| lower_nsd(r, VILLA, "spatial", &[("visibility", 0.5)]),
+            },
+            Claim {
+                text: "Less of it under water",
+                check: |r| lower_nsd(r, UNDERWATER, "spatial", &[("visibility", 1.0)]),
+            },
+            Claim {
+                text: "Less of it in the canyon",
+                check: |r| lower_nsd(r, CANYON, "spatial", &[("visibility", 1.0)]),
+            },
+            Claim {
+                text: "Fig. 8: a lower RMSE (dinner-hall)",
+                check: |r| lower(r, HALL, Figure::RmseXyz, "spatial", &[("visibility", 1.0)]),
+            },
+        ],
+    }
+}
+
+fn ten(scale: Scale) -> PaperFigure {
+    let mut study = study(
+        scale,
+        "Figure 10: a simple scene",
+        "Most uniform light paths are seen: chains have nothing to win. As published: five minutes.",
+        &[BALLS],
+        5.0,
+    );
+    study.methods = vec![sppm(scale), spatial(scale, "spatial", &[])];
+    PaperFigure {
+        number: 10,
+        study,
+        claims: &[Claim {
+            text: "Sec. 5: not significantly worse than independent photons; our goal: at most 1.2 times their noise",
+            check: |r| lower_nsd(r, BALLS, "spatial", &[("sppm", 1.2)]),
+        }],
+    }
+}
+
+fn eleven(scale: Scale) -> PaperFigure {
+    let mut study = study(
+        scale,
+        "Figure 11: glossy surfaces",
+        "Roughness thresholds 0.05 and 0.39, the remainder by path tracing.",
+        &[TEA],
+        60.0,
+    );
+    study.methods = vec![
+        entry(
+            scale,
+            "visibility, 0.05",
+            Method::PhotonVisibility,
+            &["roughness=0.05"],
+        ),
+        spatial(scale, "spatial, 0.05", &["roughness=0.05"]),
+        entry(scale, "visibility, 0.39", Method::PhotonVisibility, &[]),
+        spatial(scale, "spatial, 0.39", &[]),
+    ];
+    PaperFigure {
+        number: 11,
+        study,
+        claims: &[
+            Claim {
+                text: "Sec. 5: better than the visibility target at either threshold (0.05)",
+                check: |r| lower_nsd(r, TEA, "spatial, 0.05", &[("visibility, 0.05", 1.0)]),
+            },
+            Claim {
+                text: "The same (0.39)",
+                check: |r| lower_nsd(r, TEA, "spatial, 0.39", &[("visibility, 0.39", 1.0)]),
+            },
+            Claim {
+                text: "The high threshold has less noise",
+                check: |r| lower_nsd(r, TEA, "spatial, 0.39", &[("spatial, 0.05", 1.0)]),
+            },
+        ],
+    }
+}

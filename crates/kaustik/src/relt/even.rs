@@ -1,0 +1,232 @@
+//! Independent samples beside the chains, spread evenly over the image.
+//!
+//! The uniform replica is free to go anywhere, as an exchange must be able to begin anywhere; its samples, and the
+//! visits of all chains, fall on pixels by chance. Where light is easy to find, this chance is most of the
+//! noise: a pixel that is visited 48 times in place of 60 is dark by a fifth, however well each visit knows its
+//! light. So a ladder also walks over the cells of a grid, a sample in each, as `bdpt` does. These samples
+//! count in the heuristic as more of the uniform replica's, and take part in no exchange.
+
+use kaustik_estimate::{PathTarget, ReplicaDeposit, ReplicaFamily};
+use kaustik_mcmc::{
+    Draws, Independent, Recorder, SampleGenerators, Target, Visit, checked_densities, generator,
+};
+use kaustik_path::Contributions;
+
+use super::start::Started;
+use crate::RenderSettings;
+use crate::cells::Cells;
+use crate::stratified::{Stratified, mix};
+
+/// Ladders that no render has, for the generators.
+const LADDERS: u64 = 1 << 40;
+/// One more, for where all of them begin.
+const BEGINNING: u64 = LADDERS - 1;
+
+/// The fewest and the most samples a sweep, if it is not said how many.
+const FEWEST: f64 = 2.0;
+const MOST: f64 = 16.0;
+
+/// How many samples a sweep pay. With `r` the effective share of independent samples for a replica (their mean squared over
+/// the mean of squares), such a sample knows its pixel's light up to a relative variance of at most `1/r - 1`; a visit
+/// by a chain, up to 1 and more, as visits come by chance: from `r` = 1/2 on even samples are the better ones. The replica that is hardest to sample decides: its light
+/// is what the chains are there for.
+pub(super) fn samples_a_sweep<const K: usize>(started: &Started) -> u32 {
+    let particles = started.particles.max(1) as f64;
+    let shares = started
+        .effective
+        .iter()
+        .take(K)
+        .map(|[at_once, _]| at_once / particles);
+    (MOST * (2.0 * shares.fold(0.5, f64::min)))
+        .round()
+        .max(FEWEST) as u32
+}
+
+/// The way of one ladder over the cells.
+///
+/// All cells stand in a circle, in an order in which neighbours of the circle are far apart on the image. The
+/// ladders begin at even distances and go round. Where the first begins is a uniform random cell, so that each sample is
+/// uniform over the image by itself, and the picture right in the mean after any number of them.
+pub(super) struct Even {
+    cells: Cells,
+    /// How many ladders share the circle, and on whose part of it this one is.
+    ladders: u64,
+    part: u64,
+    /// Place on the circle.
+    place: u64,
+    /// Cell at place 0, and from one place to the next.
+    first: u64,
+    stride: u64,
+    /// Parts that it has come to: so often have the cells of this one been visited.
+    pass: u64,
+    seed: u64,
+    generators: SampleGenerators,
+    step: u64,
+    value: Contributions,
+}
+
+impl Even {
+    pub(super) fn new(settings: &RenderSettings, ladder: u32) -> Self {
+        let cells = Cells::new(settings);
+        let count = cells.count();
+        let ladders = u64::from(settings.options.ladders);
+        let begin = generator(settings.seed, BEGINNING).uniform();
+        let mut even = Self {
+            cells,
+            ladders,
+            part: u64::from(ladder),
+            place: count * u64::from(ladder) / ladders,
+            first: ((begin * count as f64) as u64).min(count - 1),
+            stride: stride(count),
+            pass: 0,
+            seed: mix(settings.seed),
+            generators: SampleGenerators::new(settings.seed, LADDERS + u64::from(ladder)),
+            step: 0,
+            value: Contributions::default(),
+        };
+        even.enter();
+        even
+    }
+
+    /// To the part that the place is in.
+    fn enter(&mut self) {
+        let count = self.cells.count();
+        while self.place >= count * (self.part + 1) / self.ladders {
+            self.part += 1;
+            self.pass += 1;
+            if self.part == self.ladders {
+                (self.part, self.place) = (0, 0);
+            }
+        }
+    }
+
+    fn cell(&self) -> u64 {
+        let count = u128::from(self.cells.count());
+        let along = u128::from(self.place) * u128::from(self.stride) % count;
+        ((u128::from(self.first) + along) % count) as u64
+    }
+
+    /// One sample in each of the next `count` cells.
+    pub(super) fn samples<const K: usize>(
+        &mut self,
+        count: u32,
+        target: &PathTarget<'_>,
+        family: &ReplicaFamily<K>,
+        deposit: &mut ReplicaDeposit<'_, K>,
+    ) {
+        for _ in 0..count {
+            let cell = self.cell();
+            let (columns, rows) = (self.cells.columns(), self.cells.rows());
+            let corner = [cell % columns, cell / columns].map(|at| at as f64);
+            let size = [columns, rows].map(|side| 1.0 / side as f64);
+            let inner = Independent::new(self.generators.at(self.step));
+            let mut u = Stratified::new(inner, corner, size, self.pass, self.seed ^ cell);
+            target.evaluate(&mut u, &mut self.value);
+            if let Some(densities) = checked_densities(family, &self.value) {
+                deposit.record(Visit {
+                    level: 0,
+                    value: &self.value,
+                    densities: &densities,
+                    weight: 1.0,
+                    // not for the normaliser: the errors of sums and ladders are those of samples that fall by chance
+                    independent: 0.0,
+                });
+            }
+            self.step += 1;
+            self.place += 1;
+            self.enter();
+        }
+    }
+}
+
+/// About the golden section of `count`, without a divisor in common with it: so many steps to the side, again and again,
+/// meet every cell once before any twice, and never stay long in one part of the image.
+fn stride(count: u64) -> u64 {
+    let common = |mut a: u64, mut b: u64| {
+        while b > 0 {
+            (a, b) = (b, a % b);
+        }
+        a
+    };
+    let golden = ((count as f64 * 0.618_033_988_749_895) as u64).max(1);
+    (golden..)
+        .find(|&stride| common(stride, count) == 1)
+        .unwrap_or(1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Method;
+
+    fn walks(columns: u32, rows: u32, ladders: u32, seed: u64) -> Vec<Even> {
+        let mut settings = RenderSettings {
+            method: Method::Relt,
+            width: columns,
+            height: rows,
+            seed,
+            ..RenderSettings::default()
+        };
+        settings.options.ladders = ladders;
+        (0..ladders).map(|l| Even::new(&settings, l)).collect()
+    }
+
+    fn step(walk: &mut Even) -> (u64, u64) {
+        let at = (walk.cell(), walk.pass);
+        walk.place += 1;
+        walk.enter();
+        at
+    }
+
+    /// Ladders that go side by side visit every cell equally often, each time with another sample of the cell's
+    /// sequence; also where there are fewer cells than ladders.
+    #[test]
+    fn all_ladders_together_visit_all_cells_alike() {
+        for (columns, rows, ladders) in [(16, 12, 64), (7, 5, 3), (1, 1, 4), (5, 1, 64)] {
+            let mut walks = walks(columns, rows, ladders, 7);
+            let cells = (columns * rows) as usize;
+            let mut visits = vec![Vec::new(); cells];
+            // as many steps of every ladder as there are cells: each goes once round
+            for _ in 0..cells {
+                for walk in &mut walks {
+                    let (cell, pass) = step(walk);
+                    visits[cell as usize].push(pass);
+                }
+            }
+            for passes in &mut visits {
+                passes.sort_unstable();
+                let count = passes.len();
+                passes.dedup();
+                assert_eq!((count, passes.len()), (ladders as usize, count));
+            }
+        }
+    }
+
+    /// A few steps of every ladder leave hardly a difference.
+    #[test]
+    fn a_broken_round_differs_by_one() {
+        let mut walks = walks(16, 12, 64, 3);
+        let mut visits = [0_i32; 192];
+        for _ in 0..7 {
+            for walk in &mut walks {
+                visits[step(walk).0 as usize] += 1;
+            }
+        }
+        let (least, most) = (visits.iter().min(), visits.iter().max());
+        assert_eq!((least, most), (Some(&2), Some(&3)));
+    }
+
+    /// Where a ladder begins is uniform over all cells.
+    #[test]
+    fn every_cell_is_a_beginning() {
+        let mut seen = [0_u32; 12];
+        for seed in 0..1_200 {
+            seen[walks(4, 3, 5, seed)[3].cell() as usize] += 1;
+        }
+        let chi2: f64 = (seen.iter())
+            .map(|&n| (f64::from(n) - 100.0).powi(2) / 100.0)
+            .sum();
+        // 11 degrees of freedom: 31.3 is one in a thousand
+        assert!(chi2 < 31.3, "{seen:?}");
+    }
+}

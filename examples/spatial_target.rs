@@ -1,0 +1,22 @@
+//! The figures of the paper on the spatial target function (Gruson et al. 2016) on our scenes.
+//!
+//! ```sh
+//! cargo run --release --example spatial_target -- [--quick | --as-published] [--figure N] [FOLDER]
+//! ```
+//!
+//! Renders go to FOLDER (`study-spatial-target` by default) with tables, curves and the page `index.html`. Each claim
+//! of the paper is printed with what was measured and whether it holds. A run that was cut goes on where
+//! it was.
+#![expect(
+    clippy::print_stdout,
+    clippy::print_stderr,
+    reason = "an example talks to whoever runs it"
+)]
+
+use kaustik_study::StudyError;
+
+mod figures;
+
+fn main() -> Result<(), StudyError> {
+    figures::run("spatial-target")
+}
