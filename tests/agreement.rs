@@ -78,8 +78,6 @@ impl Rival {
         let options = &mut settings.options;
         options.builder = self.builder;
         options.p_large = self.p_large;
-        // The report's own: a chain a sample.
-        (options.chains, options.length) = (1.0, 100);
         // The scale of each run is its pilot's: it must not be what limits the comparison.
         options.normaliser = Normaliser::Initial;
         options.pilot = match self.method {

@@ -10,6 +10,7 @@ use crate::support::{Tile, agree, compile, picture, settings, tiles_of, tiles_of
 
 const SIDE: u32 = 16;
 const SEEDS: std::ops::Range<u64> = 0..8;
+const AGAIN: std::ops::Range<u64> = 100..132;
 
 /// Methods without bias, with samples a pixel that make their tiles certain to some per cent.
 const RIVALS: [(Method, u64); 8] = [
@@ -63,8 +64,17 @@ fn every_method_sees_through_every_camera() {
         let scene = compile(&description, SIDE);
         let path = tiles_of_seeds(&scene, &settings(Method::Path, SIDE, 128), SEEDS);
         for (method, spp) in RIVALS {
-            let tiles = tiles_of_seeds(&scene, &settings(method, SIDE, spp), SEEDS);
-            assert_agree(&format!("{camera}, {method}"), &path, &tiles);
+            let name = format!("{camera}, {method}");
+            let of = |seeds| tiles_of_seeds(&scene, &settings(method, SIDE, spp), seeds);
+            let verdict = agree(&path, &of(SEEDS), |_| true, 0.1);
+            if verdict.rejected.is_empty() {
+                assert!(verdict.uncertain.is_empty(), "{name}: {verdict:?}");
+            } else {
+                // One comparison in a hundred is rejected by chance: others, and more, decide.
+                let path = settings(Method::Path, SIDE, 128);
+                let path = tiles_of_seeds(&scene, &path, AGAIN);
+                assert_agree(&name, &path, &of(AGAIN));
+            }
         }
     }
     // the test of the test: a picture of another size of window, and of another lens, differ

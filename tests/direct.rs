@@ -3,7 +3,8 @@
 use kaustik::film::Image;
 use kaustik::scene::Scene;
 use kaustik::{
-    Budget, Builder, Control, Direct, Method, RenderSettings, Rendered, Strategies, render,
+    Budget, Builder, Control, Direct, EvenSamples, Method, RenderSettings, Rendered, Strategies,
+    render,
 };
 
 use crate::support::{Tile, Verdict, agree, scene, settings, tiles_of, tiles_of_seeds};
@@ -114,10 +115,11 @@ fn its_share_of_the_steps_is_told() {
             (Budget::PerPixel(32), 4, 32 * pixels),
             (Budget::Total(41 * pixels + 7), 6, 41 * pixels),
         ] {
-            let settings = RenderSettings {
+            let mut settings = RenderSettings {
                 budget,
                 ..apart(method, 1)
             };
+            settings.options.even = EvenSamples::Count(0);
             let statistics = rendered(&scene, &settings, 0).statistics;
             let direct = statistics.direct.expect("direct light apart");
             assert_eq!(direct.max_edges, 2);

@@ -21,7 +21,6 @@ const SIDE: u32 = 16;
 
 fn changed(spp: u64, change: impl Fn(&mut Options)) -> RenderSettings {
     let mut settings = settings(Method::Erpt, SIDE, spp);
-    (settings.options.chains, settings.options.length) = (1.0, 100);
     change(&mut settings.options);
     settings
 }
@@ -279,7 +278,7 @@ fn the_void_in_a_mirror_is_black() {
         ..settings(method, SIDE, spp)
     };
     let mut short = of(Method::Erpt, 32);
-    (short.options.chains, short.options.length) = (1.0, 50);
+    short.options.length = 50;
     let erpt: Vec<Image> = (0..8)
         .map(|seed| {
             let settings = RenderSettings {

@@ -3,7 +3,8 @@
 use kaustik::mcmc::Schedule;
 use kaustik::path::Class;
 use kaustik::{
-    Budget, Control, Direct, Method, Normaliser, RenderSettings, Rendered, Steps, render,
+    Budget, Control, Direct, EvenSamples, Method, Normaliser, RenderSettings, Rendered, Steps,
+    render,
 };
 
 use crate::support::{Tile, agree, means, picture, scene, settings, tiles_of_seeds};
@@ -174,9 +175,11 @@ fn the_replicas_layers_add_up_to_the_picture() {
 /// Budgets count paths: a sweep is as many as its replicas take steps, scouts apart.
 #[test]
 fn a_sweep_is_as_many_mutations_as_its_replicas_take() {
-    let with = |total| RenderSettings {
-        budget: Budget::Total(total),
-        ..settings(Method::Relt, 16, 1)
+    let with = |total| {
+        let mut settings = settings(Method::Relt, 16, 1);
+        settings.budget = Budget::Total(total);
+        settings.options.even = EvenSamples::Count(0);
+        settings
     };
     // without a mirror or glass there is no specific replica
     for (words, total, steps, each) in [

@@ -38,7 +38,8 @@ pub(crate) fn settings(method: Method, side: u32, spp: u64) -> RenderSettings {
     };
     settings.options.pilot = 20_000;
     settings.options.particles = 2_000;
-    settings.options.length = 8; // of chains from each sample
+    // from each sample, so that there is little chance in how many there are
+    (settings.options.chains, settings.options.length) = (1.0, 8);
     settings.options.photon.photons = 2_000;
     settings.options.photon.burn_in = 4;
     settings
