@@ -26,10 +26,10 @@ const BEGINNING: u64 = LADDERS - 1;
 const FEWEST: f64 = 2.0;
 const MOST: f64 = 16.0;
 
-/// How many samples a sweep pay. With `r` the effective share of independent samples for a replica (their mean squared over
-/// the mean of squares), such a sample knows its pixel's light up to a relative variance of at most `1/r - 1`; a visit
-/// by a chain, up to 1 and more, as visits come by chance: from `r` = 1/2 on even samples are the better ones. The replica that is hardest to sample decides: its light
-/// is what the chains are there for.
+/// How many samples a sweep pay. With `r` the effective share of independent samples for a replica (their mean
+/// squared over the mean of squares), such a sample knows its pixel's light up to a relative variance of about
+/// `1/r - 1`; a visit by a chain, up to 1 and more, as visits come by chance: from `r` = 1/2 on even samples are the
+/// better ones. The replica that is hardest to sample decides: its light is what the chains are there for.
 pub(super) fn samples_a_sweep<const K: usize>(started: &Started) -> u32 {
     let particles = started.particles.max(1) as f64;
     let shares = started
