@@ -334,6 +334,17 @@ pub(crate) fn scene(name: &str) -> Scene {
                 rectangle(Vec3::new(-0.15, 1.5, -1.0), Vec3::X * 0.3, Vec3::Z * 0.3),
             )
             .light(LightKind::Point, Vec3::new(0.5, 3.0, -1.5), down),
+        // a lamp as wide as the view, seen in a floor that is a mirror
+        "ceiling" => Stage::new()
+            .wide()
+            .add(
+                metal(0.0),
+                rectangle(Vec3::ZERO, Vec3::Z * 3.0, Vec3::X * 3.0),
+            )
+            .add(
+                lamp(4.0),
+                rectangle(Vec3::Y * 6.0, Vec3::X * 6.0, Vec3::Z * 6.0),
+            ),
         "glossy" => plate(metal(0.4)),
         "mirror" => plate(metal(0.0)),
         "varnish" => plate(varnish()),
