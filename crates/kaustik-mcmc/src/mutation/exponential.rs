@@ -1,3 +1,4 @@
+use super::powers::exp2_below_zero;
 use super::{LN_2_POW_53, SMALLEST, sign_and_rest, wrap};
 use crate::{Draws, Mutation, Scalable};
 
@@ -94,21 +95,4 @@ impl Mutation for Exponential {
         let mean_square = (self.s1 * self.s1 - self.s2 * self.s2) / (2.0 * self.log_ratio);
         (LN_2_POW_53 / (8.0 * mean_square).min(0.2)).ceil() as u64
     }
-}
-
-/// 2^y for -1000 < y <= 0, to 5e-9: the law of a step needs no more, and its symmetry none at
-/// all, while the library's function took most of a coordinate's time.
-#[inline]
-fn exp2_below_zero(y: f64) -> f64 {
-    /// Added to a small number it leaves the nearest whole number in the last bits: no conversion that
-    /// would have to look for numbers out of range.
-    const ROUND: f64 = 1.5 * (1u64 << 52) as f64;
-    let rounded = y + ROUND;
-    let whole = rounded - ROUND;
-    let power = f64::from_bits((rounded.to_bits() << 52).wrapping_add(1.0_f64.to_bits()));
-    // exp(z) with |z| <= ln(2)/2 by its series, in pairs that need not wait for each other.
-    let z = (y - whole) * std::f64::consts::LN_2;
-    let (z2, low, middle) = (z * z, 1.0 + z, 1.0 / 2.0 + z * (1.0 / 6.0));
-    let high = (1.0 / 24.0 + z * (1.0 / 120.0)) + z2 * (1.0 / 720.0 + z * (1.0 / 5040.0));
-    power * ((low + z2 * middle) + z2 * z2 * high)
 }

@@ -3,6 +3,7 @@
 mod exponential;
 mod per_coordinate;
 mod power;
+mod powers;
 #[cfg(feature = "serde")]
 mod serial;
 mod uniform;

@@ -1,3 +1,4 @@
+use super::powers::power_below_one;
 use super::{LN_2_POW_53, sign_and_rest, wrap};
 use crate::{Draws, Mutation, Scalable};
 
@@ -50,7 +51,7 @@ impl Mutation for Power {
     #[inline]
     fn mutate<D: Draws + ?Sized>(&self, x: f64, draws: &mut D) -> f64 {
         let (sign, xi) = sign_and_rest(draws.uniform());
-        wrap(x + sign * libm::pow(xi, self.exponent))
+        wrap(x + sign * power_below_one(xi, self.exponent))
     }
 
     /// The wave of frequency k is dampened by E cos(2 pi k length). The length's density
