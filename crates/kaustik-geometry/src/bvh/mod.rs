@@ -6,6 +6,7 @@
 
 mod build;
 mod collapse;
+mod divide;
 mod goal;
 mod lanes;
 mod node;
