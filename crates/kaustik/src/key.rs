@@ -231,7 +231,7 @@ pub const KEYS: &[Key] = &[
         default: "auto",
         range: "auto|0..=64",
         meaning: "independent samples a sweep beside the chains, spread evenly over the image (the paper: none): 2 to \
-                  16 by how easily light is found, or so many",
+                  64 by how easily light is found, or so many",
         methods: EXCHANGE,
     },
     Key {

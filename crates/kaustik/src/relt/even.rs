@@ -24,12 +24,13 @@ const BEGINNING: u64 = LADDERS - 1;
 
 /// The fewest and the most samples a sweep, if it is not said how many.
 const FEWEST: f64 = 2.0;
-const MOST: f64 = 16.0;
+const MOST: f64 = 64.0;
 
 /// How many samples a sweep pay. With `r` the effective share of independent samples for a replica (their mean
 /// squared over the mean of squares), such a sample knows its pixel's light up to a relative variance of about
 /// `1/r - 1`; a visit by a chain, up to 1 and more, as visits come by chance: from `r` = 1/2 on even samples are the
-/// better ones. The replica that is hardest to sample decides: its light is what the chains are there for.
+/// better ones, and only what the chains may yet find speaks for going on with them. The replica that is hardest to sample
+/// decides: its light is what they are there for. Measured: `docs/papers/relt.md`.
 pub(super) fn samples_a_sweep<const K: usize>(started: &Started) -> u32 {
     let particles = started.particles.max(1) as f64;
     let shares = started
@@ -37,9 +38,8 @@ pub(super) fn samples_a_sweep<const K: usize>(started: &Started) -> u32 {
         .iter()
         .take(K)
         .map(|[at_once, _]| at_once / particles);
-    (MOST * (2.0 * shares.fold(0.5, f64::min)))
-        .round()
-        .max(FEWEST) as u32
+    let ease = 2.0 * shares.fold(0.5, f64::min);
+    (MOST * ease * ease).round().max(FEWEST) as u32
 }
 
 /// The way of one ladder over the cells.
