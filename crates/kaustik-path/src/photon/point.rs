@@ -81,6 +81,12 @@ impl MeasurementPoints {
         self.listed.clear();
     }
 
+    /// Makes room for so many points in all, and no more than that.
+    pub fn reserve(&mut self, count: usize) {
+        let more = count.saturating_sub(self.points.len());
+        self.points.reserve_exact(more);
+    }
+
     /// The points, in the order in which they were made.
     pub fn points(&self) -> &[MeasurementPoint] {
         &self.points

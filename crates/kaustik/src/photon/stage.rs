@@ -25,6 +25,8 @@ const CHUNK: u64 = 2048;
 const BATCH: u64 = 64;
 /// The golden ratio less one: its multiples fill the unit interval evenly.
 const GOLDEN: f64 = 0.618_033_988_749_894_9;
+/// A look at where things are takes about so many walks at most.
+const MOST_LOOKS: u64 = 1 << 21;
 /// Light paths that tell how bright photons are.
 const PILOT: u64 = 1024;
 
@@ -110,9 +112,10 @@ impl<'a> Stage<'a> {
 
     /// One walk a cell, put together in the order of the cells.
     fn look(&mut self, index: u64) {
-        self.points.clear();
-        let mut parts = std::mem::take(&mut self.parts);
         let count = self.cells.count();
+        self.points.clear();
+        self.points.reserve(count as usize);
+        let mut parts = std::mem::take(&mut self.parts);
         for batch in (0..count).step_by((CHUNK * BATCH) as usize) {
             let (this, first) = (&*self, batch / CHUNK);
             parts.par_iter_mut().enumerate().for_each(|(at, part)| {
@@ -139,19 +142,26 @@ impl<'a> Stage<'a> {
         (self.walk).trace(self.scene, &self.wavelengths, &mut coordinates, out);
     }
 
-    /// Points from so many walks a cell, by what `of` takes of them, for nothing but a look at where things are.
+    /// Points from so many walks a cell, by what `of` takes of them, for nothing but a look at where things are. Of a large
+    /// image some cells are left out, evenly.
     pub(super) fn pilot<T: Send + Clone>(
         &self,
         passes: u64,
         of: impl Fn(&MeasurementPoint) -> T + Sync,
     ) -> Vec<T> {
-        let chunks = (0..self.cells.count().div_ceil(CHUNK)).into_par_iter();
+        let stride = (self.cells.count() * passes).div_ceil(MOST_LOOKS).max(1);
+        let walks = self.cells.count().div_ceil(stride);
+        let chunks = (0..walks.div_ceil(CHUNK)).into_par_iter();
         let positions = |points: &mut MeasurementPoints, chunk: u64| {
             points.clear();
-            for cell in chunk * CHUNK..((chunk + 1) * CHUNK).min(self.cells.count()) {
+            for walk in chunk * CHUNK..((chunk + 1) * CHUNK).min(walks) {
                 for pass in 0..passes {
                     // far from the indices that iterations will have
-                    self.measure(cell, u64::MAX / self.cells.count() / 2 + pass, points);
+                    self.measure(
+                        walk * stride,
+                        u64::MAX / self.cells.count() / 2 + pass,
+                        points,
+                    );
                 }
             }
             let points = points.points().iter();
