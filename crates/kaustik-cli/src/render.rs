@@ -13,6 +13,7 @@ use kaustik::{
 
 use crate::arguments::RenderWords;
 use crate::checkpoint::Checkpoints;
+use crate::lock::Locks;
 use crate::picture::{self, remark};
 use crate::progress::Display;
 use crate::signals::Signals;
@@ -21,6 +22,7 @@ use crate::{Failure, input};
 pub(crate) fn run(words: &RenderWords) -> Result<ExitCode, Failure> {
     let settings = settings(words)?;
     picture::check(&words.outputs)?;
+    let _locks = Locks::take(words.outputs.files().chain(&words.checkpoint))?;
     let state = state(words)?;
     let source = Source {
         scene: words.scene.clone(),
@@ -129,7 +131,7 @@ pub(crate) fn failure(error: &RenderError) -> Failure {
 }
 
 /// The settings that do not depend on the scene.
-fn settings(words: &RenderWords) -> Result<RenderSettings, Failure> {
+pub(crate) fn settings(words: &RenderWords) -> Result<RenderSettings, Failure> {
     let mut options = Options::default();
     if words.wavelengths.as_deref() == Some("1") {
         options.wavelengths = WavelengthSampling::Single;

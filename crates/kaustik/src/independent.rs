@@ -8,7 +8,8 @@ use kaustik_estimate::Scale;
 use kaustik_film::{Counters, Film, Image, Quantum, develop};
 use kaustik_mcmc::{Independent, Mean, SampleGenerators};
 use kaustik_path::{
-    Bidirectional, Contributions, Form, LightTracing, PathBuilder, Rays, Remainder, Unidirectional,
+    Bidirectional, Contributions, Event, Form, LightTracing, PathBuilder, Rays, Remainder,
+    Unidirectional, trace,
 };
 use kaustik_pss::Coordinates;
 use kaustik_scene::Scene;
@@ -287,12 +288,40 @@ impl Engine for IndependentEngine<'_> {
         Some(redistribution.statistics(chains))
     }
 
-    fn nonfinite(&self) -> (u64, Option<Place>) {
+    fn nonfinite(&self) -> (u64, Vec<Place>) {
         Nonfinite::all(
             self.streams
                 .iter()
                 .map(|stream| (stream.ladder, stream.nonfinite)),
         )
+    }
+
+    /// Samples follow from their number alone.
+    fn replay(&mut self, step: u64) -> Option<Vec<Event>> {
+        let Self {
+            seed,
+            scene,
+            builder,
+            film,
+            streams,
+            scale,
+            cells,
+            redistribution,
+            ..
+        } = self;
+        let job = Job {
+            seed: *seed,
+            scene,
+            builder: builder.as_ref(),
+            film,
+            scale: *scale,
+            cells: *cells,
+            stop: None,
+            redistribution: redistribution.as_ref(),
+        };
+        let stream = streams.first_mut()?;
+        stream.step = step;
+        Some(trace(|| stream.run(&job, 1)).1)
     }
 
     /// Not of what is redistributed: its chains do not count them.

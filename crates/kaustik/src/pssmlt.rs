@@ -12,7 +12,7 @@ use kaustik_mcmc::{
     SampleGenerators, Statistics, Uniform, generator, sample, sample_generator,
 };
 use kaustik_path::{
-    Bidirectional, Contributions, Endpoint, Form, PathBuilder, Rays, Unidirectional,
+    Bidirectional, Contributions, Endpoint, Event, Form, PathBuilder, Rays, Unidirectional, trace,
 };
 use kaustik_scene::Scene;
 use rayon::prelude::*;
@@ -376,10 +376,18 @@ impl Engine for PssmltEngine<'_> {
         ))
     }
 
-    fn nonfinite(&self) -> (u64, Option<Place>) {
+    fn nonfinite(&self) -> (u64, Vec<Place>) {
         let chains = self.chains.iter();
         let own = Nonfinite::all(chains.map(|chain| (chain.ladder, chain.nonfinite)));
         add_nonfinite(own, self.lamps.as_ref().map(Lamps::nonfinite))
+    }
+
+    /// The chain goes on to the step from its start; lamps have no part in it.
+    fn replay(&mut self, step: u64) -> Option<Vec<Event>> {
+        let mut chains = std::mem::take(&mut self.chains);
+        let chain = chains.first_mut()?;
+        self.drive(chain, step, None);
+        Some(trace(|| self.drive(chain, 1, None)).1)
     }
 
     fn rays(&self) -> Option<Rays> {

@@ -15,7 +15,7 @@ use kaustik_mcmc::{
     Estimate, LadderStatistics, Mean, RoughNormalisers, RunningNormalisers, Schedule, Statistics,
     SteppingStone,
 };
-use kaustik_path::Bidirectional;
+use kaustik_path::{Bidirectional, Event, trace};
 use kaustik_scene::Scene;
 use rayon::prelude::*;
 
@@ -428,7 +428,15 @@ impl<const K: usize> Engine for ReltEngine<'_, K> {
         })
     }
 
-    fn nonfinite(&self) -> (u64, Option<Place>) {
+    /// All that is evaluated in the sweep of this step.
+    fn replay(&mut self, step: u64) -> Option<Vec<Event>> {
+        let mut runs = std::mem::take(&mut self.runs);
+        let run = runs.first_mut()?;
+        self.drive(run, step / self.cost(), None);
+        Some(trace(|| self.drive(run, 1, None)).1)
+    }
+
+    fn nonfinite(&self) -> (u64, Vec<Place>) {
         let own = Nonfinite::all(self.runs.iter().map(|run| (run.index, run.nonfinite)));
         add_nonfinite(own, self.direct.as_ref().map(Lamps::nonfinite))
     }

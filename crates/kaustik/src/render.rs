@@ -411,7 +411,8 @@ impl<'a> Work<'a> {
     ) -> Result<Rendered, RenderError> {
         let seconds = self.seconds();
         let mut image = engine.develop()?;
-        let (nonfinite, first_nonfinite) = engine.nonfinite();
+        let (nonfinite, mut nonfinite_places) = engine.nonfinite();
+        nonfinite_places.truncate(RenderStatistics::MOST_PLACES);
         let settings = self.settings;
         let statistics = RenderStatistics {
             method: settings.method.to_string(),
@@ -422,7 +423,7 @@ impl<'a> Work<'a> {
             seconds,
             pilot_seconds: self.pilot.as_secs_f64(),
             nonfinite,
-            first_nonfinite,
+            nonfinite_places,
             rays: engine.rays().map(|rays| RayStatistics {
                 closest: rays.closest,
                 any: rays.any,
