@@ -33,12 +33,18 @@ mod damaged;
 mod direct;
 /// Energy redistribution on paths.
 mod erpt;
+/// Lamps as faint and as bright as numbers are.
+mod extremes;
 /// Pictures known in closed form.
 mod furnace;
 /// The command and its states: signals, kills, disks that are full.
 mod kept;
+/// Two commands on one output.
+mod locks;
 /// Photon methods: as the radius shrinks, and against each other.
 mod photon;
+/// Samples and steps of renders, shown once more.
+mod replay;
 /// Replica exchange: variants, parts, replicas that do not run.
 mod replicas;
 /// Nothing depends on the unit of length.

@@ -15,11 +15,11 @@ use kaustik_pss::Coordinates;
 use kaustik_scene::Scene;
 use rayon::prelude::*;
 
+use crate::builders::builder;
 use crate::cells::{Cells, Tour};
 use crate::control::is_stopped;
 use crate::engine::{Engine, Nonfinite, STRIDE, add_rays};
 use crate::erpt_pss::{Chains, Paths, PssRedistribution};
-use crate::pssmlt::builder;
 use crate::render::builder_settings;
 use crate::state::{Keep, Reader, StateError, Writer};
 use crate::stratified::mix;
@@ -79,11 +79,15 @@ impl<'a> IndependentEngine<'a> {
         };
         let cells = Cells::new(settings);
         let engine = Self::new(scene, settings, Box::new(builder), Some(cells))?;
-        // Light that is joined to the lens falls on any pixel: only whole passes leave the picture even.
-        Ok(Self {
+        Ok(engine.in_whole_passes())
+    }
+
+    /// Light that is joined to the lens falls on any pixel: only whole passes leave the picture even.
+    pub(crate) fn in_whole_passes(self) -> Self {
+        Self {
             single_pixel: false,
-            ..engine
-        })
+            ..self
+        }
     }
 
     pub(crate) fn light(scene: &'a Scene, settings: &RenderSettings) -> Result<Self, RenderError> {
@@ -127,7 +131,8 @@ impl<'a> IndependentEngine<'a> {
         })
     }
 
-    fn new(
+    /// Samples of any builder; `cells` if its walks begin at the camera.
+    pub(crate) fn new(
         scene: &'a Scene,
         settings: &RenderSettings,
         builder: Box<dyn PathBuilder + 'a>,

@@ -23,6 +23,7 @@
 //! ```
 
 mod annealing;
+mod builders;
 mod cells;
 mod choices;
 mod control;
@@ -32,6 +33,8 @@ mod engine;
 mod erpt;
 mod erpt_pss;
 mod error;
+#[cfg(test)]
+mod faults;
 mod features;
 mod independent;
 mod key;
