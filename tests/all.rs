@@ -37,10 +37,14 @@ mod erpt;
 mod extremes;
 /// Pictures known in closed form.
 mod furnace;
+/// Faults at the system's calls.
+mod injected;
 /// The command and its states: signals, kills, disks that are full.
 mod kept;
 /// Two commands on one output.
 mod locks;
+/// A scene opens nothing outside its folder.
+mod outside;
 /// Photon methods: as the radius shrinks, and against each other.
 mod photon;
 /// Samples and steps of renders, shown once more.
@@ -49,6 +53,8 @@ mod replay;
 mod replicas;
 /// Nothing depends on the unit of length.
 mod scale;
+/// Renders of hours: memory, descriptors, signals.
+mod soak;
 /// States: resumed, merged, refused.
 mod state;
 /// What the tests of whole renders share.
