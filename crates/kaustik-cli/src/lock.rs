@@ -37,6 +37,16 @@ impl Locks {
         }
         Ok(locks)
     }
+
+    /// What gives them back from elsewhere, for a process that ends right after it.
+    pub(crate) fn release(&self) -> impl Fn() + Send + 'static {
+        let paths: Vec<PathBuf> = self.0.iter().map(|lock| lock.path.clone()).collect();
+        move || {
+            for path in &paths {
+                let _ = fs::remove_file(path);
+            }
+        }
+    }
 }
 
 impl Lock {

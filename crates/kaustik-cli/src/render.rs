@@ -7,7 +7,7 @@ use kaustik::film::FilmError;
 use kaustik::scene::{Scene, SceneOptions};
 use kaustik::spectrum::WavelengthSampling;
 use kaustik::{
-    Budget, Control, Options, RenderError, RenderSettings, Source, State, StateError,
+    Budget, Control, Options, Outcome, RenderError, RenderSettings, Source, State, StateError,
     render_watched, resume,
 };
 
@@ -17,12 +17,13 @@ use crate::lock::Locks;
 use crate::picture::{self, remark};
 use crate::progress::Display;
 use crate::signals::Signals;
-use crate::{Failure, input};
+use crate::{Failure, input, output};
 
 pub(crate) fn run(words: &RenderWords) -> Result<ExitCode, Failure> {
     let settings = settings(words)?;
     picture::check(&words.outputs)?;
-    let _locks = Locks::take(words.outputs.files().chain(&words.checkpoint))?;
+    let locks = Locks::take(words.outputs.files().chain(&words.checkpoint))?;
+    let signals = Signals::listen(words.checkpoint.is_some(), &locks)?;
     let state = state(words)?;
     let source = Source {
         scene: words.scene.clone(),
@@ -38,7 +39,7 @@ pub(crate) fn run(words: &RenderWords) -> Result<ExitCode, Failure> {
         height,
         ..settings
     };
-    finish(words, &settings, &scene, &source, state.as_ref())
+    finish(words, &settings, &scene, &source, state.as_ref(), &signals)
 }
 
 /// The state to go on from; refuses what could not be kept or read before the scene is loaded.
@@ -94,9 +95,9 @@ fn finish(
     scene: &Scene,
     source: &Source,
     state: Option<&State>,
+    signals: &Signals,
 ) -> Result<ExitCode, Failure> {
-    let signals = Signals::listen(words.checkpoint.is_some())?;
-    let mut checkpoints = Checkpoints::new(words, settings, source, &signals);
+    let mut checkpoints = Checkpoints::new(words, settings, source, signals);
     let mut display = Display::new(words.outputs.quiet);
     let mut show = |progress: &kaustik::Progress| display.show(progress);
     let mut control = Control {
@@ -110,8 +111,14 @@ fn finish(
     display.finish();
     let rendered = rendered.map_err(|error| failure(&error))?;
     let (statistics, outcome) = (rendered.statistics.clone(), rendered.outcome);
-    picture::write(&words.outputs, source, settings, rendered)?;
-    picture::report(&words.outputs, outcome, &statistics);
+    if outcome == Outcome::Stopped && statistics.steps == 0 {
+        output::note(
+            "stopped before the first pass over the image was done: no picture was written",
+        );
+    } else {
+        picture::write(&words.outputs, source, settings, rendered)?;
+        picture::report(&words.outputs, outcome, &statistics);
+    }
     let kept = checkpoints.report(&words.outputs, &statistics);
     Ok(match signals.status() {
         Some(status) => ExitCode::from(status),

@@ -1,6 +1,8 @@
 //! Methods of independent samples: path tracing, light tracing, bidirectional path tracing; and of such
 //! samples redistributed by short chains.
 
+mod mark;
+
 use std::io;
 use std::sync::atomic::AtomicBool;
 
@@ -21,6 +23,8 @@ use crate::control::is_stopped;
 use crate::engine::{Engine, Nonfinite, STRIDE, add_rays};
 use crate::erpt_pss::{Chains, Paths, PssRedistribution};
 use crate::render::builder_settings;
+use mark::Mark;
+
 use crate::state::{Keep, Reader, StateError, Writer};
 use crate::stratified::mix;
 use crate::{Budget, ChainStatistics, Place, RenderError, RenderSettings};
@@ -47,6 +51,8 @@ pub(crate) struct IndependentEngine<'a> {
     single_pixel: bool,
     lit: bool,
     redistribution: Option<PssRedistribution>,
+    /// Where the last whole pass ended, where only whole ones count.
+    mark: Mark,
 }
 
 /// One ladder: sample `step` is made from (seed, ladder, step) alone.
@@ -164,6 +170,7 @@ impl<'a> IndependentEngine<'a> {
             single_pixel: layout.filter.is_single_pixel(),
             lit: scene.has_light(),
             redistribution: None,
+            mark: Mark::default(),
         })
     }
 
@@ -229,6 +236,13 @@ fn pilot(scene: &Scene, builder: &dyn PathBuilder, settings: &RenderSettings) ->
 impl Engine for IndependentEngine<'_> {
     fn advance(&mut self, plan: &[u64], stop: Option<&AtomicBool>) -> u64 {
         let before = self.steps();
+        // A pass that is broken off leaves the picture uneven; where samples touch more than their own pixel nothing could
+        // make it even again, so that it is taken back. Chains that redistribute are not: their passes are finished.
+        let evenly = self.cells.is_some() && !self.single_pixel;
+        let stop = stop.filter(|_| !evenly || self.redistribution.is_none());
+        if evenly && stop.is_some() {
+            self.mark();
+        }
         let Self {
             seed,
             scene,
@@ -237,7 +251,6 @@ impl Engine for IndependentEngine<'_> {
             streams,
             scale,
             cells,
-            single_pixel,
             redistribution,
             ..
         } = self;
@@ -248,9 +261,7 @@ impl Engine for IndependentEngine<'_> {
             film,
             scale: *scale,
             cells: *cells,
-            // A pass that is broken off leaves the picture uneven; where samples touch more than
-            // their own pixel nothing could make it even again.
-            stop: stop.filter(|_| cells.is_none() || *single_pixel),
+            stop,
             redistribution: redistribution.as_ref(),
         };
         streams
@@ -258,6 +269,9 @@ impl Engine for IndependentEngine<'_> {
             .zip(plan)
             .with_max_len(1)
             .for_each(|(stream, &steps)| stream.run(&job, steps));
+        if evenly && is_stopped(stop) && self.steps() < before + plan.iter().sum::<u64>() {
+            self.take_back();
+        }
         self.steps() - before
     }
 

@@ -72,6 +72,9 @@ pub trait Watch {
     /// Gets it: without albedo, normal and depth, with a method's parts if the settings ask for features.
     fn see(&mut self, rendered: Rendered);
 
+    /// The pilot is over: from now on there is something to lose.
+    fn begins(&mut self) {}
+
     /// Will states be wanted? Methods that keep none are then refused before the first step.
     fn keeps(&self) -> bool {
         false
@@ -151,6 +154,7 @@ fn render_from(
         pool.install(|| work.take_up(engine.as_mut(), state, true))?;
     }
     work.begin();
+    watch.begins();
     let outcome = work.run(engine.as_mut(), &pool, control, watch)?;
     work.finish(engine, &pool, outcome)
 }
