@@ -6,8 +6,9 @@ use kaustik::film::{Keep, Limits, read};
 
 use crate::words::{kaustik, path};
 
-/// A room with a lamp of this radiance, as glTF: a floor that faces a lamp above it.
-fn room(radiance: &str) -> String {
+/// A room with a lamp of this radiance, as glTF: a floor that faces a lamp above it; all of it so many times as large.
+pub(crate) fn room(radiance: &str, times: f64) -> String {
+    let (height, distance) = (0.5 * times, 2.0 * times);
     let numbers =
         |numbers: &[f32]| -> Vec<u8> { numbers.iter().flat_map(|v| v.to_le_bytes()).collect() };
     // two squares, the lower one facing up, the upper one down
@@ -22,7 +23,8 @@ fn room(radiance: &str) -> String {
         r#"{{"asset": {{"version": "2.0"}},
         "extensionsUsed": ["KHR_materials_emissive_strength"],
         "scene": 0, "scenes": [{{"nodes": [0, 1, 2]}}],
-        "nodes": [{{"mesh": 0}}, {{"mesh": 1}}, {{"camera": 0, "translation": [0, 0.5, 2]}}],
+        "nodes": [{{"mesh": 0, "scale": [{times}, {times}, {times}]}}, {{"mesh": 1, "scale": [{times}, {times}, {times}]}},
+            {{"camera": 0, "translation": [0, {height}, {distance}]}}],
         "cameras": [{{"type": "perspective", "perspective": {{"yfov": 1.2, "znear": 0.01}}}}],
         "materials": [
             {{"pbrMetallicRoughness": {{"baseColorFactor": [0.5, 0.5, 0.5, 1], "metallicFactor": 0}}}},
@@ -73,12 +75,12 @@ fn faint_and_bright_lamps() {
     for method in methods {
         let render = |radiance: &str| {
             let (scene, exr, png) = (file("room.gltf"), file("a.exr"), file("a.png"));
-            std::fs::write(&scene, room(radiance)).expect("a file");
+            std::fs::write(&scene, room(radiance, 1.0)).expect("a file");
             let mut words = vec!["render", &scene, "--method", method, "--width", "16"];
             words.extend(["--height", "16", "--spp", "8", "--max-depth", "5"]);
             match method {
                 "pssmlt" | "mmlt" | "mlt" => words.extend(["--set", "pilot=5000"]),
-                "relt" => words.extend(["--set", "pilot=5000", "--set", "particles=500"]),
+                "relt" => words.extend(["--set", "particles=500"]),
                 "sppm" => words.extend(["--set", "photons=2000"]),
                 _ => {}
             }
@@ -108,23 +110,31 @@ fn faint_and_bright_lamps() {
     }
 }
 
-/// The sky as well, so bright that some paths overflow: they are counted, and the file has no infinity.
+/// The sky as well, as bright as a scene may say, and a lamp so large that the light of its walks overflows: it is counted, and
+/// the file has no infinity.
 #[test]
 fn a_sky_at_the_end_of_single_precision() {
     let folder = tempfile::tempdir().expect("a folder");
-    for (method, radiance) in [
-        ("path", "1e30"),
-        ("bdpt", "1e-30"),
-        ("path", "1e38"),
-        ("pssmlt", "1e38"),
+    let (exr, png) = (path(folder.path(), "a.exr"), path(folder.path(), "a.png"));
+    let large = path(folder.path(), "large.gltf");
+    std::fs::write(&large, room("1e30", 1e5)).expect("a file");
+    let sky = |radiance: &'static str| ["builtin:cornell", "--environment", radiance];
+    let (bright, faint) = (sky("1e30"), sky("1e-30"));
+    for (method, scene) in [
+        ("path", &bright[..]),
+        ("bdpt", &bright),
+        ("pssmlt", &bright),
+        ("bdpt", &faint),
+        ("light", &[&large]),
+        ("bdpt", &[&large]),
+        ("mmlt", &[&large]),
     ] {
-        let (exr, png) = (path(folder.path(), "a.exr"), path(folder.path(), "a.png"));
-        let mut words = vec!["render", "builtin:cornell", "--environment", radiance];
-        words.extend(["--method", method, "--width", "16", "--spp", "8"]);
-        words.extend(["--max-depth", "5", "-o", &exr, "--png", &png]);
+        let mut words = [&["render"], scene].concat();
+        words.extend(["--method", method, "--width", "16", "--height", "16"]);
+        words.extend(["--spp", "8", "--max-depth", "5", "-o", &exr, "--png", &png]);
         let output = kaustik(&words);
         let said = String::from_utf8_lossy(&output.stderr).into_owned();
-        assert!(output.status.success(), "{method} {radiance}: {said}");
-        assert!(sum(&exr).is_finite(), "{method} {radiance}");
+        assert!(output.status.success(), "{method} {scene:?}: {said}");
+        assert!(sum(&exr).is_finite(), "{method} {scene:?}");
     }
 }

@@ -113,9 +113,10 @@ fn locks_go_when_a_render_ends_or_is_refused() {
             .success()
     );
     assert_eq!(files(folder.path()), ["a.exr", "s"]);
+    let missing = file("missing");
     refused(
-        &small(&["-o", &exr, "--method", "relt", "--checkpoint", &state]),
-        &["relt"],
+        &small(&["-o", &exr, "--resume", &missing]),
+        &["cannot be read"],
     );
     assert_eq!(files(folder.path()), ["a.exr", "s"]);
     refused(

@@ -159,13 +159,15 @@ fn a_reported_fault_is_shown() {
     let folder = tempfile::tempdir().expect("a folder");
     let file = |name: &str| path(folder.path(), name);
     let (state, stats, lines) = (file("s"), file("stats.json"), file("lines.gltf"));
-    // So bright that some paths, not all, overflow.
-    let bright = ["builtin:cornell", "--environment", "2e36", "--method"];
-    for method in ["path", "light", "bdpt", "pssmlt"] {
+    // The light that walks from its lamp carry overflows.
+    let room = file("room.gltf");
+    std::fs::write(&room, crate::extremes::room("1e30", 1e5)).expect("a file");
+    let bright = [room.as_str(), "--height", "16", "--method"];
+    for method in ["light", "bdpt", "pssmlt"] {
         let mut words = [&bright[..], &[method, "--width", "16", "--seed", "3"]].concat();
         words.extend(["--set", "ladders=4", "--max-depth", "4"]);
         if method == "pssmlt" {
-            words.extend(["--set", "pilot=2000"]);
+            words.extend(["--set", "pilot=2000", "--set", "builder=bidirectional"]);
         }
         let more = ["--spp", "4", "--stats", &stats, "--checkpoint", &state];
         let output = kaustik(&[&["render"], &words[..], &more].concat());
