@@ -76,6 +76,14 @@ fn uri(index: u64, outside: &str) -> String {
     ];
     let mut chance = Chance(index.wrapping_mul(0x9e37_79b9_7f4a_7c15) + 1);
     chance.below(2);
+    if chance.below(10) == 0 {
+        // One that leads nowhere but to the folder's own file.
+        let within = ["./", "sub/../", "sub/./../"];
+        let steps: String = (0..chance.below(6))
+            .map(|_| within[chance.below(3)])
+            .collect();
+        return steps + "points.bin";
+    }
     let count = 1 + chance.below(5);
     let mut uri: String = (0..count)
         .map(|_| parts[chance.below(parts.len())])
