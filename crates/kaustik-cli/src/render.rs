@@ -7,8 +7,8 @@ use kaustik::film::FilmError;
 use kaustik::scene::{Scene, SceneOptions};
 use kaustik::spectrum::WavelengthSampling;
 use kaustik::{
-    Budget, Control, Options, Outcome, RenderError, RenderSettings, Source, State, StateError,
-    render_watched, resume,
+    Budget, Control, Options, Outcome, RenderError, RenderSettings, Rendered, Source, State,
+    StateError, render_watched, resume,
 };
 
 use crate::arguments::RenderWords;
@@ -116,6 +116,7 @@ fn finish(
             "stopped before the first pass over the image was done: no picture was written",
         );
     } else {
+        note_layers(words, outcome, &rendered);
         picture::write(&words.outputs, source, settings, rendered)?;
         picture::report(&words.outputs, outcome, &statistics);
     }
@@ -125,6 +126,15 @@ fn finish(
         None if kept => ExitCode::SUCCESS,
         None => ExitCode::FAILURE,
     })
+}
+
+/// Says so where a picture that was stopped has not all of its layers.
+fn note_layers(words: &RenderWords, outcome: Outcome, rendered: &Rendered) {
+    let there = rendered.image.layers().iter().any(|l| l.name == "albedo");
+    if outcome == Outcome::Stopped && !words.outputs.no_features && !there {
+        let left_out = "note: stopped: the picture is without albedo, normal and depth";
+        remark(&words.outputs, left_out);
+    }
 }
 
 /// Whose fault it is.

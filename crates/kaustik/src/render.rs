@@ -48,6 +48,9 @@ pub struct Rendered {
 /// waiting for the last ladder costs little.
 const ROUND: Duration = Duration::from_millis(250);
 
+/// How long a render that was stopped works on albedo, normal and depth.
+const PATIENCE: Duration = Duration::from_millis(500);
+
 /// Renders a scene.
 ///
 /// The picture depends on the scene and the settings alone (but for `threads`); with
@@ -400,7 +403,13 @@ impl<'a> Work<'a> {
         // The films are not needed any more, the feature planes are.
         drop(engine);
         if self.settings.features {
-            for layer in pool.install(|| features::layers(self.scene, self.settings)) {
+            // Whoever stops a render waits for the picture: what is not part of it is left out if it takes long.
+            let patience = match outcome {
+                Outcome::Stopped => PATIENCE,
+                Outcome::Complete | Outcome::Black => Duration::MAX,
+            };
+            let layers = pool.install(|| features::layers(self.scene, self.settings, patience));
+            for layer in layers.into_iter().flatten() {
                 rendered.image.push_layer(layer)?;
             }
         }
