@@ -80,7 +80,7 @@ fn faint_and_bright_lamps() {
             words.extend(["--height", "16", "--spp", "8", "--max-depth", "5"]);
             match method {
                 "pssmlt" | "mmlt" | "mlt" => words.extend(["--set", "pilot=5000"]),
-                "relt" => words.extend(["--set", "particles=500"]),
+                "relt" => words.extend(["--set", "particles=1000"]),
                 "sppm" => words.extend(["--set", "photons=2000"]),
                 _ => {}
             }

@@ -30,6 +30,8 @@ use run::{Run, below, pool, runs};
 use scouts::{SpecularLight, scouting};
 use start::{Started, for_so_many_replicas, kernels, replica_builder, start};
 
+/// Paths of a sweep, about: a look at the stop flag comes as often as elsewhere.
+const SWEEP: u64 = 16;
 /// Sweeps of a ladder between two changes of its step sizes. Rounds of 16 were seen to bias a chain by
 /// 20 %, rounds of 1,000 within its error (spec relt.md 4).
 const ADAPTATION_ROUND: u64 = 1_000;
@@ -172,7 +174,7 @@ impl<'a, const K: usize> ReltEngine<'a, K> {
         let kernels = kernels::<K>(target, &self.set, self.options.steps);
         let mut deposit = self.deposit(run.shares);
         for done in 0..sweeps {
-            if done % STRIDE == 0 && is_stopped(stop) {
+            if done % (STRIDE / SWEEP) == 0 && is_stopped(stop) {
                 break;
             }
             for (level, kernel) in kernels.iter().enumerate() {

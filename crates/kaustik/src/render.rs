@@ -49,7 +49,7 @@ pub struct Rendered {
 const ROUND: Duration = Duration::from_millis(250);
 
 /// How long a render that was stopped works on albedo, normal and depth.
-const PATIENCE: Duration = Duration::from_millis(500);
+const PATIENCE: Duration = Duration::from_millis(300);
 
 /// Renders a scene.
 ///
