@@ -139,7 +139,7 @@ impl Method {
         )
     }
 
-    /// Can [`replay`](crate::replay) show a step of it? Where steps are taken together or paths are no points of the
+    /// Can [`replay`](fn@crate::replay) show a step of it? Where steps are taken together or paths are no points of the
     /// primary sample space, it cannot.
     pub fn is_replayable(self) -> bool {
         matches!(

@@ -14,7 +14,7 @@ use crate::{Method, Place, RenderError, RenderSettings};
 /// samples are made at once; a chain goes there from its start.
 ///
 /// # Errors
-/// As [`render`](crate::render); a method that is not [replayable](Method::is_replayable), a ladder that
+/// As [`render`](fn@crate::render); a method that is not [replayable](Method::is_replayable), a ladder that
 /// the render does not have.
 pub fn replay(
     scene: &Scene,

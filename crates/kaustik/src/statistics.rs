@@ -24,7 +24,7 @@ pub struct RenderStatistics {
     /// Contributions that were not finite, left out.
     pub nonfinite: u64,
     /// Where the first of them arose, by ladder, at most [`MOST_PLACES`](Self::MOST_PLACES): with seed and settings all
-    /// that [`replay`](crate::replay) needs.
+    /// that [`replay`](fn@crate::replay) needs.
     pub nonfinite_places: Vec<Place>,
     /// Rays of all steps, the pilot's left out; of methods that count them.
     #[serde(skip_serializing_if = "Option::is_none")]
