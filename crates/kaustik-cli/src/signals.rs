@@ -78,14 +78,13 @@ fn leave_early(
     std::thread::Builder::new()
         .name("signals".to_owned())
         .spawn(move || {
-            for signal in signals.forever() {
-                if sampling.load(Ordering::Relaxed) {
-                    return;
-                }
-                output::note("stopped before the first sample: nothing was written");
-                release();
-                std::process::exit(if signal == SIGINT { 130 } else { 143 });
+            let first = signals.forever().next();
+            if sampling.load(Ordering::Relaxed) {
+                return;
             }
+            output::note("stopped before the first sample: nothing was written");
+            release();
+            std::process::exit(if first == Some(SIGINT) { 130 } else { 143 });
         })
         .map(drop)
         .map_err(Failure::other)
