@@ -60,12 +60,11 @@ pub fn lines(lines: &[Line], notes: &Value) -> String {
     }
     let mut file = json!({
         "asset": { "version": "2.0", "generator": "kaustik", "extras": notes },
-        "scene": 0,
-        "scenes": [{}],
     });
     if !nodes.is_empty() {
         let all: Vec<usize> = (0..nodes.len()).collect();
-        file["scenes"][0]["nodes"] = json!(all);
+        file["scene"] = json!(0);
+        file["scenes"] = json!([{ "nodes": all }]);
         file["extensionsUsed"] = json!(["KHR_materials_unlit"]);
         let uri = format!(
             "data:application/octet-stream;base64,{}",
