@@ -33,16 +33,28 @@ mod damaged;
 mod direct;
 /// Energy redistribution on paths.
 mod erpt;
+/// Lamps as faint and as bright as numbers are.
+mod extremes;
 /// Pictures known in closed form.
 mod furnace;
+/// Faults at the system's calls.
+mod injected;
 /// The command and its states: signals, kills, disks that are full.
 mod kept;
+/// Two commands on one output.
+mod locks;
+/// A scene opens nothing outside its folder.
+mod outside;
 /// Photon methods: as the radius shrinks, and against each other.
 mod photon;
+/// Samples and steps of renders, shown once more.
+mod replay;
 /// Replica exchange: variants, parts, replicas that do not run.
 mod replicas;
 /// Nothing depends on the unit of length.
 mod scale;
+/// Renders of hours: memory, descriptors, signals.
+mod soak;
 /// States: resumed, merged, refused.
 mod state;
 /// What the tests of whole renders share.

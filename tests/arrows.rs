@@ -144,8 +144,8 @@ const RESERVED: &[(&[&str], &[&str], &str)] = &[
             "thread::Builder",
             "rayon::",
         ],
-        &["kaustik", "kaustik-fuzz"],
-        "the threads of a render stand in kaustik alone; a campaign watches over its children",
+        &["kaustik", "kaustik-cli", "kaustik-fuzz"],
+        "the threads of a render stand in kaustik alone; the command waits for signals, a campaign watches over its children",
     ),
     (
         &["std::fs", "fs::", "File::", "OpenOptions", "tempfile"],

@@ -346,3 +346,69 @@ fn a_folder_that_goes_away_costs_a_state_at_most() {
     // Nothing is left lying about.
     assert_eq!(fs::read_dir(&there).expect("a folder").count(), 1);
 }
+
+/// Before the first sample there is nothing to write: a signal ends the render at once, and leaves nothing, not even a lock.
+#[test]
+fn a_signal_in_a_pilot_leaves_nothing() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (exr, lock) = (
+        path(folder.path(), "a.exr"),
+        path(folder.path(), ".a.exr.lock"),
+    );
+    for (name, status) in [("INT", 130), ("TERM", 143)] {
+        let mut words = vec!["render", "builtin:cornell", "--method", "pssmlt"];
+        words.extend(["--set", "pilot=10000000", "--threads", "1", "-o", &exr]);
+        let child = begin(&words);
+        wait_for(&lock, None);
+        // Loading takes no time, the pilot many seconds.
+        std::thread::sleep(Duration::from_millis(500));
+        let sent = Instant::now();
+        signal(&child, name);
+        let output = child.wait_with_output().expect("it ends");
+        assert!(sent.elapsed() < Duration::from_secs(2));
+        assert_eq!(output.status.code(), Some(status));
+        let said = told(&output);
+        assert!(said.contains("before the first sample"), "{said}");
+        assert_eq!(fs::read_dir(folder.path()).expect("a folder").count(), 0);
+    }
+}
+
+/// A pass of `bdpt` that a signal breaks off is taken back: the state is that of whole passes, or of none, and goes on to the
+/// picture of a render that nothing interrupted.
+#[test]
+fn a_broken_pass_is_taken_back() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = |name: &str| path(folder.path(), name);
+    let (state, whole, through) = (file("s"), file("whole.exr"), file("through.exr"));
+    let words = |spp: &'static str, more: &[&str]| -> Vec<String> {
+        let mut words = vec![
+            "render",
+            "builtin:cornell",
+            "--method",
+            "bdpt",
+            "--spp",
+            spp,
+        ];
+        words.extend(["--width", "400", "--max-depth", "4", "--no-features"]);
+        words.extend(more);
+        words.into_iter().map(str::to_owned).collect()
+    };
+    let run = |words: &[String]| done(&words.iter().map(String::as_str).collect::<Vec<_>>());
+    run(&words("3", &["-o", &through]));
+    let mut states = 0;
+    for wait in [60, 300, 1500] {
+        let part = words(ENDLESS, &["--checkpoint", &state, "--threads", "1"]);
+        let child = begin(&part.iter().map(String::as_str).collect::<Vec<_>>());
+        std::thread::sleep(Duration::from_millis(wait));
+        signal(&child, "INT");
+        let output = child.wait_with_output().expect("it ends");
+        assert_eq!(output.status.code(), Some(130), "{}", told(&output));
+        if Path::new(&state).exists() {
+            states += 1;
+            run(&words("3", &["--resume", &state, "-o", &whole]));
+            assert!(picture(&whole) == picture(&through), "after {wait} ms");
+            fs::remove_file(&state).expect("a state");
+        }
+    }
+    assert!(states > 0);
+}

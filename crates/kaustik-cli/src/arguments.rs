@@ -21,6 +21,8 @@ pub(crate) struct Arguments {
 pub(crate) enum Command {
     /// Render a scene to an EXR and a PNG file
     Render(Box<RenderWords>),
+    /// Show what happened in one sample or step of a render
+    Replay(Box<ReplayWords>),
     /// Add up the states of shares of a render to the picture of the whole
     Merge(MergeWords),
     /// List the built-in scenes, or export one as glTF
@@ -107,6 +109,29 @@ pub(crate) struct RenderWords {
     pub(crate) resume: Option<PathBuf>,
 }
 
+/// Words of `replay`.
+#[derive(Args, Debug)]
+pub(crate) struct ReplayWords {
+    /// The words of the render; the scene may be one of its states: then that says all but the place.
+    /// Nothing is rendered or written
+    #[command(flatten)]
+    pub(crate) render: RenderWords,
+    /// Which sample or step, as a render reports it
+    #[arg(long, value_name = "[SEED:]LADDER:STEP", value_parser = at)]
+    pub(crate) at: At,
+    /// Write the walks and their connections as lines, to look at
+    #[arg(long, value_name = "OUT.gltf")]
+    pub(crate) gltf: Option<PathBuf>,
+}
+
+/// A place in a render.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct At {
+    pub(crate) seed: Option<u64>,
+    pub(crate) ladder: u32,
+    pub(crate) step: u64,
+}
+
 /// Where a picture goes, and how much is said about it.
 #[derive(Args, Debug)]
 pub(crate) struct OutputWords {
@@ -156,6 +181,11 @@ pub(crate) struct MergeWords {
 }
 
 impl OutputWords {
+    /// The files that will be written.
+    pub(crate) fn files(&self) -> impl Iterator<Item = &PathBuf> {
+        [&self.output, &self.png, &self.stats].into_iter().flatten()
+    }
+
     /// How the PNG is shown.
     pub(crate) fn display(&self) -> Tone {
         Tone {
@@ -270,6 +300,22 @@ fn ladders(text: &str) -> Result<Range<u32>, String> {
         .ok_or_else(|| "expected I..J with I < J".to_owned())
 }
 
+/// `SEED:LADDER:STEP` or `LADDER:STEP`.
+fn at(text: &str) -> Result<At, String> {
+    let numbers: Option<Vec<u64>> = text.split(':').map(|part| part.parse().ok()).collect();
+    let at = match numbers.as_deref() {
+        Some(&[seed, ladder, step]) => Some((Some(seed), ladder, step)),
+        Some(&[ladder, step]) => Some((None, ladder, step)),
+        _ => None,
+    };
+    at.and_then(|(seed, ladder, step)| {
+        let ladder = u32::try_from(ladder).ok()?;
+        // Steps are counted, and a chain has to get there.
+        (step < 1 << 48).then_some(At { seed, ladder, step })
+    })
+    .ok_or_else(|| "expected SEED:LADDER:STEP or LADDER:STEP, for instance 0:3:1000".to_owned())
+}
+
 /// `500M`, `4G`, a number of bytes.
 fn size(text: &str) -> Result<u64, String> {
     let (number, scale) = match text.as_bytes().last() {
@@ -328,6 +374,23 @@ mod tests {
         assert!(window("0,0,4,5").is_ok());
         assert!(window("4,0,4,5").is_err() && window("1,2,3").is_err() && window("").is_err());
         assert_eq!(ladders("2..5"), Ok(2..5));
+        let place = |seed| At {
+            seed,
+            ladder: 2,
+            step: 3,
+        };
+        assert_eq!(at("1:2:3"), Ok(place(Some(1))));
+        assert_eq!(at("2:3"), Ok(place(None)));
+        for wrong in [
+            "",
+            "3",
+            "1:2:3:4",
+            "-1:2:3",
+            "1:99999999999:3",
+            "1:2:999999999999999",
+        ] {
+            assert!(at(wrong).is_err(), "{wrong}");
+        }
         assert!(ladders("5..5").is_err() && ladders("5").is_err());
         assert_eq!(size("2G"), Ok(2 << 30));
         assert!(size("99999999999999999G").is_err() && size("G").is_err() && size("é").is_err());

@@ -91,6 +91,10 @@ impl Watch for Checkpoints<'_> {
         }
     }
 
+    fn begins(&mut self) {
+        self.signals.sampling();
+    }
+
     fn keeps(&self) -> bool {
         self.path.is_some()
     }

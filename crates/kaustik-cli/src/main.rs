@@ -7,11 +7,13 @@ mod failure;
 mod info;
 mod input;
 mod lists;
+mod lock;
 mod merge;
 mod output;
 mod picture;
 mod progress;
 mod render;
+mod replay;
 mod signals;
 mod study;
 
@@ -26,6 +28,7 @@ fn main() -> ExitCode {
     let arguments = Arguments::parse();
     let done = match &arguments.command {
         Command::Render(words) => render::run(words),
+        Command::Replay(words) => replay::run(words),
         Command::Merge(words) => merge::run(words),
         Command::Scenes(words) => lists::scenes(words),
         Command::Methods(words) => lists::methods(words),

@@ -7,6 +7,7 @@ use kaustik::film::{WriteError, check_writable};
 use kaustik::{Progress, RenderSettings, Rendered, Snapshot, Source, State, Watch, merge, whole};
 
 use crate::arguments::MergeWords;
+use crate::lock::Locks;
 use crate::render::{failure, load};
 use crate::{Failure, picture};
 
@@ -15,6 +16,7 @@ pub(crate) fn run(words: &MergeWords) -> Result<ExitCode, Failure> {
     if let Some(path) = &words.state {
         check_writable(path).map_err(Failure::input)?;
     }
+    let _locks = Locks::take(words.outputs.files().chain(&words.state))?;
     let states = words.states.iter().map(|path| {
         State::read(path).map_err(|error| Failure::Input(format!("{}: {error}", path.display())))
     });

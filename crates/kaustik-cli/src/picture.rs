@@ -1,7 +1,7 @@
 //! Where a picture goes, and what is said about it.
 
 use kaustik::film::{check_writable, exr, png, write_file};
-use kaustik::{Budget, Outcome, RenderSettings, RenderStatistics, Rendered, Source};
+use kaustik::{Budget, Method, Outcome, Place, RenderSettings, RenderStatistics, Rendered, Source};
 use serde_json::{Value, json};
 
 use crate::arguments::OutputWords;
@@ -9,10 +9,7 @@ use crate::{Failure, output};
 
 /// Finds out before a long render what could not be written after it.
 pub(crate) fn check(words: &OutputWords) -> Result<(), Failure> {
-    for path in [&words.output, &words.png, &words.stats]
-        .into_iter()
-        .flatten()
-    {
+    for path in words.files() {
         check_writable(path).map_err(Failure::input)?;
     }
     if words.output.is_none() && words.png.is_none() {
@@ -56,6 +53,30 @@ pub(crate) fn write(
     Ok(())
 }
 
+/// Places that are printed; `--stats` has more.
+const PRINTED: usize = 8;
+
+/// Where contributions were left out, and what shows one of them again.
+fn places(statistics: &RenderStatistics) -> String {
+    let seed = statistics.seed;
+    let place = |place: &Place| format!("{seed}:{}:{}", place.ladder, place.step);
+    let places = &statistics.nonfinite_places;
+    let Some(first) = places.first().map(place) else {
+        return String::new();
+    };
+    let all: Vec<_> = places.iter().take(PRINTED).map(place).collect();
+    let mut text = format!(
+        "; the first of each ladder at {} (seed:ladder:step)",
+        all.join(", ")
+    );
+    if (statistics.method.parse()).is_ok_and(Method::is_replayable) {
+        text += &format!(
+            "; kaustik replay with the words of this render and --at {first} shows that path"
+        );
+    }
+    text
+}
+
 /// Says how it went.
 pub(crate) fn report(words: &OutputWords, outcome: Outcome, statistics: &RenderStatistics) {
     if words.quiet {
@@ -96,14 +117,9 @@ pub(crate) fn report(words: &OutputWords, outcome: Outcome, statistics: &RenderS
     }
     let lost = statistics.nonfinite + statistics.film.non_finite + statistics.film.too_large;
     if lost > 0 {
-        let place = statistics.first_nonfinite.map_or(String::new(), |place| {
-            format!(
-                "; the first at {}:{}:{} (seed:ladder:step)",
-                statistics.seed, place.ladder, place.step
-            )
-        });
         output::note(&format!(
-            "warning: {lost} contributions were not finite or too large, left out{place}"
+            "warning: {lost} contributions were not finite or too large, left out{}",
+            places(statistics)
         ));
     }
     if statistics.film.overflowed > 0 {

@@ -7,20 +7,23 @@ use kaustik::film::FilmError;
 use kaustik::scene::{Scene, SceneOptions};
 use kaustik::spectrum::WavelengthSampling;
 use kaustik::{
-    Budget, Control, Options, RenderError, RenderSettings, Source, State, StateError,
-    render_watched, resume,
+    Budget, Control, Options, Outcome, RenderError, RenderSettings, Rendered, Source, State,
+    StateError, render_watched, resume,
 };
 
 use crate::arguments::RenderWords;
 use crate::checkpoint::Checkpoints;
+use crate::lock::Locks;
 use crate::picture::{self, remark};
 use crate::progress::Display;
 use crate::signals::Signals;
-use crate::{Failure, input};
+use crate::{Failure, input, output};
 
 pub(crate) fn run(words: &RenderWords) -> Result<ExitCode, Failure> {
     let settings = settings(words)?;
     picture::check(&words.outputs)?;
+    let locks = Locks::take(words.outputs.files().chain(&words.checkpoint))?;
+    let signals = Signals::listen(words.checkpoint.is_some(), &locks)?;
     let state = state(words)?;
     let source = Source {
         scene: words.scene.clone(),
@@ -36,7 +39,7 @@ pub(crate) fn run(words: &RenderWords) -> Result<ExitCode, Failure> {
         height,
         ..settings
     };
-    finish(words, &settings, &scene, &source, state.as_ref())
+    finish(words, &settings, &scene, &source, state.as_ref(), &signals)
 }
 
 /// The state to go on from; refuses what could not be kept or read before the scene is loaded.
@@ -92,9 +95,9 @@ fn finish(
     scene: &Scene,
     source: &Source,
     state: Option<&State>,
+    signals: &Signals,
 ) -> Result<ExitCode, Failure> {
-    let signals = Signals::listen(words.checkpoint.is_some())?;
-    let mut checkpoints = Checkpoints::new(words, settings, source, &signals);
+    let mut checkpoints = Checkpoints::new(words, settings, source, signals);
     let mut display = Display::new(words.outputs.quiet);
     let mut show = |progress: &kaustik::Progress| display.show(progress);
     let mut control = Control {
@@ -108,14 +111,30 @@ fn finish(
     display.finish();
     let rendered = rendered.map_err(|error| failure(&error))?;
     let (statistics, outcome) = (rendered.statistics.clone(), rendered.outcome);
-    picture::write(&words.outputs, source, settings, rendered)?;
-    picture::report(&words.outputs, outcome, &statistics);
+    if outcome == Outcome::Stopped && statistics.steps == 0 {
+        output::note(
+            "stopped before the first pass over the image was done: no picture was written",
+        );
+    } else {
+        note_layers(words, outcome, &rendered);
+        picture::write(&words.outputs, source, settings, rendered)?;
+        picture::report(&words.outputs, outcome, &statistics);
+    }
     let kept = checkpoints.report(&words.outputs, &statistics);
     Ok(match signals.status() {
         Some(status) => ExitCode::from(status),
         None if kept => ExitCode::SUCCESS,
         None => ExitCode::FAILURE,
     })
+}
+
+/// Says so where a picture that was stopped has not all of its layers.
+fn note_layers(words: &RenderWords, outcome: Outcome, rendered: &Rendered) {
+    let there = rendered.image.layers().iter().any(|l| l.name == "albedo");
+    if outcome == Outcome::Stopped && !words.outputs.no_features && !there {
+        let left_out = "note: stopped: the picture is without albedo, normal and depth";
+        remark(&words.outputs, left_out);
+    }
 }
 
 /// Whose fault it is.
@@ -129,7 +148,7 @@ pub(crate) fn failure(error: &RenderError) -> Failure {
 }
 
 /// The settings that do not depend on the scene.
-fn settings(words: &RenderWords) -> Result<RenderSettings, Failure> {
+pub(crate) fn settings(words: &RenderWords) -> Result<RenderSettings, Failure> {
     let mut options = Options::default();
     if words.wavelengths.as_deref() == Some("1") {
         options.wavelengths = WavelengthSampling::Single;

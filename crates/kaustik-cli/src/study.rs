@@ -12,13 +12,16 @@ use kaustik_study::named::{self, Named, Scale};
 use kaustik_study::{Runner, Section, Study, StudyError, StudyProgress, write};
 
 use crate::arguments::StudyWords;
+use crate::lock::Locks;
 use crate::signals::Signals;
 use crate::{Failure, output};
 
 pub(crate) fn run(words: &StudyWords) -> Result<ExitCode, Failure> {
     let what = what(words)?;
     let folder = folder(words);
-    let signals = Signals::listen(false)?;
+    let signals = Signals::listen(false, &Locks::default())?;
+    // A study always ends in order: what it has rendered is kept.
+    signals.sampling();
     let mut display = Display::new(words.quiet);
     let mut listener = |progress: &StudyProgress<'_>| {
         display.show(progress);

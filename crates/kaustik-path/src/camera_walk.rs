@@ -57,5 +57,6 @@ pub(crate) fn start<'w>(
         specular: false,
         edges: 0,
     };
+    walk.tell_start();
     (walk, raster)
 }

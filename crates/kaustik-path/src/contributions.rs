@@ -4,6 +4,7 @@ mod serial;
 use glam::DVec2;
 use kaustik_spectrum::{Spectrum, Wavelengths, Xyz};
 
+use crate::trace::{Event, note};
 use crate::{Class, Rays, ScalarTarget};
 
 /// Light that one path, or all paths of one class, bring to one point of the image.
@@ -70,10 +71,24 @@ fn quality(xyz: Xyz) -> Quality {
     }
 }
 
+/// The same, of a splat, and whoever looks is told.
+#[inline]
+fn told(raster: DVec2, xyz: Xyz, class: Class) -> Quality {
+    let quality = quality(xyz);
+    note(|| Event::Splat {
+        raster,
+        xyz,
+        class,
+        kept: !matches!(quality, Quality::Fault),
+    });
+    quality
+}
+
 impl Contributions {
     /// Forgets everything but the memory.
     #[inline]
     pub fn clear(&mut self) {
+        note(|| Event::Begin);
         self.splats.clear();
         self.largest = Largest::default();
         self.nonfinite = 0;
@@ -84,7 +99,7 @@ impl Contributions {
     /// finite or negative are counted.
     #[inline]
     pub fn push(&mut self, raster: DVec2, xyz: Xyz, class: Class) {
-        match quality(xyz) {
+        match told(raster, xyz, class) {
             Quality::Light => {
                 self.largest.see(xyz);
                 self.splats.push(Splat { raster, xyz, class });
@@ -102,7 +117,7 @@ impl Contributions {
                 continue;
             }
             let xyz = gathered.sum(class);
-            match quality(xyz) {
+            match told(raster, xyz, class) {
                 Quality::Light => self.splats.push(Splat { raster, xyz, class }),
                 Quality::Black => {}
                 Quality::Fault => self.nonfinite += 1,
@@ -226,6 +241,7 @@ impl<'w> Gathered<'w> {
                 largest.see(xyz);
             }
         }
+        note(|| Event::Light { class, value });
         self.used |= 1 << class as u8;
         if dispersive {
             self.hero[class as usize] += value;

@@ -20,6 +20,7 @@ mod rays;
 mod roulette;
 mod scalar;
 mod sighting;
+mod trace;
 mod unidirectional;
 mod walk;
 
@@ -39,4 +40,5 @@ pub use photon::{
 pub use rays::Rays;
 pub use scalar::ScalarTarget;
 pub use sighting::{Sighting, sight};
+pub use trace::{Event, Side, trace};
 pub use unidirectional::Unidirectional;

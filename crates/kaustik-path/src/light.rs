@@ -7,6 +7,7 @@ use kaustik_scene::{AreaSample, EmissionSample, Scene, Vertex};
 use kaustik_spectrum::Wavelengths;
 
 use crate::contributions::colour;
+use crate::trace::{Event, note};
 use crate::walk::{Scatter, Walk};
 use crate::{BuilderSettings, Class, Contributions, PathBuilder, layout};
 
@@ -102,6 +103,13 @@ impl LightTracing {
         if value.is_zero() {
             return;
         }
+        note(|| Event::Join {
+            s: walk.edges + 1,
+            t: 1,
+            points: Some([vertex.position, lens.position]),
+            weight: 1.0,
+            value,
+        });
         let interior =
             scene.interior_toward(vertex, &walk.interior, -walk.direction, lens.direction);
         let ray = Ray::towards(&vertex.surface, lens.position.as_vec3());
@@ -142,6 +150,13 @@ impl LightTracing {
         if value.is_zero() {
             return;
         }
+        note(|| Event::Join {
+            s: 1,
+            t: 1,
+            points: Some([position, lens.position]),
+            weight: 1.0,
+            value,
+        });
         let ray = Ray::towards(&area.surface, lens.position.as_vec3());
         let interior = scene.area_interior(area, lens.direction);
         out.count_shadow();

@@ -1,10 +1,12 @@
 //! Next-event estimation: joining a vertex of a camera walk to an emitter.
 
+use glam::DVec3;
 use kaustik_bsdf::{Lobe, Mode, shading};
 use kaustik_pss::{Coordinates, Stream};
 use kaustik_scene::{DirectSample, Reach, Scene};
 
 use crate::contributions::Gathered;
+use crate::trace::{Event, note};
 use crate::walk::{Scatter, Walk, power_heuristic};
 use crate::{Class, layout};
 
@@ -59,6 +61,16 @@ pub(crate) fn next_event(
     if !sample.delta {
         value *= power_heuristic(pdf, density * shares.scattering);
     }
+    note(|| Event::Join {
+        s: 1,
+        t: walk.edges + 1,
+        points: end(&sample).map(|end| [vertex.position, end]),
+        weight: match sample.delta {
+            true => 1.0,
+            false => f64::from(power_heuristic(pdf, density * shares.scattering)),
+        },
+        value,
+    });
     let interior = scene.interior_toward(vertex, &walk.interior, -walk.direction, sample.wi);
     gathered.count_shadow();
     let visible = scene.transmittance(&scene.shadow_ray(vertex, &sample), &interior);
@@ -67,14 +79,20 @@ pub(crate) fn next_event(
     }
     value *= visible;
     if !interior.is_vacuum() {
-        let distance = match sample.reach {
-            Reach::Surface(point, _) => (point.as_dvec3() - vertex.position).length(),
-            Reach::Point(point) => (point - vertex.position).length(),
-            // A walk that escapes from a solid that is not closed is not dimmed either.
-            Reach::Infinity => 0.0,
-        };
+        // A walk that escapes from a solid that is not closed is not dimmed either.
+        let distance = end(&sample).map_or(0.0, |end| (end - vertex.position).length());
         value *= scene.absorption(&interior, walk.wavelengths, distance);
     }
     let dispersive = walk.dispersive || scatter.bsdf.dispersive_between(scatter.wo, wi);
     gathered.add(Class::L2, value, dispersive);
+}
+
+/// The point of the emitter; `None` at infinity.
+#[inline]
+pub(crate) fn end(sample: &DirectSample) -> Option<DVec3> {
+    match &sample.reach {
+        Reach::Surface(point, _) => Some(point.as_dvec3()),
+        Reach::Point(point) => Some(*point),
+        Reach::Infinity => None,
+    }
 }

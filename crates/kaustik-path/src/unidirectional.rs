@@ -4,9 +4,11 @@ use glam::DVec3;
 use kaustik_bsdf::Bsdf;
 use kaustik_pss::{Coordinates, Stream};
 use kaustik_scene::{Scene, Vertex};
+use kaustik_spectrum::Spectrum;
 
 use crate::contributions::Gathered;
 use crate::next_event::{Shares, next_event};
+use crate::trace::{Event, note};
 use crate::walk::{Walk, power_heuristic};
 use crate::{BuilderSettings, Class, Contributions, PathBuilder, camera_walk, layout};
 
@@ -104,11 +106,9 @@ pub(crate) fn emission(
             scene.direct_pdf(origin.position, vertex) * share,
         )
     });
-    gathered.add(
-        Class::implicit(walk.specular),
-        walk.throughput * radiance * weight,
-        walk.dispersive,
-    );
+    let value = walk.throughput * radiance * weight;
+    tell(walk, weight, value);
+    gathered.add(Class::implicit(walk.specular), value, walk.dispersive);
 }
 
 /// Adds what a walk that left the scene sees.
@@ -127,9 +127,19 @@ pub(crate) fn escape(
     let weight = origin.map_or(1.0, |origin| {
         power_heuristic(origin.pdf, scene.environment_pdf(walk.direction) * share)
     });
-    gathered.add(
-        Class::implicit(walk.specular),
-        walk.throughput * radiance * weight,
-        walk.dispersive,
-    );
+    let value = walk.throughput * radiance * weight;
+    tell(walk, weight, value);
+    gathered.add(Class::implicit(walk.specular), value, walk.dispersive);
+}
+
+/// Strategy (0, t), for whoever looks at the path.
+#[inline]
+fn tell(walk: &Walk<'_>, weight: f32, value: Spectrum) {
+    note(|| Event::Join {
+        s: 0,
+        t: walk.edges + 1,
+        points: None,
+        weight: f64::from(weight),
+        value,
+    });
 }

@@ -9,6 +9,7 @@ use kaustik_spectrum::{Spectrum, Wavelengths};
 
 use crate::layout;
 use crate::roulette;
+use crate::trace::{Event, Side, note};
 
 /// Where a walk stands.
 #[derive(Clone, Debug)]
@@ -51,7 +52,7 @@ impl<'w> Walk<'w> {
         throughput: Spectrum,
         wavelengths: &'w Wavelengths,
     ) -> Self {
-        Self {
+        let walk = Self {
             mode: Mode::Importance,
             wavelengths,
             ray: emission.ray,
@@ -62,7 +63,20 @@ impl<'w> Walk<'w> {
             dispersive: false,
             specular: false,
             edges: 0,
-        }
+        };
+        walk.tell_start();
+        walk
+    }
+
+    /// Tells whoever looks where the walk begins.
+    #[inline]
+    pub(crate) fn tell_start(&self) {
+        note(|| Event::Start {
+            side: Side::of(self.mode),
+            position: self.ray.origin.as_dvec3(),
+            direction: self.direction,
+            throughput: self.throughput,
+        });
     }
 
     /// Takes the next edge and writes what it led to into `vertex`. Returns its length; `None`:
@@ -82,11 +96,36 @@ impl<'w> Walk<'w> {
             self.wavelengths,
             || u.get(Stream::Transparency, index),
             vertex,
-        )?;
+        );
+        let Some(segment) = segment else {
+            note(|| Event::Escape {
+                side: Side::of(self.mode),
+                edge: self.edges,
+                direction: self.direction,
+            });
+            return None;
+        };
         if !self.interior.is_vacuum() {
             self.throughput *= segment.absorption;
         }
+        note(|| self.reached(vertex, segment.distance));
         Some(segment.distance)
+    }
+
+    /// For whoever looks at the path.
+    #[cold]
+    fn reached(&self, vertex: &Vertex, distance: f64) -> Event {
+        Event::Vertex {
+            side: Side::of(self.mode),
+            edge: self.edges,
+            position: vertex.position,
+            normal: vertex.normal,
+            shading: vertex.frame.z,
+            material: vertex.material,
+            triangle: [vertex.instance, vertex.primitive],
+            distance,
+            throughput: self.throughput,
+        }
     }
 
     /// The vertex just reached, with its scattering function, which is written into `bsdf`: that is large, and this is
@@ -131,6 +170,15 @@ impl<'w> Walk<'w> {
         let sample = scatter.bsdf.sample(scatter.wo, uc, direction, self.mode)?;
         let factor = shading::walk_factor(scatter.wo, sample.wi, scatter.ng, self.mode);
         self.throughput *= sample.weight * factor as f32;
+        note(|| Event::Scatter {
+            side: Side::of(self.mode),
+            edge: self.edges,
+            direction: scatter.vertex.frame.to_world(sample.wi),
+            pdf: sample.pdf,
+            delta: sample.delta,
+            transmitted: sample.transmitted,
+            throughput: self.throughput,
+        });
         if self.throughput.is_zero() {
             return None;
         }
@@ -158,11 +206,23 @@ impl<'w> Walk<'w> {
         if survival >= 1.0 {
             return true;
         }
-        if u.get(stream, layout::bounce(head, self.edges) + 3) >= f64::from(survival) {
+        let ends = u.get(stream, layout::bounce(head, self.edges) + 3) >= f64::from(survival);
+        self.tell_roulette(survival, !ends);
+        if ends {
             return false;
         }
         self.throughput /= survival;
         true
+    }
+
+    #[inline]
+    fn tell_roulette(&self, survival: f32, survived: bool) {
+        note(|| Event::Roulette {
+            side: Side::of(self.mode),
+            edge: self.edges,
+            survival: f64::from(survival),
+            survived,
+        });
     }
 
     /// Roulette after a bounce, by the albedo: what goes on carries what the walk began with. `false` when the
@@ -177,7 +237,9 @@ impl<'w> Walk<'w> {
         if survival >= 1.0 {
             return true;
         }
-        if u.get(stream, layout::bounce(head, self.edges) + 3) >= f64::from(survival) {
+        let ends = u.get(stream, layout::bounce(head, self.edges) + 3) >= f64::from(survival);
+        self.tell_roulette(survival, !ends);
+        if ends {
             return false;
         }
         self.throughput /= survival;

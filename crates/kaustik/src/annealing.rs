@@ -355,8 +355,8 @@ impl<const K: usize> Engine for AnnealingEngine<'_, K> {
         })
     }
 
-    fn nonfinite(&self) -> (u64, Option<Place>) {
-        let own = (self.nonfinite.load(Ordering::Relaxed), None);
+    fn nonfinite(&self) -> (u64, Vec<Place>) {
+        let own = (self.nonfinite.load(Ordering::Relaxed), Vec::new());
         add_nonfinite(own, self.direct.as_ref().map(Lamps::nonfinite))
     }
 

@@ -5,10 +5,10 @@ use std::ops::Range;
 use std::sync::atomic::AtomicBool;
 
 use kaustik_film::{Counters, Image, Layer};
-use kaustik_path::Rays;
+use kaustik_path::{Event, Rays};
 use kaustik_scene::Scene;
 
-use crate::engine::{Engine, add_counters, add_rays};
+use crate::engine::{Engine, add_counters, add_nonfinite, add_rays};
 use crate::independent::IndependentEngine;
 use crate::state::{Keep, Reader, StateError, Writer};
 use crate::{
@@ -176,10 +176,15 @@ impl Engine for DirectApart<'_> {
         Ok(layers)
     }
 
-    fn nonfinite(&self) -> (u64, Option<Place>) {
-        let (of_chains, first) = self.chains.nonfinite();
-        let (of_direct, other) = self.direct.nonfinite();
-        (of_chains + of_direct, first.or(other))
+    fn nonfinite(&self) -> (u64, Vec<Place>) {
+        add_nonfinite(self.chains.nonfinite(), Some(self.direct.nonfinite()))
+    }
+
+    /// A step of this number of both parts: they count their own.
+    fn replay(&mut self, step: u64) -> Option<Vec<Event>> {
+        let mut events = self.chains.replay(step)?;
+        events.extend(self.direct.replay(step)?);
+        Some(events)
     }
 
     fn rays(&self) -> Option<Rays> {

@@ -3,7 +3,7 @@
 use std::sync::atomic::AtomicBool;
 
 use kaustik_film::{Counters, Image, Layer};
-use kaustik_path::Rays;
+use kaustik_path::{Event, Rays};
 use serde::{Deserialize, Serialize};
 
 use crate::state::{Keep, Reader, StateError};
@@ -69,8 +69,15 @@ pub(crate) trait Engine: Send + Sync {
         Ok(Vec::new())
     }
 
-    /// Contributions left out because they were not finite, and where the first arose.
-    fn nonfinite(&self) -> (u64, Option<Place>);
+    /// Contributions left out because they were not finite, and where the first of each ladder arose.
+    fn nonfinite(&self) -> (u64, Vec<Place>);
+
+    /// Takes the step of this number of the first ladder, and those before it where they follow on each other, and tells
+    /// what happened in it. For an engine that has taken none and will not be used again. `None`: steps of this
+    /// method are not taken one by one.
+    fn replay(&mut self, _step: u64) -> Option<Vec<Event>> {
+        None
+    }
 
     /// The rays of all steps taken; `None` of a method that does not count them.
     fn rays(&self) -> Option<Rays> {
@@ -99,11 +106,17 @@ pub(crate) trait Engine: Send + Sync {
 /// Steps between two looks at the stop flag.
 pub(crate) const STRIDE: u64 = 1024;
 
-/// Counts contributions of one ladder that were not finite.
-#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
+/// Steps of a ladder whose places are kept: enough to look at, and no more memory the more there are.
+const KEPT: usize = 4;
+
+/// Counts contributions of one ladder that were not finite, and knows the first steps where that was so.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Nonfinite {
     count: u64,
-    first_step: u64,
+    /// Of `steps`.
+    kept: u8,
+    /// Rising.
+    steps: [u64; KEPT],
 }
 
 impl Nonfinite {
@@ -111,49 +124,66 @@ impl Nonfinite {
     #[inline]
     pub(crate) fn count(&mut self, found: u64, step: u64) {
         if found > 0 {
-            if self.count == 0 {
-                self.first_step = step;
-            }
             self.count += found;
+            self.keep(step);
         }
+    }
+
+    fn keep(&mut self, step: u64) {
+        let kept = usize::from(self.kept);
+        if kept < KEPT && !self.steps().contains(&step) {
+            self.steps[kept] = step;
+            self.kept += 1;
+        }
+    }
+
+    fn steps(&self) -> &[u64] {
+        &self.steps[..usize::from(self.kept)]
     }
 
     /// As it was read from a state.
     pub(crate) fn checked(self) -> Result<Self, StateError> {
         Reader::count(self.count)?;
-        Reader::count(self.first_step)?;
+        let kept = usize::from(self.kept);
+        if kept > KEPT || (kept == 0) != (self.count == 0) || kept as u64 > self.count {
+            return Err(StateError::damaged("its faults do not add up"));
+        }
+        for step in self.steps {
+            Reader::count(step)?;
+        }
         Ok(self)
     }
 
-    /// Both, with the first step of either.
+    /// Both, with the first steps of either.
     pub(crate) fn and(self, other: Self) -> Self {
-        Self {
+        let mut both = Self {
             count: self.count + other.count,
-            first_step: match (self.count, other.count) {
-                (0, _) => other.first_step,
-                (_, 0) => self.first_step,
-                _ => self.first_step.min(other.first_step),
-            },
-        }
+            ..Self::default()
+        };
+        let mut steps = [self.steps(), other.steps()].concat();
+        steps.sort_unstable();
+        steps.into_iter().for_each(|step| both.keep(step));
+        both
     }
 
-    /// All of several ladders, and the place of the first.
-    pub(crate) fn all(ladders: impl Iterator<Item = (u32, Self)>) -> (u64, Option<Place>) {
-        ladders.fold((0, None), |(sum, first), (ladder, nonfinite)| {
-            let step = nonfinite.first_step;
-            let here = (nonfinite.count > 0).then_some(Place { ladder, step });
-            (sum + nonfinite.count, first.or(here))
+    /// All of several ladders, and the first places of each.
+    pub(crate) fn all(ladders: impl Iterator<Item = (u32, Self)>) -> (u64, Vec<Place>) {
+        ladders.fold((0, Vec::new()), |(sum, mut places), (ladder, nonfinite)| {
+            let steps = nonfinite.steps().iter();
+            places.extend(steps.map(|&step| Place { ladder, step }));
+            (sum + nonfinite.count, places)
         })
     }
 }
 
-/// What two parts left out, and the first place of either.
+/// What two parts left out, and the places of both.
 pub(crate) fn add_nonfinite(
-    (count, place): (u64, Option<Place>),
-    other: Option<(u64, Option<Place>)>,
-) -> (u64, Option<Place>) {
+    (count, mut places): (u64, Vec<Place>),
+    other: Option<(u64, Vec<Place>)>,
+) -> (u64, Vec<Place>) {
     let (more, there) = other.unwrap_or_default();
-    (count + more, place.or(there))
+    places.extend(there);
+    (count + more, places)
 }
 
 /// Rays of several parts, in their order.
@@ -170,5 +200,41 @@ pub(crate) fn add_counters(a: Counters, b: Counters) -> Counters {
         non_finite: a.non_finite + b.non_finite,
         too_large: a.too_large + b.too_large,
         overflowed: a.overflowed + b.overflowed,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_first_faults_are_kept_and_all_are_counted() {
+        let mut faults = Nonfinite::default();
+        for step in [3, 3, 5, 8, 13, 21, 34] {
+            faults.count(0, step - 1);
+            faults.count(2, step);
+        }
+        assert_eq!((faults.count, faults.steps()), (14, &[3, 5, 8, 13][..]));
+        let mut others = Nonfinite::default();
+        others.count(1, 4);
+        assert_eq!(
+            (faults.and(others).count, faults.and(others).steps()),
+            (15, &[3, 4, 5, 8][..])
+        );
+        assert_eq!(Nonfinite::default().and(others), others);
+        let (sum, places) = Nonfinite::all([(7, faults), (9, others)].into_iter());
+        assert_eq!(
+            (sum, places.len(), places[4]),
+            (15, 5, Place { ladder: 9, step: 4 })
+        );
+        assert!(faults.checked().is_ok() && Nonfinite::default().checked().is_ok());
+        for wrong in [
+            Nonfinite { kept: 5, ..faults },
+            Nonfinite { kept: 0, ..faults },
+            Nonfinite { count: 0, ..faults },
+            Nonfinite { count: 3, ..faults },
+        ] {
+            assert!(wrong.checked().is_err());
+        }
     }
 }

@@ -197,7 +197,7 @@ impl Engine for ErptEngine<'_> {
         Ok(self.lost.iter().map(Lost::layer).collect())
     }
 
-    fn nonfinite(&self) -> (u64, Option<Place>) {
+    fn nonfinite(&self) -> (u64, Vec<Place>) {
         let ladders = self.streams.iter();
         Nonfinite::all(ladders.map(|stream| (stream.ladder, stream.nonfinite)))
     }

@@ -1,5 +1,7 @@
 //! What is seen first, as layers: albedo, normal, depth.
 
+use std::time::{Duration, Instant};
+
 use kaustik_film::Layer;
 use kaustik_path::{Features, features};
 use kaustik_scene::Scene;
@@ -11,26 +13,34 @@ use crate::RenderSettings;
 const GRID: u32 = 2;
 
 /// The layers `albedo` (linear Rec.709), `normal` (world, averaged), `depth` (distance from the
-/// lens; 0 where nothing is seen).
-pub(crate) fn layers(scene: &Scene, settings: &RenderSettings) -> Vec<Layer> {
+/// lens; 0 where nothing is seen). `None` if they take longer than there is `patience`.
+pub(crate) fn layers(
+    scene: &Scene,
+    settings: &RenderSettings,
+    patience: Duration,
+) -> Option<Vec<Layer>> {
+    let start = Instant::now();
     let crop = settings.layout().crop;
     let (width, height) = (crop.width() as usize, crop.height() as usize);
     let mut planes: [Vec<f32>; 7] = std::array::from_fn(|_| vec![0.0; width * height]);
-    let rows: Vec<[Vec<f32>; 7]> = (crop.y0..crop.y1)
+    let rows: Option<Vec<[Vec<f32>; 7]>> = (crop.y0..crop.y1)
         .into_par_iter()
-        .map(|y| row(scene, settings, y, crop.x0..crop.x1))
+        .map(|y| {
+            let in_time = start.elapsed() <= patience;
+            in_time.then(|| row(scene, settings, y, crop.x0..crop.x1))
+        })
         .collect();
-    for (y, row) in rows.iter().enumerate() {
+    for (y, row) in rows?.iter().enumerate() {
         for (plane, values) in planes.iter_mut().zip(row) {
             plane[y * width..(y + 1) * width].copy_from_slice(values);
         }
     }
     let [r, g, b, x, y, z, depth] = planes;
-    vec![
+    Some(vec![
         Layer::new("albedo", vec![("R", r), ("G", g), ("B", b)]),
         Layer::new("normal", vec![("X", x), ("Y", y), ("Z", z)]),
         Layer::new("depth", vec![("Z", depth)]),
-    ]
+    ])
 }
 
 fn row(

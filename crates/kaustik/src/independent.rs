@@ -1,6 +1,8 @@
 //! Methods of independent samples: path tracing, light tracing, bidirectional path tracing; and of such
 //! samples redistributed by short chains.
 
+mod mark;
+
 use std::io;
 use std::sync::atomic::AtomicBool;
 
@@ -8,18 +10,21 @@ use kaustik_estimate::Scale;
 use kaustik_film::{Counters, Film, Image, Quantum, develop};
 use kaustik_mcmc::{Independent, Mean, SampleGenerators};
 use kaustik_path::{
-    Bidirectional, Contributions, Form, LightTracing, PathBuilder, Rays, Remainder, Unidirectional,
+    Bidirectional, Contributions, Event, Form, LightTracing, PathBuilder, Rays, Remainder,
+    Unidirectional, trace,
 };
 use kaustik_pss::Coordinates;
 use kaustik_scene::Scene;
 use rayon::prelude::*;
 
+use crate::builders::builder;
 use crate::cells::{Cells, Tour};
 use crate::control::is_stopped;
 use crate::engine::{Engine, Nonfinite, STRIDE, add_rays};
 use crate::erpt_pss::{Chains, Paths, PssRedistribution};
-use crate::pssmlt::builder;
 use crate::render::builder_settings;
+use mark::Mark;
+
 use crate::state::{Keep, Reader, StateError, Writer};
 use crate::stratified::mix;
 use crate::{Budget, ChainStatistics, Place, RenderError, RenderSettings};
@@ -46,6 +51,8 @@ pub(crate) struct IndependentEngine<'a> {
     single_pixel: bool,
     lit: bool,
     redistribution: Option<PssRedistribution>,
+    /// Where the last whole pass ended, where only whole ones count.
+    mark: Mark,
 }
 
 /// One ladder: sample `step` is made from (seed, ladder, step) alone.
@@ -78,11 +85,15 @@ impl<'a> IndependentEngine<'a> {
         };
         let cells = Cells::new(settings);
         let engine = Self::new(scene, settings, Box::new(builder), Some(cells))?;
-        // Light that is joined to the lens falls on any pixel: only whole passes leave the picture even.
-        Ok(Self {
+        Ok(engine.in_whole_passes())
+    }
+
+    /// Light that is joined to the lens falls on any pixel: only whole passes leave the picture even.
+    pub(crate) fn in_whole_passes(self) -> Self {
+        Self {
             single_pixel: false,
-            ..engine
-        })
+            ..self
+        }
     }
 
     pub(crate) fn light(scene: &'a Scene, settings: &RenderSettings) -> Result<Self, RenderError> {
@@ -126,7 +137,8 @@ impl<'a> IndependentEngine<'a> {
         })
     }
 
-    fn new(
+    /// Samples of any builder; `cells` if its walks begin at the camera.
+    pub(crate) fn new(
         scene: &'a Scene,
         settings: &RenderSettings,
         builder: Box<dyn PathBuilder + 'a>,
@@ -158,6 +170,7 @@ impl<'a> IndependentEngine<'a> {
             single_pixel: layout.filter.is_single_pixel(),
             lit: scene.has_light(),
             redistribution: None,
+            mark: Mark::default(),
         })
     }
 
@@ -223,6 +236,13 @@ fn pilot(scene: &Scene, builder: &dyn PathBuilder, settings: &RenderSettings) ->
 impl Engine for IndependentEngine<'_> {
     fn advance(&mut self, plan: &[u64], stop: Option<&AtomicBool>) -> u64 {
         let before = self.steps();
+        // A pass that is broken off leaves the picture uneven; where samples touch more than their own pixel nothing could
+        // make it even again, so that it is taken back. Chains that redistribute are not: their passes are finished.
+        let evenly = self.cells.is_some() && !self.single_pixel;
+        let stop = stop.filter(|_| !evenly || self.redistribution.is_none());
+        if evenly && stop.is_some() {
+            self.mark();
+        }
         let Self {
             seed,
             scene,
@@ -231,7 +251,6 @@ impl Engine for IndependentEngine<'_> {
             streams,
             scale,
             cells,
-            single_pixel,
             redistribution,
             ..
         } = self;
@@ -242,9 +261,7 @@ impl Engine for IndependentEngine<'_> {
             film,
             scale: *scale,
             cells: *cells,
-            // A pass that is broken off leaves the picture uneven; where samples touch more than
-            // their own pixel nothing could make it even again.
-            stop: stop.filter(|_| cells.is_none() || *single_pixel),
+            stop,
             redistribution: redistribution.as_ref(),
         };
         streams
@@ -252,6 +269,9 @@ impl Engine for IndependentEngine<'_> {
             .zip(plan)
             .with_max_len(1)
             .for_each(|(stream, &steps)| stream.run(&job, steps));
+        if evenly && is_stopped(stop) && self.steps() < before + plan.iter().sum::<u64>() {
+            self.take_back();
+        }
         self.steps() - before
     }
 
@@ -287,12 +307,40 @@ impl Engine for IndependentEngine<'_> {
         Some(redistribution.statistics(chains))
     }
 
-    fn nonfinite(&self) -> (u64, Option<Place>) {
+    fn nonfinite(&self) -> (u64, Vec<Place>) {
         Nonfinite::all(
             self.streams
                 .iter()
                 .map(|stream| (stream.ladder, stream.nonfinite)),
         )
+    }
+
+    /// Samples follow from their number alone.
+    fn replay(&mut self, step: u64) -> Option<Vec<Event>> {
+        let Self {
+            seed,
+            scene,
+            builder,
+            film,
+            streams,
+            scale,
+            cells,
+            redistribution,
+            ..
+        } = self;
+        let job = Job {
+            seed: *seed,
+            scene,
+            builder: builder.as_ref(),
+            film,
+            scale: *scale,
+            cells: *cells,
+            stop: None,
+            redistribution: redistribution.as_ref(),
+        };
+        let stream = streams.first_mut()?;
+        stream.step = step;
+        Some(trace(|| stream.run(&job, 1)).1)
     }
 
     /// Not of what is redistributed: its chains do not count them.

@@ -205,8 +205,8 @@ impl<'a> Lamps<'a> {
     }
 
     /// Contributions left out because they were not finite. They belong to no ladder's step.
-    pub(crate) fn nonfinite(&self) -> (u64, Option<Place>) {
-        (self.nonfinite.load(Ordering::Relaxed), None)
+    pub(crate) fn nonfinite(&self) -> (u64, Vec<Place>) {
+        (self.nonfinite.load(Ordering::Relaxed), Vec::new())
     }
 
     /// One ray a sample of the passes, to the first surface.

@@ -23,6 +23,7 @@
 //! ```
 
 mod annealing;
+mod builders;
 mod cells;
 mod choices;
 mod control;
@@ -32,6 +33,8 @@ mod engine;
 mod erpt;
 mod erpt_pss;
 mod error;
+#[cfg(test)]
+mod faults;
 mod features;
 mod independent;
 mod key;
@@ -47,6 +50,7 @@ mod photon_options;
 mod pssmlt;
 mod relt;
 mod render;
+mod replay;
 mod replica_statistics;
 mod settings;
 mod sobol;
@@ -68,6 +72,7 @@ pub use mutations::Mutations;
 pub use options::{OptionError, Options};
 pub use photon_options::{Normalisation, PhotonOptions, TargetFunction};
 pub use render::{Outcome, Rendered, Watch, render, render_watched, resume};
+pub use replay::replay;
 pub use replica_statistics::{ReplicaLevel, ReplicaStatistics};
 pub use settings::{Budget, RenderSettings};
 pub use state::{Snapshot, Source, State, StateError};

@@ -139,6 +139,21 @@ impl Method {
         )
     }
 
+    /// Can [`replay`](fn@crate::replay) show a step of it? Where steps are taken together or paths are no points of the
+    /// primary sample space, it cannot.
+    pub fn is_replayable(self) -> bool {
+        matches!(
+            self,
+            Self::Path
+                | Self::Light
+                | Self::Bdpt
+                | Self::Pssmlt
+                | Self::Mmlt
+                | Self::Relt
+                | Self::ErptPss
+        )
+    }
+
     /// The settings that it reads.
     pub fn keys(self) -> impl Iterator<Item = &'static Key> {
         KEYS.iter().filter(move |key| key.methods.contains(&self))

@@ -304,13 +304,13 @@ impl Engine for MltEngine<'_> {
             .collect()
     }
 
-    fn nonfinite(&self) -> (u64, Option<Place>) {
-        let mut places = self.chains.iter().filter_map(|chain| {
+    fn nonfinite(&self) -> (u64, Vec<Place>) {
+        let places = self.chains.iter().filter_map(|chain| {
             let step = chain.metropolis.statistics().first_defect?;
             let ladder = chain.ladder;
             Some(Place { ladder, step })
         });
-        let proposed = (self.statistics().defects, places.next());
+        let proposed = (self.statistics().defects, places.collect());
         let chains = self.chains.iter();
         let fresh = Nonfinite::all(chains.map(|chain| (chain.ladder, chain.nonfinite)));
         let own = add_nonfinite(proposed, Some(fresh));

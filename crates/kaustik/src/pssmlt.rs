@@ -11,22 +11,17 @@ use kaustik_mcmc::{
     Draws, Exponential, Mean, Metropolis, Mutation, Pcg64Dxsm, Point, PointKernel, Pool,
     SampleGenerators, Statistics, Uniform, generator, sample, sample_generator,
 };
-use kaustik_path::{
-    Bidirectional, Contributions, Endpoint, Form, PathBuilder, Rays, Unidirectional,
-};
+use kaustik_path::{Contributions, Event, PathBuilder, Rays, trace};
 use kaustik_scene::Scene;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
+use crate::builders::builder;
 use crate::control::is_stopped;
 use crate::engine::{Engine, Nonfinite, STRIDE, add_counters, add_nonfinite, add_rays};
 use crate::lamps::Lamps;
-use crate::render::builder_settings;
 use crate::state::{Keep, Reader, StateError, Writer};
-use crate::{
-    Builder, ChainStatistics, Method, Normaliser, Options, Place, RenderError, RenderSettings,
-    SmallStep, mmlt,
-};
+use crate::{ChainStatistics, Normaliser, Options, Place, RenderError, RenderSettings, SmallStep};
 
 /// The pilot's samples come from a ladder that no render has.
 pub(crate) const PILOT_LADDER: u64 = u64::MAX;
@@ -104,8 +99,16 @@ struct Chain {
 impl<'a> PssmltEngine<'a> {
     /// Runs the pilot and starts the chains.
     pub(crate) fn new(scene: &'a Scene, settings: &RenderSettings) -> Result<Self, RenderError> {
+        Self::with_builder(scene, settings, builder(scene, settings)?)
+    }
+
+    /// Over the paths of this builder.
+    pub(crate) fn with_builder(
+        scene: &'a Scene,
+        settings: &RenderSettings,
+        builder: Box<dyn PathBuilder + 'a>,
+    ) -> Result<Self, RenderError> {
         let options = settings.options;
-        let builder = builder(scene, settings)?;
         let family = ScalarContribution {
             target: options.target,
             contribution: options.contribution,
@@ -216,36 +219,6 @@ impl<'a> PssmltEngine<'a> {
             mean.merge(&statistics.independent[0]);
         }
         mean
-    }
-}
-
-/// What makes paths of a point.
-pub(crate) fn builder(
-    scene: &Scene,
-    settings: &RenderSettings,
-) -> Result<Box<dyn PathBuilder>, RenderError> {
-    let options = &settings.options;
-    if settings.method == Method::Mmlt {
-        return Ok(Box::new(mmlt::builder(scene, settings)?));
-    }
-    Ok(match options.builder {
-        Builder::Unidirectional => Box::new(Unidirectional {
-            settings: builder_settings(settings),
-            next_event: options.next_event,
-        }),
-        Builder::Endpoint => Box::new(Endpoint {
-            settings: builder_settings(settings),
-        }),
-        Builder::Simple => Box::new(bidirectional(settings, Form::Simple)),
-        Builder::Bidirectional => Box::new(bidirectional(settings, Form::Full)),
-    })
-}
-
-fn bidirectional(settings: &RenderSettings, form: Form) -> Bidirectional {
-    Bidirectional {
-        settings: builder_settings(settings),
-        form,
-        heuristic: settings.options.heuristic,
     }
 }
 
@@ -376,10 +349,18 @@ impl Engine for PssmltEngine<'_> {
         ))
     }
 
-    fn nonfinite(&self) -> (u64, Option<Place>) {
+    fn nonfinite(&self) -> (u64, Vec<Place>) {
         let chains = self.chains.iter();
         let own = Nonfinite::all(chains.map(|chain| (chain.ladder, chain.nonfinite)));
         add_nonfinite(own, self.lamps.as_ref().map(Lamps::nonfinite))
+    }
+
+    /// The chain goes on to the step from its start; lamps have no part in it.
+    fn replay(&mut self, step: u64) -> Option<Vec<Event>> {
+        let mut chains = std::mem::take(&mut self.chains);
+        let chain = chains.first_mut()?;
+        self.drive(chain, step, None);
+        Some(trace(|| self.drive(chain, 1, None)).1)
     }
 
     fn rays(&self) -> Option<Rays> {

@@ -15,7 +15,7 @@ use kaustik_mcmc::{
     Estimate, LadderStatistics, Mean, RoughNormalisers, RunningNormalisers, Schedule, Statistics,
     SteppingStone,
 };
-use kaustik_path::Bidirectional;
+use kaustik_path::{Bidirectional, Event, trace};
 use kaustik_scene::Scene;
 use rayon::prelude::*;
 
@@ -30,6 +30,8 @@ use run::{Run, below, pool, runs};
 use scouts::{SpecularLight, scouting};
 use start::{Started, for_so_many_replicas, kernels, replica_builder, start};
 
+/// Paths of a sweep, about: a look at the stop flag comes as often as elsewhere.
+const SWEEP: u64 = 16;
 /// Sweeps of a ladder between two changes of its step sizes. Rounds of 16 were seen to bias a chain by
 /// 20 %, rounds of 1,000 within its error (spec relt.md 4).
 const ADAPTATION_ROUND: u64 = 1_000;
@@ -172,7 +174,7 @@ impl<'a, const K: usize> ReltEngine<'a, K> {
         let kernels = kernels::<K>(target, &self.set, self.options.steps);
         let mut deposit = self.deposit(run.shares);
         for done in 0..sweeps {
-            if done % STRIDE == 0 && is_stopped(stop) {
+            if done % (STRIDE / SWEEP) == 0 && is_stopped(stop) {
                 break;
             }
             for (level, kernel) in kernels.iter().enumerate() {
@@ -428,7 +430,15 @@ impl<const K: usize> Engine for ReltEngine<'_, K> {
         })
     }
 
-    fn nonfinite(&self) -> (u64, Option<Place>) {
+    /// All that is evaluated in the sweep of this step.
+    fn replay(&mut self, step: u64) -> Option<Vec<Event>> {
+        let mut runs = std::mem::take(&mut self.runs);
+        let run = runs.first_mut()?;
+        self.drive(run, step / self.cost(), None);
+        Some(trace(|| self.drive(run, 1, None)).1)
+    }
+
+    fn nonfinite(&self) -> (u64, Vec<Place>) {
         let own = Nonfinite::all(self.runs.iter().map(|run| (run.index, run.nonfinite)));
         add_nonfinite(own, self.direct.as_ref().map(Lamps::nonfinite))
     }

@@ -48,6 +48,9 @@ pub struct Rendered {
 /// waiting for the last ladder costs little.
 const ROUND: Duration = Duration::from_millis(250);
 
+/// How long a render that was stopped works on albedo, normal and depth.
+const PATIENCE: Duration = Duration::from_millis(300);
+
 /// Renders a scene.
 ///
 /// The picture depends on the scene and the settings alone (but for `threads`); with
@@ -71,6 +74,9 @@ pub trait Watch {
 
     /// Gets it: without albedo, normal and depth, with a method's parts if the settings ask for features.
     fn see(&mut self, rendered: Rendered);
+
+    /// The pilot is over: from now on there is something to lose.
+    fn begins(&mut self) {}
 
     /// Will states be wanted? Methods that keep none are then refused before the first step.
     fn keeps(&self) -> bool {
@@ -151,6 +157,7 @@ fn render_from(
         pool.install(|| work.take_up(engine.as_mut(), state, true))?;
     }
     work.begin();
+    watch.begins();
     let outcome = work.run(engine.as_mut(), &pool, control, watch)?;
     work.finish(engine, &pool, outcome)
 }
@@ -396,7 +403,13 @@ impl<'a> Work<'a> {
         // The films are not needed any more, the feature planes are.
         drop(engine);
         if self.settings.features {
-            for layer in pool.install(|| features::layers(self.scene, self.settings)) {
+            // Whoever stops a render waits for the picture: what is not part of it is left out if it takes long.
+            let patience = match outcome {
+                Outcome::Stopped => PATIENCE,
+                Outcome::Complete | Outcome::Black => Duration::MAX,
+            };
+            let layers = pool.install(|| features::layers(self.scene, self.settings, patience));
+            for layer in layers.into_iter().flatten() {
                 rendered.image.push_layer(layer)?;
             }
         }
@@ -411,7 +424,8 @@ impl<'a> Work<'a> {
     ) -> Result<Rendered, RenderError> {
         let seconds = self.seconds();
         let mut image = engine.develop()?;
-        let (nonfinite, first_nonfinite) = engine.nonfinite();
+        let (nonfinite, mut nonfinite_places) = engine.nonfinite();
+        nonfinite_places.truncate(RenderStatistics::MOST_PLACES);
         let settings = self.settings;
         let statistics = RenderStatistics {
             method: settings.method.to_string(),
@@ -422,7 +436,7 @@ impl<'a> Work<'a> {
             seconds,
             pilot_seconds: self.pilot.as_secs_f64(),
             nonfinite,
-            first_nonfinite,
+            nonfinite_places,
             rays: engine.rays().map(|rays| RayStatistics {
                 closest: rays.closest,
                 any: rays.any,

@@ -23,8 +23,9 @@ pub struct RenderStatistics {
     pub pilot_seconds: f64,
     /// Contributions that were not finite, left out.
     pub nonfinite: u64,
-    /// Where the first of them (by ladder) arose: with the seed all that a replay needs.
-    pub first_nonfinite: Option<Place>,
+    /// Where the first of them arose, by ladder, at most [`MOST_PLACES`](Self::MOST_PLACES): with seed and settings all
+    /// that [`replay`](fn@crate::replay) needs.
+    pub nonfinite_places: Vec<Place>,
     /// Rays of all steps, the pilot's left out; of methods that count them.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rays: Option<RayStatistics>,
@@ -82,6 +83,11 @@ pub struct MutationStatistics {
     pub proposed: u64,
     /// Their mean acceptance.
     pub acceptance: f64,
+}
+
+impl RenderStatistics {
+    /// Most places of contributions that were not finite.
+    pub const MOST_PLACES: usize = 32;
 }
 
 /// How many rays were traced.

@@ -3,13 +3,14 @@
 use kaustik_bsdf::{Lobe, Mode, shading};
 use kaustik_geometry::Ray;
 use kaustik_pss::{Coordinates, Stream};
-use kaustik_scene::{DirectSample, Reach};
+use kaustik_scene::DirectSample;
 
 use super::Job;
 use super::vertex::PathVertex;
 use super::weights::DirectEnd;
 use super::witness::{Joint, Seen, Witness};
 use crate::contributions::Gathered;
+use crate::next_event::end;
 use crate::{Class, layout};
 
 /// s = 1: joins the last vertex to a fresh point of an emitter.
@@ -41,12 +42,12 @@ pub(super) fn next_event(
         return;
     }
     let distance = distance(z, &sample);
-    let end = DirectEnd {
+    let direct = DirectEnd {
         pdf: (!sample.delta).then_some(sample.pdf),
         emission_pdf: sample.emission_pdf,
         squared: distance.map_or(1.0, |distance| distance * distance),
     };
-    let weight = job.weights().direct(z, wi, &end);
+    let weight = job.weights().direct(z, wi, &direct);
     let stops = z.onward.stop * job.builder.form.at_emitter().stop;
     value *= (wi.z.abs() * weight / (sample.pdf * stops)) as f32;
     if value.is_zero() {
@@ -79,12 +80,7 @@ pub(super) fn next_event(
 
 /// To the emitter; `None` at infinity.
 fn distance(z: &PathVertex, sample: &DirectSample) -> Option<f64> {
-    let end = match &sample.reach {
-        Reach::Surface(point, _) => point.as_dvec3(),
-        Reach::Point(point) => *point,
-        Reach::Infinity => return None,
-    };
-    Some((end - z.vertex.position).length())
+    end(sample).map(|end| (end - z.vertex.position).length())
 }
 
 /// s >= 2, t >= 2: joins the last vertices of both subpaths.

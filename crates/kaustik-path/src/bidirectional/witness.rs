@@ -1,4 +1,4 @@
-//! Who looks at each contribution: nobody in a render, the tests of the weights.
+//! Who looks at each contribution: nobody in a render, a replay, the tests of the weights.
 
 use glam::DVec3;
 use kaustik_scene::camera::{LensHit, LensSample};
@@ -6,6 +6,8 @@ use kaustik_scene::{DirectSample, EmissionPdf};
 use kaustik_spectrum::Spectrum;
 
 use super::vertex::PathVertex;
+use crate::next_event::end;
+use crate::trace::{Event, note};
 
 /// Told of every weighted path before its visibility is known.
 pub(super) trait Witness {
@@ -16,10 +18,6 @@ pub(super) trait Witness {
 
 /// A weighted path.
 #[derive(Clone, Copy, Debug)]
-#[cfg_attr(
-    not(test),
-    expect(dead_code, reason = "read by the tests of the weights")
-)]
 pub(super) struct Seen<'a> {
     /// Vertices from the light, the point on the emitter included.
     pub(super) s: u32,
@@ -36,7 +34,7 @@ pub(super) struct Seen<'a> {
 #[derive(Clone, Copy, Debug)]
 #[cfg_attr(
     not(test),
-    expect(dead_code, reason = "read by the tests of the weights")
+    expect(dead_code, reason = "read in full by the tests of the weights alone")
 )]
 pub(super) enum Joint<'a> {
     /// s = 0: the last vertex of the eye emits, or the walk left the scene.
@@ -55,7 +53,30 @@ pub(super) enum Joint<'a> {
     Surfaces,
 }
 
+impl Seen<'_> {
+    /// For whoever looks at the path.
+    #[cold]
+    fn event(&self) -> Event {
+        let last = |vertices: &[PathVertex]| Some(vertices.last()?.vertex.position);
+        let points = match self.joint {
+            Joint::Emitter { .. } | Joint::LensHit(_) => None,
+            Joint::Direct(sample) => last(self.eye).zip(end(sample)),
+            Joint::Lens(sample) => last(self.light).zip(Some(sample.position)),
+            Joint::Surfaces => last(self.eye).zip(last(self.light)),
+        };
+        Event::Join {
+            s: self.s,
+            t: self.t,
+            points: points.map(|(from, to)| [from, to]),
+            weight: self.weight,
+            value: self.value,
+        }
+    }
+}
+
 impl Witness for () {
     #[inline]
-    fn see(&mut self, _: &Seen<'_>) {}
+    fn see(&mut self, seen: &Seen<'_>) {
+        note(|| seen.event());
+    }
 }

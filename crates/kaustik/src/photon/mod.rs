@@ -190,7 +190,7 @@ impl Engine for PhotonEngine<'_> {
         Ok(layers)
     }
 
-    fn nonfinite(&self) -> (u64, Option<Place>) {
+    fn nonfinite(&self) -> (u64, Vec<Place>) {
         let photons = Nonfinite::all(std::iter::once((0, self.tracer.nonfinite())));
         add_nonfinite(photons, Some(self.remainder.nonfinite()))
     }

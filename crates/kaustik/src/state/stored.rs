@@ -1,3 +1,4 @@
+use std::io::Read;
 use std::ops::Range;
 use std::path::Path;
 
@@ -15,6 +16,13 @@ pub struct State {
 }
 
 impl State {
+    /// Does this file begin as a state does? `false` also where it cannot be read.
+    pub fn is_at(path: &Path) -> bool {
+        let mut magic = [0; MAGIC.len()];
+        let file = std::fs::File::open(path);
+        file.is_ok_and(|mut file| file.read_exact(&mut magic).is_ok() && magic == MAGIC)
+    }
+
     /// Reads a state file.
     ///
     /// # Errors

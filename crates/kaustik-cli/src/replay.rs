@@ -1,0 +1,272 @@
+//! `kaustik replay`: a sample or step of a render once more, part by part.
+
+use std::fmt::Write;
+use std::path::Path;
+use std::process::ExitCode;
+
+use glam::DVec3;
+use kaustik::film::{check_writable, write_file};
+use kaustik::path::{Event, Side};
+use kaustik::scene::gltf::{Line, lines};
+use kaustik::spectrum::Spectrum;
+use kaustik::{Place, RenderSettings, Source, State, replay};
+use serde_json::json;
+
+use crate::arguments::{At, ReplayWords};
+use crate::render::{failure, load, settings};
+use crate::{Failure, output};
+
+pub(crate) fn run(words: &ReplayWords) -> Result<ExitCode, Failure> {
+    if let Some(path) = &words.gltf {
+        check_writable(path).map_err(Failure::input)?;
+    }
+    let (settings, source, size) = asked(words)?;
+    let outputs = &words.render.outputs;
+    let scene = load(outputs, &source, words.render.max_memory, &settings, size)?;
+    let [width, height] = scene.image_size();
+    let settings = RenderSettings {
+        width,
+        height,
+        ..settings
+    };
+    let At { ladder, step, .. } = words.at;
+    let place = Place { ladder, step };
+    let events = replay(&scene, &settings, place).map_err(|error| failure(&error))?;
+    let RenderSettings { method, seed, .. } = settings;
+    let what = format!("{method} of {}, step {seed}:{ladder}:{step}", source.scene);
+    output::print(&told(&what, &events));
+    if let Some(path) = &words.gltf {
+        let notes = json!({ "kaustik": what });
+        let text = lines(&drawn(&events), &notes);
+        write_file(path, |file| file.write_all(text.as_bytes())).map_err(Failure::other)?;
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Columns and rows as far as they are known.
+type Size = (Option<u32>, Option<u32>);
+
+/// The settings and the scene of the render, from its words or from its state.
+fn asked(words: &ReplayWords) -> Result<(RenderSettings, Source, Size), Failure> {
+    let render = &words.render;
+    let path = Path::new(&render.scene);
+    if !State::is_at(path) {
+        let mut settings = settings(render)?;
+        settings.seed = words.at.seed.unwrap_or(settings.seed);
+        let source = Source {
+            scene: render.scene.clone(),
+            camera: render.camera.clone(),
+            variant: render.variant.clone(),
+            environment: render.environment.clone(),
+        };
+        return Ok((settings, source, (render.width, render.height)));
+    }
+    let wrong =
+        |error: &dyn std::fmt::Display| Failure::Input(format!("{}: {error}", path.display()));
+    let state = State::read(path).map_err(|error| wrong(&error))?;
+    let settings = state.settings().map_err(|error| wrong(&error))?;
+    if let Some(seed) = words.at.seed.filter(|seed| *seed != settings.seed) {
+        let found = format!("seed is {} in the state, {seed} in --at", settings.seed);
+        return Err(wrong(&found));
+    }
+    let size = (Some(settings.width), Some(settings.height));
+    Ok((settings, state.source().clone(), size))
+}
+
+/// The text: a line for each event, indented by walk; what is not finite is marked.
+fn told(what: &str, events: &[Event]) -> String {
+    let mut text = format!("{what}\n");
+    let mut evaluations = 0;
+    for event in events {
+        if *event == Event::Begin {
+            evaluations += 1;
+        }
+        let _ = write!(text, "{}", line(event, evaluations));
+        if !event.is_finite() {
+            text += "   <- not finite";
+        } else if matches!(event, Event::Splat { kept: false, .. }) {
+            text += "   <- negative, left out";
+        }
+        text.push('\n');
+    }
+    let faults = events.iter().filter(|event| !event.is_finite()).count();
+    let splats = events
+        .iter()
+        .filter(|event| matches!(event, Event::Splat { .. }));
+    let _ = writeln!(
+        text,
+        "{evaluations} evaluations, {} splats; {}",
+        splats.count(),
+        match faults {
+            0 => "everything is finite".to_owned(),
+            n => format!("{n} lines have numbers that are not finite"),
+        }
+    );
+    text
+}
+
+fn line(event: &Event, evaluation: u32) -> String {
+    match *event {
+        Event::Begin => format!("evaluation {evaluation}"),
+        Event::Start {
+            side,
+            position,
+            direction,
+            throughput,
+        } => format!(
+            "  {} walk from {} toward {}: throughput {}",
+            name(side),
+            point(position),
+            point(direction),
+            spectrum(throughput)
+        ),
+        Event::Vertex {
+            side,
+            edge,
+            position,
+            normal,
+            shading,
+            material,
+            triangle: [instance, triangle],
+            distance,
+            throughput,
+        } => format!(
+            "    {} vertex {edge} at {} after {distance:.6}: normal {}, shading normal {}, material {material}, instance {instance}, triangle {triangle}, throughput {}",
+            name(side),
+            point(position),
+            point(normal),
+            point(shading),
+            spectrum(throughput)
+        ),
+        Event::Escape {
+            side,
+            edge,
+            direction,
+        } => format!(
+            "    {} edge {edge} leaves the scene toward {}",
+            name(side),
+            point(direction)
+        ),
+        Event::Scatter {
+            side,
+            edge,
+            direction,
+            pdf,
+            delta,
+            transmitted,
+            throughput,
+        } => format!(
+            "      {} vertex {edge} scatters toward {}: {}{} {pdf:.6e}, throughput {}",
+            name(side),
+            point(direction),
+            if transmitted { "transmitted, " } else { "" },
+            if delta { "Dirac, pdf" } else { "pdf" },
+            spectrum(throughput)
+        ),
+        Event::Roulette {
+            side,
+            edge,
+            survival,
+            survived,
+        } => format!(
+            "      {} vertex {edge}: roulette with {survival:.6} {}",
+            name(side),
+            if survived { "goes on" } else { "ends the walk" }
+        ),
+        Event::Join {
+            s,
+            t,
+            points,
+            weight,
+            value,
+        } => format!(
+            "      strategy s = {s}, t = {t}{}: weight {weight:.6}, {} before visibility",
+            points.map_or(String::new(), |[from, to]| {
+                format!(" joins {} and {}", point(from), point(to))
+            }),
+            spectrum(value)
+        ),
+        Event::Light { class, value } => {
+            format!("      brings light of class {class:?}: {}", spectrum(value))
+        }
+        Event::Splat {
+            raster,
+            xyz,
+            class,
+            kept,
+        } => format!(
+            "  {} at raster ({:.6}, {:.6}), class {class:?}: XYZ {:?}",
+            if kept { "splat" } else { "left out" },
+            raster.x,
+            raster.y,
+            xyz.0
+        ),
+    }
+}
+
+fn name(side: Side) -> &'static str {
+    match side {
+        Side::Camera => "camera",
+        Side::Light => "light",
+    }
+}
+
+fn point(p: DVec3) -> String {
+    format!("({:.6}, {:.6}, {:.6})", p.x, p.y, p.z)
+}
+
+fn spectrum(value: Spectrum) -> String {
+    let lanes = value.lanes().map(|lane| format!("{lane:.6e}"));
+    format!("[{}]", lanes.join(", "))
+}
+
+/// Walks and connections as lines: blue from the camera, orange from the light, green for what was joined.
+fn drawn(events: &[Event]) -> Vec<Line> {
+    let mut all: Vec<Line> = Vec::new();
+    // An edge into nothing is drawn as long as the one before it.
+    let mut length = 1.0;
+    let mut walk = 0;
+    for event in events {
+        match *event {
+            Event::Start { side, position, .. } => {
+                length = 1.0;
+                walk = all.len();
+                all.push(Line {
+                    name: format!("{} walk {}", name(side), all.len()),
+                    color: match side {
+                        Side::Camera => [0.1, 0.3, 1.0],
+                        Side::Light => [1.0, 0.4, 0.0],
+                    },
+                    points: vec![position.as_vec3()],
+                });
+            }
+            Event::Vertex {
+                position, distance, ..
+            } => {
+                length = distance;
+                if let Some(line) = all.get_mut(walk) {
+                    line.points.push(position.as_vec3());
+                }
+            }
+            Event::Escape { direction, .. } => {
+                if let Some(line) = all.get_mut(walk)
+                    && let Some(last) = line.points.last().copied()
+                {
+                    line.points.push(last + (direction * length).as_vec3());
+                }
+            }
+            Event::Join {
+                s,
+                t,
+                points: Some(points),
+                ..
+            } => all.push(Line {
+                name: format!("s = {s}, t = {t}"),
+                color: [0.1, 0.8, 0.2],
+                points: points.map(|p| p.as_vec3()).to_vec(),
+            }),
+            _ => {}
+        }
+    }
+    all
+}

@@ -1,0 +1,249 @@
+//! Samples and steps of renders, shown once more.
+
+use kaustik::film::{Film, Quantum, develop};
+use kaustik::path::{Event, Side};
+use kaustik::{Method, Place, RenderError, RenderSettings, replay};
+
+use crate::support::{picture, scene, settings};
+use crate::words::{kaustik, path, refused};
+
+/// What all samples of a render bring, replayed one by one, is its picture.
+#[test]
+fn all_samples_replayed_are_the_picture() {
+    const SIDE: u32 = 6;
+    let scene = scene("glass-cube?light=0.8", SIDE);
+    for method in [Method::Path, Method::Light, Method::Bdpt] {
+        let mut settings = settings(method, SIDE, 1);
+        settings.options.ladders = 4;
+        settings.seed = 5;
+        let image = picture(&scene, &settings);
+        let film = Film::with_layout(&settings.layout(), Quantum::from_mean(1e-3)).expect("a film");
+        for ladder in 0..4 {
+            for step in 0..u64::from(SIDE * SIDE / 4) {
+                let events = replay(&scene, &settings, Place { ladder, step });
+                for event in events.expect("events") {
+                    if let Event::Splat { raster, xyz, .. } = event {
+                        let side = f64::from(SIDE);
+                        film.splat_weighted(raster.x * side, raster.y * side, xyz, 1.0);
+                    }
+                }
+            }
+        }
+        let again = develop(&[(&film, 1.0)]).expect("a picture");
+        let mut lit = 0;
+        for (a, b) in image.rgb().iter().zip(again.rgb()) {
+            for (a, b) in a.iter().zip(b) {
+                assert!((a - b).abs() <= 1e-5 + 1e-5 * a.abs(), "{method}: {a} {b}");
+                lit += usize::from(a.abs() > 0.0);
+            }
+        }
+        assert!(lit > 30, "{method}");
+    }
+}
+
+/// A walk's vertices lie where its rays lead, one after the other, and what it brings is what was splatted.
+#[test]
+fn the_vertices_of_a_walk_follow_on_each_other() {
+    let scene = scene("cornell", 8);
+    let settings = settings(Method::Path, 8, 1);
+    let (mut edges, mut lights) = (0, 0);
+    for ladder in 0..64 {
+        let events = replay(&scene, &settings, Place { ladder, step: 0 }).expect("events");
+        let mut from = None;
+        for event in &events {
+            assert!(event.is_finite());
+            match *event {
+                Event::Start {
+                    side,
+                    position,
+                    direction,
+                    ..
+                } => {
+                    assert_eq!(side, Side::Camera);
+                    from = Some((position, direction, 0));
+                }
+                Event::Vertex {
+                    edge,
+                    position,
+                    distance,
+                    ..
+                } => {
+                    let (last, direction, before) = from.expect("a start");
+                    assert!((last + direction * distance - position).length() < 1e-4 * distance);
+                    assert_eq!(edge, before + 1);
+                    from = Some((position, direction, edge));
+                    edges += 1;
+                }
+                Event::Scatter { direction, pdf, .. } => {
+                    assert!(pdf > 0.0);
+                    let (position, _, edge) = from.expect("a vertex");
+                    from = Some((position, direction, edge));
+                }
+                Event::Light { .. } => lights += 1,
+                _ => {}
+            }
+        }
+    }
+    assert!(edges > 64 && lights > 64, "{edges} {lights}");
+}
+
+/// A step of a chain is that of the chain: for any share of the ladders and any number of threads, and each another one.
+#[test]
+fn steps_of_chains_are_replayed() {
+    let scene = scene("cornell", 8);
+    for method in [Method::Pssmlt, Method::Mmlt, Method::Relt, Method::ErptPss] {
+        assert!(method.is_replayable());
+        let settings = settings(method, 8, 4);
+        let show = |settings: &RenderSettings, ladder, step| {
+            replay(&scene, settings, Place { ladder, step }).expect("events")
+        };
+        let events = show(&settings, 3, 200);
+        let evaluations = events.iter().filter(|e| **e == Event::Begin).count();
+        if matches!(method, Method::Pssmlt | Method::Mmlt) {
+            assert_eq!(evaluations, 1, "{method}: a proposal is evaluated once");
+        }
+        assert!(evaluations > 0, "{method}");
+        let other = RenderSettings {
+            threads: 3,
+            ladders: Some(2..5),
+            ..settings.clone()
+        };
+        assert!(events == show(&other, 3, 200), "{method}");
+        // A sweep of `relt` has several steps.
+        assert!(events != show(&settings, 3, 300), "{method}");
+        assert!(events != show(&settings, 4, 200), "{method}");
+        let seeded = RenderSettings {
+            seed: 1,
+            ..settings.clone()
+        };
+        assert!(events != show(&seeded, 3, 200), "{method}");
+    }
+}
+
+#[test]
+fn what_cannot_be_replayed_is_refused() {
+    let scene = scene("cornell", 8);
+    for method in Method::ALL {
+        let place = Place { ladder: 0, step: 1 };
+        let shown = replay(&scene, &settings(method, 8, 1), place);
+        assert_eq!(shown.is_ok(), method.is_replayable(), "{method}: {shown:?}");
+        if let Err(error) = shown {
+            let said = error.to_string();
+            assert!(
+                said.contains(method.name()) && said.contains("bdpt"),
+                "{said}"
+            );
+        }
+    }
+    let place = Place {
+        ladder: 64,
+        step: 0,
+    };
+    let shown = replay(&scene, &settings(Method::Path, 8, 1), place);
+    assert!(
+        matches!(&shown, Err(RenderError::Setting { found, .. }) if found == "64"),
+        "{shown:?}"
+    );
+}
+
+fn shown(words: &[&str]) -> String {
+    let output = kaustik(words);
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{words:?}: {said}");
+    String::from_utf8(output.stdout).expect("text")
+}
+
+/// A render that reports faults says what shows them, and that does: from its words and from its state.
+#[test]
+fn a_reported_fault_is_shown() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = |name: &str| path(folder.path(), name);
+    let (state, stats, lines) = (file("s"), file("stats.json"), file("lines.gltf"));
+    // The light that walks from its lamp carry overflows.
+    let room = file("room.gltf");
+    std::fs::write(&room, crate::extremes::room("1e30", 1e5)).expect("a file");
+    let bright = [room.as_str(), "--height", "16", "--method"];
+    for method in ["light", "bdpt", "pssmlt"] {
+        let mut words = [&bright[..], &[method, "--width", "16", "--seed", "3"]].concat();
+        words.extend(["--set", "ladders=4", "--max-depth", "4"]);
+        if method == "pssmlt" {
+            words.extend(["--set", "pilot=2000", "--set", "builder=bidirectional"]);
+        }
+        let more = ["--spp", "4", "--stats", &stats, "--checkpoint", &state];
+        let output = kaustik(&[&["render"], &words[..], &more].concat());
+        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(output.status.success(), "{said}");
+        let text = std::fs::read_to_string(&stats).expect("statistics");
+        let stats: serde_json::Value = serde_json::from_str(&text).expect("JSON");
+        let stats = &stats["statistics"];
+        let places = stats["nonfinite_places"].as_array().expect("places");
+        assert!(stats["nonfinite"].as_u64() >= Some(places.len() as u64));
+        assert!(!places.is_empty() && places.len() <= 32, "{method}: {said}");
+        let place = &places[0];
+        let short = format!("{}:{}", place["ladder"], place["step"]);
+        let at = format!("3:{short}");
+        assert!(said.contains(&format!("--at {at}")), "{said}");
+        let text = shown(&[&["replay"], &words[..], &["--at", &at, "--gltf", &lines]].concat());
+        assert!(text.contains("<- not finite"), "{method}: {text}");
+        assert!(text.contains("left out at raster"), "{method}: {text}");
+        assert_eq!(text, shown(&["replay", &state, "--at", &short]), "{method}");
+        let drawn = std::fs::read_to_string(&lines).expect("lines");
+        let drawn: serde_json::Value = serde_json::from_str(&drawn).expect("JSON");
+        assert_eq!(drawn["meshes"][0]["primitives"][0]["mode"], 3, "{method}");
+    }
+    refused(
+        &["replay", &state, "--at", "9:0:0"],
+        &["seed is 3 in the state, 9"],
+    );
+    refused(&["replay", &state, "--at", "4:0"], &["the ladder is 4"]);
+    refused(&["replay", "builtin:cornell"], &["--at"]);
+    refused(
+        &[
+            "replay",
+            "builtin:cornell",
+            "--method",
+            "sppm",
+            "--at",
+            "0:0",
+        ],
+        &["sppm", "bdpt"],
+    );
+    let nowhere = file("nowhere/a.gltf");
+    refused(
+        &[
+            "replay",
+            "builtin:cornell",
+            "--at",
+            "0:0",
+            "--gltf",
+            &nowhere,
+        ],
+        &["nowhere"],
+    );
+}
+
+#[test]
+fn any_sample_is_shown() {
+    let text = shown(&[
+        "replay",
+        "builtin:cornell",
+        "--method",
+        "bdpt",
+        "--width",
+        "16",
+        "--at",
+        "7:5:2",
+    ]);
+    for word in [
+        "bdpt of builtin:cornell, step 7:5:2",
+        "camera walk from",
+        "light walk from",
+        "material",
+        "scatters toward",
+        "strategy s = ",
+        "1 evaluations",
+        "everything is finite",
+    ] {
+        assert!(text.contains(word), "no '{word}' in: {text}");
+    }
+}
