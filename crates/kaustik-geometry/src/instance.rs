@@ -49,7 +49,9 @@ pub enum WorldError {
     },
     /// A motion of an instance that does not exist, a second one of the same instance, or one that leaves the finite
     /// numbers.
-    #[error("the motion of instance {instance} is not of one of {instances}, not its only one, or not finite")]
+    #[error(
+        "the motion of instance {instance} is not of one of {instances}, not its only one, or not finite"
+    )]
     Motion {
         /// Which instance.
         instance: usize,

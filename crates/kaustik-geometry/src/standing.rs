@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use glam::{Affine3A, DMat3, DVec3, Vec3};
 
-use crate::surface::Corners;
 use crate::Mesh;
+use crate::surface::Corners;
 
 /// An instance, where it stands and what is asked of it often.
 pub(crate) struct Standing {

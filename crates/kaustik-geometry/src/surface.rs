@@ -224,8 +224,7 @@ impl Corners<'_> {
     fn given_tangent(&self, weights: [f64; 3], normal: DVec3) -> Option<Vec4> {
         let tangent = self.blend(&self.mesh.tangents, weights, |t| t.truncate().as_dvec3())?;
         let first = self.mesh.indices[self.primitive as usize][0];
-        let sign =
-            f64::from(self.mesh.tangents[first as usize].w.signum()) * self.pose.handedness;
+        let sign = f64::from(self.mesh.tangents[first as usize].w.signum()) * self.pose.handedness;
         frame_tangent(self.pose.linear * tangent, normal, sign)
     }
 

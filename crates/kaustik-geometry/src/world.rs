@@ -114,6 +114,11 @@ impl World {
         }
     }
 
+    /// The instant that it stands at, from 0 to 1.
+    pub fn time(&self) -> f32 {
+        self.time
+    }
+
     /// Does anything move?
     pub fn moves(&self) -> bool {
         !self.stock.places.motions.is_empty()

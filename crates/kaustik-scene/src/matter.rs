@@ -1,5 +1,7 @@
 //! Geometry with its materials: what a ray can meet.
 
+use std::sync::Arc;
+
 use glam::{DVec3, Vec3};
 use kaustik_bsdf::{Bsdf, Frame};
 use kaustik_geometry::{Hit, Ray, Surface, World};
@@ -12,14 +14,14 @@ use crate::{Interior, Vertex};
 mod passage;
 pub(crate) use passage::Passage;
 
-/// The world and what it is made of.
+/// The world at an instant and what it is made of.
 #[derive(Debug)]
 pub(crate) struct Matter {
     pub(crate) world: World,
-    pub(crate) materials: Vec<Material>,
-    pub(crate) textures: Vec<Texture>,
+    pub(crate) materials: Arc<[Material]>,
+    pub(crate) textures: Arc<[Texture]>,
     /// Material of each instance.
-    pub(crate) material_of: Vec<u32>,
+    pub(crate) material_of: Arc<[u32]>,
     /// Can any ray pass any surface because of its alpha?
     pub(crate) has_alpha: bool,
     /// Does any material bound a solid?
@@ -27,6 +29,17 @@ pub(crate) struct Matter {
 }
 
 impl Matter {
+    /// The same at another time.
+    pub(crate) fn at(&self, time: f32) -> Matter {
+        Matter {
+            world: self.world.at(time),
+            materials: Arc::clone(&self.materials),
+            textures: Arc::clone(&self.textures),
+            material_of: Arc::clone(&self.material_of),
+            ..*self
+        }
+    }
+
     #[inline]
     pub(crate) fn material(&self, index: u32) -> &Material {
         &self.materials[index as usize]
