@@ -37,6 +37,8 @@ mod erpt;
 mod furnace;
 /// The command and its states: signals, kills, disks that are full.
 mod kept;
+/// What moves while the shutter is open.
+mod motion;
 /// Photon methods: as the radius shrinks, and against each other.
 mod photon;
 /// Replica exchange: variants, parts, replicas that do not run.

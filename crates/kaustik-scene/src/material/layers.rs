@@ -14,7 +14,7 @@ use crate::texture::{Coding, Texture};
 /// All of a material's layers.
 #[derive(Debug)]
 pub(super) struct Layers {
-    coat: Option<(Clearcoat, [Option<Slot>; 2])>,
+    coat: Option<(Clearcoat, [Option<Slot>; 3])>,
     sheen: Option<(ColorSource, f32, Option<Slot>)>,
     brush: Option<(Anisotropy, Option<Slot>)>,
     film: Option<(Iridescence, [Option<Slot>; 2])>,
@@ -41,7 +41,11 @@ impl Layers {
         };
         let coat = match description.clearcoat {
             None => None,
-            Some(coat) => Some((coat, [slot(coat.texture)?, slot(coat.roughness_texture)?])),
+            Some(coat) => {
+                let textures = [coat.texture, coat.roughness_texture, coat.normal_texture];
+                let [share, roughness, normal] = textures.map(slot);
+                Some((coat, [share?, roughness?, normal?]))
+            }
         };
         let sheen = match description.sheen {
             None => None,
@@ -77,7 +81,7 @@ impl Layers {
     ) -> LayerParameters {
         let read = |slot: &Option<Slot>, channel: usize| texel(slot, textures, surface)[channel];
         let mut layers = LayerParameters::default();
-        if let Some((coat, [share, roughness])) = &self.coat {
+        if let Some((coat, [share, roughness, _])) = &self.coat {
             layers.clearcoat = f64::from(coat.factor * read(share, 0));
             layers.clearcoat_roughness = f64::from(coat.roughness * read(roughness, 1));
         }
@@ -86,6 +90,23 @@ impl Layers {
             layers.sheen_roughness = f64::from(roughness * read(slot, 3));
         }
         layers
+    }
+
+    /// Has the varnish normals of its own?
+    pub(super) fn has_coat_normal(&self) -> bool {
+        matches!(&self.coat, Some((coat, [.., Some(_)])) if coat.factor > 0.0)
+    }
+
+    /// These in the tangent frame, not unit.
+    pub(super) fn coat_normal(&self, textures: &[Texture], surface: &Surface) -> Option<[f32; 3]> {
+        let (coat, [.., slot]) = self.coat.as_ref()?;
+        let [x, y, z, _] = slot.as_ref()?.read(textures, surface, Coding::Linear);
+        let scale = coat.normal_scale;
+        Some([
+            (2.0 * x - 1.0) * scale,
+            (2.0 * y - 1.0) * scale,
+            2.0 * z - 1.0,
+        ])
     }
 
     /// The film at a point; `around` is the index of the medium outside.

@@ -10,7 +10,8 @@ mod emission;
 mod interior;
 mod layers;
 
-use kaustik_bsdf::{Bsdf, Interface, PrincipledParameters, SMOOTH_ALPHA, Wall};
+use glam::DVec3;
+use kaustik_bsdf::{Bsdf, Interface, LayerParameters, PrincipledParameters, SMOOTH_ALPHA, Wall};
 use kaustik_geometry::{Surface, World};
 use kaustik_spectrum::{Glass, Metal, Spectrum, Wavelengths};
 
@@ -134,6 +135,41 @@ impl Material {
         })
     }
 
+    /// Has its varnish normals of its own?
+    #[inline]
+    pub(crate) fn has_coat_normal(&self) -> bool {
+        self.layers
+            .as_ref()
+            .is_some_and(|layers| layers.has_coat_normal())
+    }
+
+    /// The varnish's normal in the tangent frame, not unit; `None` if it is that of what it covers.
+    pub(crate) fn coat_normal(&self, textures: &[Texture], surface: &Surface) -> Option<[f32; 3]> {
+        self.layers.as_ref()?.coat_normal(textures, surface)
+    }
+
+    /// The scattering function under a varnish whose normal, in the local frame, is this.
+    pub(crate) fn varnished(
+        &self,
+        textures: &[Texture],
+        surface: &Surface,
+        wavelengths: &Wavelengths,
+        around: Spectrum,
+        normal: Option<DVec3>,
+    ) -> Bsdf {
+        let base = self.parameters(textures, surface, wavelengths, around);
+        let layers = self.layers.as_deref();
+        let layers = layers.map(|layers| layers.on_top(textures, surface, wavelengths));
+        let layers = layers.unwrap_or_default();
+        Bsdf::layered(
+            &base,
+            &LayerParameters {
+                clearcoat_normal: normal,
+                ..layers
+            },
+        )
+    }
+
     /// The scattering function at a hit, into the caller's slot: most are a plain wall's, a fraction of the size of the
     /// largest. `around` is the index of refraction of the medium on the outer side of the surface at the path's
     /// wavelengths.
@@ -208,6 +244,21 @@ impl Material {
         wavelengths: &Wavelengths,
         around: Spectrum,
     ) -> Bsdf {
+        let base = self.parameters(textures, surface, wavelengths, around);
+        match self.layers.as_deref() {
+            None => Bsdf::principled(&base),
+            Some(layers) => Bsdf::layered(&base, &layers.on_top(textures, surface, wavelengths)),
+        }
+    }
+
+    #[inline(always)]
+    fn parameters(
+        &self,
+        textures: &[Texture],
+        surface: &Surface,
+        wavelengths: &Wavelengths,
+        around: Spectrum,
+    ) -> PrincipledParameters {
         let (metallic, roughness) = self.metallic_roughness(textures, surface);
         let read = |slot: &Option<Slot>, channel: usize| {
             slot.as_ref().map_or(1.0, |slot| {
@@ -235,13 +286,9 @@ impl Material {
             film: layers.and_then(|layers| layers.film(textures, surface, wavelengths, around)),
             compensation: self.compensation,
         };
-        let base = match &self.older {
+        match &self.older {
             None => base,
             Some(older) => older.replace(&base, textures, surface, wavelengths),
-        };
-        match layers {
-            None => Bsdf::principled(&base),
-            Some(layers) => Bsdf::layered(&base, &layers.on_top(textures, surface, wavelengths)),
         }
     }
 
