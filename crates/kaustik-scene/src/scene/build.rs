@@ -56,6 +56,12 @@ impl Scene {
         let mut notices = Vec::new();
         let mut motions = motions(description, options, &mut notices)?;
         let matter = matter(description, options, &mut motions)?;
+        if description.materials.iter().any(has_smooth_bumps) {
+            notices.push(
+                "a varnish with normals of its own (clearcoatNormalTexture) is rendered with a roughness of at least 0.05"
+                    .to_owned(),
+            );
+        }
         let (center, radius) = bounding_sphere(&matter.world);
         let camera = camera_description(
             description,
@@ -132,6 +138,14 @@ impl Scene {
             content: content(description, options),
         })
     }
+}
+
+/// Has it a varnish with normals of its own that is smoother than such a one is rendered?
+fn has_smooth_bumps(material: &MaterialDescription) -> bool {
+    material.clearcoat.is_some_and(|coat| {
+        let smooth = coat.roughness < 0.05 || coat.roughness_texture.is_some();
+        coat.factor > 0.0 && coat.normal_texture.is_some() && smooth
+    })
 }
 
 /// What moves while the chosen camera's shutter is open.
