@@ -9,6 +9,7 @@ mod color;
 mod emission;
 mod interior;
 mod layers;
+mod older;
 
 use glam::DVec3;
 use kaustik_bsdf::{Bsdf, Interface, LayerParameters, PrincipledParameters, SMOOTH_ALPHA, Wall};
@@ -22,6 +23,7 @@ pub(crate) use color::{ColorSource, Slot, luminance};
 use emission::Emission;
 pub(crate) use interior::Solid;
 use layers::Layers;
+use older::Older;
 
 /// A material at rest.
 #[derive(Debug)]
@@ -424,41 +426,6 @@ impl Material {
     /// Index of refraction of the interior.
     pub(crate) fn ior(&self, wavelengths: &Wavelengths) -> Spectrum {
         self.glass.ior(wavelengths)
-    }
-}
-
-/// The older model (`KHR_materials_pbrSpecularGlossiness`).
-#[derive(Debug)]
-struct Older {
-    /// Reflectance at normal incidence; its texture's alpha holds the glossiness.
-    color: ColorSource,
-    glossiness: f32,
-}
-
-impl Older {
-    /// The parameters with its numbers: no metal, and an index so high that the colour alone
-    /// tells what is reflected at normal incidence.
-    fn replace(
-        &self,
-        base: &PrincipledParameters,
-        textures: &[Texture],
-        surface: &Surface,
-        wavelengths: &Wavelengths,
-    ) -> PrincipledParameters {
-        const ALL_BY_COLOUR: f32 = 1e6;
-        let alpha = self
-            .color
-            .slot()
-            .map_or(1.0, |slot| slot.read(textures, surface, Coding::Srgb)[3]);
-        PrincipledParameters {
-            metallic: 0.0,
-            roughness: f64::from(1.0 - self.glossiness * alpha),
-            specular: 1.0,
-            specular_color: self.color.eval_plain(textures, surface, wavelengths),
-            ior: Spectrum::splat(ALL_BY_COLOUR),
-            transmission: 0.0,
-            ..*base
-        }
     }
 }
 
