@@ -131,7 +131,7 @@ impl Matter {
     }
 
     /// The varnish's own normal in the frame of a vertex, or rather in that frame with its z towards the side that is
-    /// seen: varnish is on both. `None` where it faces away from the surface, as with other normal maps.
+    /// seen: varnish is on both. Where it has no texture that is the mesh's, whatever is bent below. `None` where it faces away from the surface, as with other normal maps.
     #[inline(never)]
     fn coat_normal(&self, vertex: &Vertex) -> Option<DVec3> {
         let material = self.material(vertex.material);

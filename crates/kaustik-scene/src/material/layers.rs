@@ -15,6 +15,8 @@ use crate::texture::{Coding, Texture};
 #[derive(Debug)]
 pub(super) struct Layers {
     coat: Option<(Clearcoat, [Option<Slot>; 3])>,
+    /// Has the varnish other normals than what it covers?
+    own_normals: bool,
     sheen: Option<(ColorSource, f32, Option<Slot>)>,
     brush: Option<(Anisotropy, Option<Slot>)>,
     film: Option<(Iridescence, [Option<Slot>; 2])>,
@@ -66,6 +68,7 @@ impl Layers {
         };
         Ok(Self {
             coat,
+            own_normals: Self::has_own_normals(description),
             sheen,
             brush,
             film,
@@ -92,15 +95,28 @@ impl Layers {
         layers
     }
 
-    /// Has the varnish normals of its own?
+    /// Has the varnish of a material other normals than what it covers? Without a normal texture of its own it has those of
+    /// the mesh, whatever lies below.
+    pub(super) fn has_own_normals(description: &MaterialDescription) -> bool {
+        let of_base = (description.normal_texture).map(|slot| (slot, description.normal_scale));
+        description.clearcoat.is_some_and(|coat| {
+            let own = coat.normal_texture.map(|slot| (slot, coat.normal_scale));
+            coat.factor > 0.0 && own != of_base
+        })
+    }
+
+    /// The same of this one.
     pub(super) fn has_coat_normal(&self) -> bool {
-        matches!(&self.coat, Some((coat, [.., Some(_)])) if coat.factor > 0.0)
+        self.own_normals
     }
 
     /// These in the tangent frame, not unit.
     pub(super) fn coat_normal(&self, textures: &[Texture], surface: &Surface) -> Option<[f32; 3]> {
         let (coat, [.., slot]) = self.coat.as_ref()?;
-        let [x, y, z, _] = slot.as_ref()?.read(textures, surface, Coding::Linear);
+        let Some(slot) = slot else {
+            return Some([0.0, 0.0, 1.0]);
+        };
+        let [x, y, z, _] = slot.read(textures, surface, Coding::Linear);
         let scale = coat.normal_scale;
         Some([
             (2.0 * x - 1.0) * scale,
@@ -160,6 +176,12 @@ impl Layers {
         }
         [(x * cos - y * sin) / length, (x * sin + y * cos) / length]
     }
+}
+
+/// Has the material a varnish with other normals than what it covers, smoother than such a one is rendered?
+pub(crate) fn has_smooth_bumps(material: &MaterialDescription) -> bool {
+    let smooth = |c: Clearcoat| c.roughness < 0.05 || c.roughness_texture.is_some();
+    Layers::has_own_normals(material) && material.clearcoat.is_some_and(smooth)
 }
 
 fn texel(slot: &Option<Slot>, textures: &[Texture], surface: &Surface) -> [f32; 4] {

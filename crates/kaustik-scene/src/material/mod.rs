@@ -23,6 +23,7 @@ pub(crate) use color::{ColorSource, Slot, luminance};
 use emission::Emission;
 pub(crate) use interior::Solid;
 use layers::Layers;
+pub(crate) use layers::has_smooth_bumps;
 use older::Older;
 
 /// A material at rest.
@@ -137,7 +138,7 @@ impl Material {
         })
     }
 
-    /// Has its varnish normals of its own?
+    /// Has its varnish other normals than what it covers?
     #[inline]
     pub(crate) fn has_coat_normal(&self) -> bool {
         self.layers

@@ -15,7 +15,7 @@ use crate::description::{
 };
 use crate::emitter::{Emitters, Punctual, Sources};
 use crate::environment::Environment;
-use crate::material::Material;
+use crate::material::{Material, has_smooth_bumps};
 use crate::matter::Matter;
 use crate::texture::Texture;
 
@@ -58,7 +58,7 @@ impl Scene {
         let matter = matter(description, options, &mut motions)?;
         if description.materials.iter().any(has_smooth_bumps) {
             notices.push(
-                "a varnish with normals of its own (clearcoatNormalTexture) is rendered with a roughness of at least 0.05"
+                "a varnish (clearcoat) whose normals are not those of what it covers is rendered with a roughness of at least 0.05"
                     .to_owned(),
             );
         }
@@ -138,14 +138,6 @@ impl Scene {
             content: content(description, options),
         })
     }
-}
-
-/// Has it a varnish with normals of its own that is smoother than such a one is rendered?
-fn has_smooth_bumps(material: &MaterialDescription) -> bool {
-    material.clearcoat.is_some_and(|coat| {
-        let smooth = coat.roughness < 0.05 || coat.roughness_texture.is_some();
-        coat.factor > 0.0 && coat.normal_texture.is_some() && smooth
-    })
 }
 
 /// What moves while the chosen camera's shutter is open.
