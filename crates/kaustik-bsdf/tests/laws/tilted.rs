@@ -92,7 +92,8 @@ fn samples_follow_the_density() {
 fn samples_agree_with_eval_and_pdf_and_modes_are_adjoint() {
     let mut random = Random::new(7);
     for (index, case) in cases(&[0.0, 0.1, 0.6]).iter().enumerate() {
-        let mirror_below = index >= 6;
+        // Nine of each base: the second is rough.
+        let dirac_below = !(9..18).contains(&index);
         let (mut drawn, mut met) = (0, 0);
         for wo in directions(case) {
             for mode in [Mode::Radiance, Mode::Importance] {
@@ -107,7 +108,7 @@ fn samples_agree_with_eval_and_pdf_and_modes_are_adjoint() {
                         "{} {wo} {s:?}",
                         case.name
                     );
-                    assert!(!s.delta || mirror_below || index < 3, "{}", case.name);
+                    assert!(!s.delta || dirac_below, "{}", case.name);
                     if !s.delta {
                         met += 1;
                         assert!(adjoint(&case.bsdf, wo, s.wi), "{} {wo} {s:?}", case.name);
