@@ -81,6 +81,7 @@ impl Scene {
         if let Some(motion) = &camera_motion {
             camera.transform = motion.at(0.0);
         }
+        let camera_motion = camera_motion.filter(|motion| !motion.is_still());
         let camera = Camera::new(&camera, options.width, options.height)?
             .with_window(DVec2::NEG_INFINITY, DVec2::INFINITY);
         let environment = options

@@ -360,5 +360,6 @@ pub(super) fn description(seed: u64) -> Description {
         materials,
         textures,
         images,
+        animation: crate::description::AnimationDescription::default(),
     }
 }
