@@ -38,7 +38,7 @@ fn load(file: &File) -> Result<Loaded, LoadError> {
 #[test]
 fn what_a_sampler_says() {
     let loaded = load(&file()).expect("a sound file");
-    assert_eq!(loaded.warnings, []);
+    assert!(loaded.warnings.is_empty(), "{:?}", loaded.warnings);
     let animation = &loaded.description.animation;
     let joint = &animation.joints[0];
     assert_eq!((joint.name.as_str(), joint.parent), ("carrier", None));
