@@ -23,5 +23,5 @@ mod maps;
 mod models;
 #[path = "laws/speed.rs"]
 mod speed;
-/// A varnish with normals of its own.
+#[path = "laws/tilted.rs"]
 mod tilted;
