@@ -53,7 +53,7 @@ fn an_instant_is_a_still_world() {
             let bounds = world.bounds();
             let of_still = still.bounds();
             assert!(bounds.min.cmple(of_still.min).all() && bounds.max.cmpge(of_still.max).all());
-            for _ in 0..300 {
+            for _ in 0..3000 {
                 let origin = random.cube() * 6.0;
                 let ray = Ray::new(origin, random.cube() * 4.0 - origin);
                 let (a, b) = (there.intersect(&ray), still.intersect(&ray));
@@ -86,7 +86,7 @@ fn an_instant_is_a_still_world() {
             }
         }
     }
-    assert!(met > 5_000 && odd * 500 < met, "{odd} of {met}");
+    assert!(met > 4_000 && odd * 500 < met, "{odd} of {met}");
 }
 
 /// The portable walk gives the same bits.

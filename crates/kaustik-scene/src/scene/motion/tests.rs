@@ -49,7 +49,8 @@ fn turning() -> AnimationDescription {
         &[
             [0.0, 0.0, 0.0, 1.0],
             [0.0, 0.0, half, half],
-            [0.0, 0.0, 1.0, 0.0],
+            // The same rotation from the far side: the shorter arc leads to its opposite.
+            [0.0, 0.0, -1.0, 0.0],
         ],
     ));
     AnimationDescription {
@@ -117,15 +118,15 @@ fn steps_jump() {
     assert_eq!(motion.keys().len(), 4);
 }
 
-/// A cubic spline through zeros with tangents of 4 a second: t (1 - t)^2 4 - t^2 (1 - t) 4.
+/// A cubic spline through zeros that leaves at 4 a second and arrives at -2.
 #[test]
 fn splines_follow_their_tangents() {
     let mut animation = turning();
-    let up = [0.0, 4.0, 0.0];
+    let (up, down) = ([0.0, 4.0, 0.0], [0.0, -2.0, 0.0]);
     animation.joints[0].translation = Some(channel(
         Interpolation::CubicSpline,
         &[0.0, 2.0],
-        &[[9.0; 3], [0.0; 3], up, up, [0.0; 3], [9.0; 3]],
+        &[[9.0; 3], [0.0; 3], up, down, [0.0; 3], [9.0; 3]],
     ));
     let carried = Carried {
         joint: 0,
@@ -135,7 +136,7 @@ fn splines_follow_their_tangents() {
     let motion = motion.expect("a sound motion");
     for step in 0..=100_u32 {
         let t = f64::from(step) / 100.0;
-        let expected = 2.0 * 4.0 * (t * (1.0 - t) * (1.0 - t) - t * t * (1.0 - t));
+        let expected = 2.0 * t * (1.0 - t) * (4.0 * (1.0 - t) + 2.0 * t);
         let found = f64::from(motion.at(t as f32).translation.y);
         assert!((found - expected).abs() < 1e-3, "{t}: {found} {expected}");
     }
