@@ -204,7 +204,7 @@ impl Clock<'_> {
         breaks.push((1.0, false));
         breaks.sort_by(|a, b| a.0.total_cmp(&b.0));
         breaks.dedup_by(|later, kept| {
-            let same = later.0 == kept.0;
+            let same = later.0.total_cmp(&kept.0).is_eq();
             kept.1 |= same && later.1;
             same
         });
