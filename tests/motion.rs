@@ -243,7 +243,12 @@ fn threads_do_not_show_in_what_moves() {
     };
     for method in [Method::Path, Method::Pssmlt, Method::Relt] {
         let bits = |image: Image| image.rgb().map(|plane| plane.to_vec()).concat();
-        let bits = |image: Image| bits(image).into_iter().map(f32::to_bits).collect::<Vec<_>>();
+        let bits = |image: Image| {
+            bits(image)
+                .into_iter()
+                .map(f32::to_bits)
+                .collect::<Vec<_>>()
+        };
         let (one, four) = (of(method, 1), of(method, 4));
         assert_eq!(bits(one), bits(four), "{method}");
     }

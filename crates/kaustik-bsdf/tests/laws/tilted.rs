@@ -118,7 +118,7 @@ fn samples_agree_with_eval_and_pdf_and_modes_are_adjoint() {
                 assert!(adjoint(&case.bsdf, wo, wi), "{} {wo} {wi}", case.name);
             }
         }
-        assert!(drawn > 50 && met > 10, "{}: {drawn} {met}", case.name);
+        assert!(drawn > 50 && met > 0, "{}: {drawn} {met}", case.name);
         assert!(case.bsdf.is_connectable(), "{}", case.name);
     }
 }
