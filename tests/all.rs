@@ -45,6 +45,8 @@ mod kept;
 mod locks;
 /// A scene opens nothing outside its folder.
 mod outside;
+/// What moves while the shutter is open.
+mod motion;
 /// Photon methods: as the radius shrinks, and against each other.
 mod photon;
 /// Samples and steps of renders, shown once more.

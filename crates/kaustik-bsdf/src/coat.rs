@@ -1,6 +1,6 @@
 use crate::facets::Facets;
 use crate::ggx::Ggx;
-use crate::{Reflectance, SMOOTH_ALPHA, local};
+use crate::{Frame, Mode, Reflectance, SMOOTH_ALPHA, local};
 use glam::DVec3;
 use kaustik_spectrum::Spectrum;
 
@@ -13,7 +13,15 @@ pub(crate) struct Coat {
     strength: f32,
     /// Least that it reflects from any direction, times its share.
     least: f32,
+    /// Its own normal among directions above the surface, where that is not the surface's.
+    normal: Option<DVec3>,
 }
+
+/// GGX roughness below which a varnish with a normal of its own does not go: its lobe keeps a width, so that no vertex
+/// has two mirrored directions. That of a perceptual roughness of 0.05.
+const LEAST_TILTED: f64 = 2.5e-3;
+/// In place of a direction that its facets do not see.
+const GRAZING: DVec3 = DVec3::new(1.0, 0.0, 1e-6);
 
 /// Of an index of 1.5.
 const REFLECTANCE: Reflectance = Reflectance::Schlick {
@@ -22,24 +30,46 @@ const REFLECTANCE: Reflectance = Reflectance::Schlick {
 };
 
 impl Coat {
-    /// `strength` and perceptual `roughness` in `[0, 1]`.
-    pub(crate) fn new(strength: f64, roughness: f64, compensation: bool) -> Self {
+    /// `strength` and perceptual `roughness` in `[0, 1]`; `normal`, if it has one of its own, unit with z > 0.
+    pub(crate) fn new(
+        strength: f64,
+        roughness: f64,
+        normal: Option<DVec3>,
+        compensation: bool,
+    ) -> Self {
         let alpha = local::within(roughness, 0.0, 1.0) * local::within(roughness, 0.0, 1.0);
+        let alpha = match normal {
+            Some(_) => alpha.max(LEAST_TILTED),
+            None => alpha,
+        };
         let facets = (alpha >= SMOOTH_ALPHA)
             .then(|| Facets::compensated(REFLECTANCE, Ggx::new(alpha), compensation));
         let coat = Self {
             facets,
             strength: local::within(strength, 0.0, 1.0) as f32,
             least: 0.0,
+            normal: None,
         };
         Self {
             least: coat.albedo(DVec3::Z),
+            normal,
             ..coat
         }
     }
 
+    /// `w` (above) as its own facets see it; `None` from behind them.
+    #[inline]
+    fn own(&self, w: DVec3) -> Option<DVec3> {
+        let Some(normal) = self.normal else {
+            return Some(w);
+        };
+        let own = Frame::from_z(normal).to_local(w);
+        (own.z > GRAZING.z).then_some(own)
+    }
+
     /// What it reflects of light from `w` (above).
     pub(crate) fn albedo(&self, w: DVec3) -> f32 {
+        let w = self.own(w).unwrap_or(GRAZING);
         let share = match &self.facets {
             Some(facets) => facets.albedo(w),
             None => REFLECTANCE.at(w.z.min(1.0)),
@@ -57,19 +87,49 @@ impl Coat {
     }
 
     /// Its scattering function; both directions above. A mirror has none.
-    pub(crate) fn eval(&self, wo: DVec3, wi: DVec3) -> Spectrum {
-        self.facets
-            .map_or(Spectrum::ZERO, |facets| facets.eval(wo, wi) * self.strength)
+    ///
+    /// With a normal of its own it is what makes the light that leaves be that of its own facets, as a shading normal
+    /// is: `f cos` holds its own cosine. So it is not reciprocal, and in the other mode it is the adjoint.
+    pub(crate) fn eval(&self, wo: DVec3, wi: DVec3, mode: Mode) -> Spectrum {
+        let Some(facets) = self.facets else {
+            return Spectrum::ZERO;
+        };
+        let (Some(own_o), Some(own_i)) = (self.own(wo), self.own(wi)) else {
+            return Spectrum::ZERO;
+        };
+        let f = facets.eval(own_o, own_i) * self.strength;
+        if self.normal.is_none() {
+            return f;
+        }
+        let cosines = match mode {
+            Mode::Radiance => own_i.z / wi.z,
+            Mode::Importance => own_o.z / wo.z,
+        };
+        f * cosines as f32
     }
 
     /// Density of [`sample`](Self::sample), both directions above.
     pub(crate) fn pdf(&self, wo: DVec3, wi: DVec3) -> f64 {
-        self.facets.map_or(0.0, |facets| facets.pdf(wo, wi))
+        match (self.facets, self.own(wo), self.own(wi)) {
+            (Some(facets), Some(wo), Some(wi)) => facets.pdf(wo, wi),
+            _ => 0.0,
+        }
     }
 
     /// Draws a direction if it is rough; one below is lost.
     pub(crate) fn sample(&self, wo: DVec3, uc: f64, u: [f64; 2]) -> Option<DVec3> {
-        self.facets.map(|facets| facets.sample(wo, uc, u))
+        let facets = self.facets?;
+        let Some(normal) = self.normal else {
+            return Some(facets.sample(wo, uc, u));
+        };
+        let Some(own) = self.own(wo) else {
+            return Some(DVec3::NEG_Z);
+        };
+        let wi = facets.sample(own, uc, u);
+        if wi.z <= GRAZING.z {
+            return Some(DVec3::NEG_Z);
+        }
+        Some(Frame::from_z(normal).to_world(wi))
     }
 
     /// GGX alpha; 0 for a mirror.

@@ -11,6 +11,9 @@ pub struct LayerParameters {
     pub clearcoat: f64,
     /// `clearcoatRoughnessFactor`, perceptual, `[0, 1]`.
     pub clearcoat_roughness: f64,
+    /// The varnish's own normal (`clearcoatNormalTexture`) in the local frame, unit with z > 0; `None` is that of what
+    /// it covers. Such a varnish is at least as rough as 0.05.
+    pub clearcoat_normal: Option<DVec3>,
     /// `sheenColorFactor`, lanes in `[0, 1]`; black is none.
     pub sheen_color: Spectrum,
     /// `sheenRoughnessFactor`, perceptual, `[0, 1]`.
@@ -22,6 +25,7 @@ impl Default for LayerParameters {
         Self {
             clearcoat: 0.0,
             clearcoat_roughness: 0.0,
+            clearcoat_normal: None,
             sheen_color: Spectrum::ZERO,
             sheen_roughness: 0.0,
         }
@@ -71,6 +75,7 @@ impl Layered {
                 Coat::new(
                     layers.clearcoat,
                     layers.clearcoat_roughness,
+                    layers.clearcoat_normal.filter(|n| n.z > 0.0),
                     base.compensation,
                 )
             }),
@@ -202,7 +207,7 @@ impl Lobe for Layered {
                 f += sheen.eval(up_o, up_i) * self.under_coat(wo, wi);
             }
             if let Some(coat) = self.shown_coat() {
-                f += coat.eval(up_o, up_i);
+                f += coat.eval(up_o, up_i, mode);
             }
         }
         f

@@ -23,3 +23,5 @@ mod maps;
 mod models;
 #[path = "laws/speed.rs"]
 mod speed;
+#[path = "laws/tilted.rs"]
+mod tilted;

@@ -100,6 +100,18 @@ fn contents(scene: &Description) -> String {
         }
     };
     line("environment", environment);
+    let animation = &scene.animation;
+    if !animation.is_empty() {
+        let shutters = scene.cameras.iter().filter(|c| c.shutter.is_some()).count();
+        line(
+            "motion",
+            format!(
+                "{} moving nodes carry {} instances, lights and cameras; {shutters} cameras have a shutter interval",
+                animation.joints.len(),
+                animation.carried.len()
+            ),
+        );
+    }
     text
 }
 

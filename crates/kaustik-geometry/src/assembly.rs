@@ -2,14 +2,15 @@
 //!
 //! A mesh that is placed once is flattened: its triangles are transformed and stand in the world's tree, so that
 //! neither a single mesh nor a scene of many different ones pays for a second level. A mesh that is placed more often
-//! has one tree, shared by its instances, unless it is so small that copies cost less than the second level.
+//! has one tree, shared by its instances, unless it is so small that copies cost less than the second level. What
+//! moves always has one: the world's tree holds the box around all of its way.
 
 use std::sync::Arc;
 
 use glam::{Affine3A, Vec3};
 
-use crate::bvh::{Bvh, Kind, LIMIT, Leaf, Place, build};
-use crate::{Aabb, Instance, Mesh, WorldError};
+use crate::bvh::{Bvh, Kind, LIMIT, Leaf, Place, Places, STILL, build};
+use crate::{Aabb, Instance, Mesh, Motion, WorldError};
 
 /// A mesh of which all copies together have no more triangles is copied.
 const COPIED: usize = 1 << 14;
@@ -19,8 +20,9 @@ pub(crate) struct Assembly {
     pub(crate) leaves: Vec<Leaf>,
     /// For each instance, whether its triangles are among the leaves.
     pub(crate) flattened: Vec<bool>,
-    pub(crate) places: Vec<Place>,
-    pub(crate) trees: Vec<Bvh>,
+    pub(crate) places: Places,
+    /// For each instance the index of its motion, or [`STILL`].
+    pub(crate) motion_of: Vec<u32>,
     pub(crate) bounds: Aabb,
 }
 
@@ -28,6 +30,7 @@ impl Assembly {
     pub(crate) fn new(
         meshes: &[Arc<Mesh>],
         instances: &[Instance],
+        motions: Vec<(u32, Motion)>,
     ) -> Result<Assembly, WorldError> {
         for (mesh, checked) in meshes.iter().enumerate() {
             checked
@@ -35,26 +38,37 @@ impl Assembly {
                 .map_err(|source| WorldError::Mesh { mesh, source })?;
         }
         let uses = uses(meshes, instances)?;
+        let motion_of = motion_of(instances.len(), &motions)?;
         let mut assembly = Assembly {
             leaves: Vec::new(),
             flattened: Vec::with_capacity(instances.len()),
-            places: Vec::new(),
-            trees: Vec::new(),
+            places: Places {
+                motions: motions.into_iter().map(|(_, motion)| motion).collect(),
+                ..Places::default()
+            },
+            motion_of,
             bounds: Aabb::EMPTY,
         };
         let mut tree_of = vec![None; meshes.len()];
         for (index, instance) in instances.iter().enumerate() {
             let mesh = &meshes[instance.mesh as usize];
             let uses = uses[instance.mesh as usize];
-            check_transform(index, instance, mesh)?;
-            let flat = uses == 1 || uses.saturating_mul(mesh.triangle_count()) <= COPIED;
+            let motion = assembly.motion_of[index];
+            let moves = motion != STILL;
+            if moves {
+                assembly.check_motion(index, mesh)?;
+            } else {
+                check_transform(index, instance, mesh)?;
+            }
+            let flat =
+                !moves && (uses == 1 || uses.saturating_mul(mesh.triangle_count()) <= COPIED);
             assembly.flattened.push(flat);
             if flat {
                 assembly.flatten(index as u32, &instance.transform, mesh)?;
             } else {
                 let tree = *tree_of[instance.mesh as usize].get_or_insert_with(|| {
-                    assembly.trees.push(own_tree(mesh));
-                    assembly.trees.len() - 1
+                    assembly.places.trees.push(own_tree(mesh));
+                    assembly.places.trees.len() - 1
                 });
                 assembly.place(index as u32, &instance.transform, mesh, tree);
             }
@@ -94,18 +108,67 @@ impl Assembly {
     }
 
     fn place(&mut self, instance: u32, transform: &Affine3A, mesh: &Mesh, tree: usize) {
-        let bounds = placed_bounds(&self.trees[tree], mesh, transform);
+        let motion = self.motion_of[instance as usize];
+        let tree_of = &self.places.trees[tree];
+        let bounds = match self.places.motions.get(motion as usize) {
+            Some(motion) => swept_bounds(tree_of, mesh, motion),
+            None => placed_bounds(tree_of, mesh, transform),
+        };
         self.bounds = self.bounds.union(&bounds);
         self.leaves.push(Leaf::Instance {
-            place: self.places.len() as u32,
+            place: self.places.list.len() as u32,
             bounds,
         });
-        self.places.push(Place {
+        self.places.list.push(Place {
             instance,
             tree: tree as u32,
             to_object: transform.inverse(),
             to_world: *transform,
+            motion,
         });
+    }
+
+    /// Every key must be one that an instance could have, but for having an inverse: what is flat at an instant is not
+    /// met then.
+    fn check_motion(&self, index: usize, mesh: &Mesh) -> Result<(), WorldError> {
+        let motion = &self.places.motions[self.motion_of[index] as usize];
+        let kept = |(_, key): &(f32, Affine3A)| stays_finite(key, mesh);
+        if motion.keys().iter().all(kept) {
+            return Ok(());
+        }
+        Err(WorldError::NonFinite { instance: index })
+    }
+}
+
+/// For each instance the index of its motion.
+fn motion_of(instances: usize, motions: &[(u32, Motion)]) -> Result<Vec<u32>, WorldError> {
+    let mut of = vec![STILL; instances];
+    for (index, &(instance, _)) in motions.iter().enumerate() {
+        let instance = instance as usize;
+        match of.get_mut(instance) {
+            Some(motion) if *motion == STILL => *motion = index as u32,
+            _ => {
+                return Err(WorldError::Motion {
+                    instance,
+                    instances,
+                });
+            }
+        }
+    }
+    Ok(of)
+}
+
+/// Around all of the way: each point goes straight from key to key, and so stays within the boxes of the keys. With
+/// room for the rounding of what is between them.
+fn swept_bounds(tree: &Bvh, mesh: &Mesh, motion: &Motion) -> Aabb {
+    let boxes = motion.keys().iter();
+    let boxes = boxes.map(|(_, key)| placed_bounds(tree, mesh, key));
+    let tight = boxes.fold(Aabb::EMPTY, |all, one| all.union(&one));
+    let reach = tight.min.abs().max(tight.max.abs()).max_element();
+    let room = Vec3::splat(reach * (8.0 * f32::EPSILON));
+    Aabb {
+        min: tight.min - room,
+        max: tight.max + room,
     }
 }
 
@@ -161,6 +224,13 @@ fn check_transform(index: usize, instance: &Instance, mesh: &Mesh) -> Result<(),
     if transform.matrix3.as_dmat3().determinant() == 0.0 {
         return Err(WorldError::Singular { instance: index });
     }
+    if !(stays_finite(transform, mesh) && transform.inverse().is_finite()) {
+        return Err(WorldError::NonFinite { instance: index });
+    }
+    Ok(())
+}
+
+fn stays_finite(transform: &Affine3A, mesh: &Mesh) -> bool {
     let b = mesh.bounds();
     let far = b.min.abs().max(b.max.abs());
     let m = &transform.matrix3;
@@ -168,9 +238,5 @@ fn check_transform(index: usize, instance: &Instance, mesh: &Mesh) -> Result<(),
         + m.y_axis.abs() * far.y
         + m.z_axis.abs() * far.z
         + transform.translation.abs();
-    let kept = transform.is_finite() && (mesh.indices.is_empty() || reach.is_finite());
-    if !(kept && transform.inverse().is_finite()) {
-        return Err(WorldError::NonFinite { instance: index });
-    }
-    Ok(())
+    transform.is_finite() && (mesh.indices.is_empty() || reach.is_finite())
 }

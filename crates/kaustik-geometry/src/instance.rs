@@ -47,6 +47,17 @@ pub enum WorldError {
         /// Which instance.
         instance: usize,
     },
+    /// A motion of an instance that does not exist, a second one of the same instance, or one that leaves the finite
+    /// numbers.
+    #[error(
+        "the motion of instance {instance} is not of one of {instances}, not its only one, or not finite"
+    )]
+    Motion {
+        /// Which instance.
+        instance: usize,
+        /// How many instances there are.
+        instances: usize,
+    },
     /// More instances or triangles than the tree has room for.
     #[error("{count} {what}: more than 2^27")]
     TooLarge {

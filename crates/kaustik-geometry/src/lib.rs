@@ -6,6 +6,8 @@
 //! from which [`Ray::spawn`] and [`Ray::between`] make rays that neither meet the surface they leave nor pass through
 //! it, at any scale.
 //!
+//! Instances may move ([`Motion`]): [`World::at`] is the same world at an instant, which rays see as it stands then.
+//!
 //! This crate knows triangles and rays. It knows no material, no light and no camera.
 //!
 //! ```
@@ -31,6 +33,7 @@ mod assembly;
 mod bvh;
 mod instance;
 mod mesh;
+mod motion;
 mod ray;
 mod standing;
 mod surface;
@@ -39,6 +42,7 @@ mod world;
 pub use aabb::Aabb;
 pub use instance::{Instance, WorldError};
 pub use mesh::{Mesh, MeshError};
+pub use motion::Motion;
 pub use ray::{Hit, Ray};
 pub use surface::{Surface, offset_origin};
 pub use world::World;

@@ -11,7 +11,7 @@
 use glam::{DVec3, Vec2, Vec3, Vec4};
 
 use crate::Mesh;
-use crate::standing::Standing;
+use crate::standing::Pose;
 
 /// The geometry of a triangle at one point, in world space.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -87,9 +87,12 @@ fn away(x: f32, n: f32) -> f32 {
     }
 }
 
-/// A triangle's corners in world space and the instance that they belong to.
+/// A triangle's corners in world space, and the mesh and the pose that they come from.
 pub(crate) struct Corners<'a> {
-    pub(crate) standing: &'a Standing,
+    pub(crate) mesh: &'a Mesh,
+    /// The mesh has positions alone.
+    pub(crate) bare: bool,
+    pub(crate) pose: &'a Pose,
     pub(crate) primitive: u32,
     /// World space, exactly as the traversal sees them.
     pub(crate) positions: [DVec3; 3],
@@ -116,7 +119,7 @@ impl Corners<'_> {
         ];
         let [p0, p1, p2] = self.positions;
         let edges = [p1 - p0, p2 - p0];
-        let normal = edges[0].cross(edges[1]) * self.standing.handedness;
+        let normal = edges[0].cross(edges[1]) * self.pose.handedness;
         let double_area = normal.length();
         let geometric = unit(normal, double_area).unwrap_or(DVec3::Z);
         let inner = if self.is_inner(weights, edges, double_area) {
@@ -128,7 +131,7 @@ impl Corners<'_> {
         let normal = geometric.as_vec3();
         *surface = Surface::bare(position, normal);
         surface.front = geometric.dot(direction.as_dvec3()) <= 0.0;
-        if self.standing.bare {
+        if self.bare {
             return [position, normal, normal];
         }
         self.write_attributes(weights, surface);
@@ -152,14 +155,10 @@ impl Corners<'_> {
             f64::from(u),
             f64::from(v),
         ];
-        let corner = self.mesh().indices[self.primitive as usize].map(|i| i as usize);
+        let corner = self.mesh.indices[self.primitive as usize].map(|i| i as usize);
         let normal = normal.as_dvec3();
         self.given_tangent(weights, normal)
             .or_else(|| self.derived_tangent(corner, normal))
-    }
-
-    fn mesh(&self) -> &Mesh {
-        &self.standing.mesh
     }
 
     /// Certainly so far from all edges that [`Self::off_edges`] changes nothing? Most points are. Nothing is
@@ -169,7 +168,7 @@ impl Corners<'_> {
         let least = |a: f64, b: f64| if a < b { a } else { b };
         let smallest = least(least(weights[0], weights[1]), weights[2]);
         let distance = smallest * double_area;
-        let reach = self.standing.reach * EDGE;
+        let reach = self.pose.reach * EDGE;
         let longest = 2.0001 * (edges[0].length_squared() + edges[1].length_squared());
         smallest > 0.0 && distance * distance >= reach * reach * longest
     }
@@ -202,7 +201,7 @@ impl Corners<'_> {
     fn reach(&self) -> f64 {
         let [a, b, c] = self.positions.map(DVec3::abs);
         let corners = a.max(b).max(c).max_element();
-        match self.standing.translation() {
+        match self.pose.translation() {
             None => corners,
             Some(translation) => {
                 let size = self.positions.map(|p| (p - translation).abs());
@@ -213,29 +212,28 @@ impl Corners<'_> {
     }
 
     fn shading_normal(&self, weights: [f64; 3]) -> Option<DVec3> {
-        let normal = self.blend(&self.mesh().normals, weights, |n| n.as_dvec3())?;
-        let turned = if self.standing.identity {
+        let normal = self.blend(&self.mesh.normals, weights, |n| n.as_dvec3())?;
+        let turned = if self.pose.identity {
             normal
         } else {
-            self.standing.normals * normal
+            self.pose.normals * normal
         };
         unit(turned, turned.length())
     }
 
     fn given_tangent(&self, weights: [f64; 3], normal: DVec3) -> Option<Vec4> {
-        let tangent = self.blend(&self.mesh().tangents, weights, |t| t.truncate().as_dvec3())?;
-        let first = self.mesh().indices[self.primitive as usize][0];
-        let sign =
-            f64::from(self.mesh().tangents[first as usize].w.signum()) * self.standing.handedness;
-        frame_tangent(self.standing.linear * tangent, normal, sign)
+        let tangent = self.blend(&self.mesh.tangents, weights, |t| t.truncate().as_dvec3())?;
+        let first = self.mesh.indices[self.primitive as usize][0];
+        let sign = f64::from(self.mesh.tangents[first as usize].w.signum()) * self.pose.handedness;
+        frame_tangent(self.pose.linear * tangent, normal, sign)
     }
 
     /// From dp/du. glTF's `v` runs down the picture while the bitangent of a normal map runs up.
     fn derived_tangent(&self, corner: [usize; 3], normal: DVec3) -> Option<Vec4> {
-        if self.mesh().uv[0].is_empty() {
+        if self.mesh.uv[0].is_empty() {
             return None;
         }
-        let [a, b, c] = corner.map(|i| self.mesh().uv[0][i].as_dvec2());
+        let [a, b, c] = corner.map(|i| self.mesh.uv[0][i].as_dvec2());
         let (s, t) = (b - a, c - a);
         let area = s.perp_dot(t);
         if area == 0.0 {
@@ -254,17 +252,17 @@ impl Corners<'_> {
 
     #[inline]
     pub(crate) fn uv(&self, set: usize, weights: [f64; 3]) -> Vec2 {
-        self.blend(&self.mesh().uv[set], weights, |t| t.as_dvec2().extend(0.0))
+        self.blend(&self.mesh.uv[set], weights, |t| t.as_dvec2().extend(0.0))
             .map_or(Vec2::ZERO, |t| t.truncate().as_vec2())
     }
 
     #[inline]
     pub(crate) fn color(&self, weights: [f64; 3]) -> [f32; 4] {
-        if self.mesh().colors.is_empty() {
+        if self.mesh.colors.is_empty() {
             return [1.0; 4];
         }
         let [a, b, c] =
-            self.mesh().indices[self.primitive as usize].map(|i| self.mesh().colors[i as usize]);
+            self.mesh.indices[self.primitive as usize].map(|i| self.mesh.colors[i as usize]);
         std::array::from_fn(|k| {
             (f64::from(a[k]) * weights[0]
                 + f64::from(b[k]) * weights[1]
@@ -283,7 +281,7 @@ impl Corners<'_> {
             return None;
         }
         let [a, b, c] =
-            self.mesh().indices[self.primitive as usize].map(|i| widen(&values[i as usize]));
+            self.mesh.indices[self.primitive as usize].map(|i| widen(&values[i as usize]));
         Some(a * weights[0] + b * weights[1] + c * weights[2])
     }
 }

@@ -2,23 +2,42 @@
 
 use std::sync::Arc;
 
-use glam::{Vec2, Vec3, Vec4};
+use glam::{DVec3, Vec2, Vec3, Vec4};
 
 use crate::assembly::Assembly;
-use crate::bvh::{Any, Bvh, Closest, Goal, InstructionSet, Level, Place, build};
-use crate::standing::Standing;
-use crate::surface::Corners;
-use crate::{Aabb, Hit, Instance, Mesh, Ray, Surface, WorldError};
+use crate::bvh::{Any, Bvh, Closest, Goal, InstructionSet, Level, Places, STILL, build};
+use crate::standing::{Pose, Standing};
+use crate::{Aabb, Hit, Instance, Mesh, Motion, Ray, Surface, WorldError};
 
-/// Meshes, instances and the structure that finds them. Immutable; share it by reference between threads.
+/// The pose of an instance now, by reference: its own if it stands still, else one that is worked out into the slot. Not
+/// a function, so that nothing is copied where nothing moves.
+macro_rules! pose {
+    ($world:expr, $standing:expr, $slot:ident) => {
+        if $standing.motion == STILL {
+            &$standing.pose
+        } else {
+            $slot = $world.moved($standing);
+            &$slot
+        }
+    };
+}
+
+/// Meshes, instances and the structure that finds them, at an instant. Immutable; share it by reference between
+/// threads. [`World::at`] is the same world at another instant, and as cheap as a pointer.
 pub struct World {
+    stock: Arc<Stock>,
+    /// In [0, 1]: where what moves stands.
+    time: f32,
+}
+
+/// All that there is, whatever the time.
+struct Stock {
     meshes: Vec<Arc<Mesh>>,
     instances: Vec<Instance>,
     /// The instances as hits ask for them.
     standing: Vec<Standing>,
     tree: Bvh,
-    places: Vec<Place>,
-    trees: Vec<Bvh>,
+    places: Places,
     instruction_set: InstructionSet,
     bounds: Aabb,
 }
@@ -26,9 +45,10 @@ pub struct World {
 impl std::fmt::Debug for World {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_struct("World")
-            .field("meshes", &self.meshes.len())
-            .field("instances", &self.instances.len())
-            .field("bounds", &self.bounds)
+            .field("meshes", &self.stock.meshes.len())
+            .field("instances", &self.stock.instances.len())
+            .field("bounds", &self.stock.bounds)
+            .field("time", &self.time)
             .finish_non_exhaustive()
     }
 }
@@ -41,31 +61,89 @@ impl World {
     /// A mesh that [`Mesh::check`] refuses, an instance of a mesh that does not exist, a transform that is not finite
     /// or not invertible.
     pub fn build(meshes: Vec<Arc<Mesh>>, instances: Vec<Instance>) -> Result<World, WorldError> {
-        let assembly = Assembly::new(&meshes, &instances)?;
+        World::moving(meshes, instances, Vec::new())
+    }
+
+    /// As [`World::build`], where some instances (by index) move. Their own transform counts for nothing then; it may
+    /// be singular at some times of the motion, when no ray meets them. The world stands at time 0.
+    ///
+    /// # Errors
+    /// As [`World::build`]; a motion of an instance that does not exist, or a second one of the same.
+    pub fn moving(
+        meshes: Vec<Arc<Mesh>>,
+        mut instances: Vec<Instance>,
+        motions: Vec<(u32, Motion)>,
+    ) -> Result<World, WorldError> {
+        for (instance, motion) in &motions {
+            if let Some(instance) = instances.get_mut(*instance as usize) {
+                instance.transform = motion.at(0.0);
+            }
+        }
+        let assembly = Assembly::new(&meshes, &instances, motions)?;
         let sizes: Vec<f32> = meshes.iter().map(|mesh| largest(&mesh.bounds())).collect();
-        let standing = instances.iter().zip(&assembly.flattened);
-        let standing = standing.map(|(instance, &flattened)| {
-            let mesh = instance.mesh as usize;
-            Standing::new(instance, &meshes[mesh], flattened, sizes[mesh])
-        });
-        Ok(World {
+        let kinds = assembly.flattened.iter().zip(&assembly.motion_of);
+        let standing = instances
+            .iter()
+            .zip(kinds)
+            .map(|(instance, (&flat, &motion))| {
+                let mesh = instance.mesh as usize;
+                Standing::new(instance.transform, &meshes[mesh], flat, sizes[mesh], motion)
+            });
+        let stock = Stock {
             standing: standing.collect(),
             tree: build(&assembly.leaves),
             bounds: assembly.bounds,
             places: assembly.places,
-            trees: assembly.trees,
             instruction_set: InstructionSet::detect(),
             meshes,
             instances,
+        };
+        Ok(World {
+            stock: Arc::new(stock),
+            time: 0.0,
         })
+    }
+
+    /// The same world at a time from 0 to 1: where its [`Motion`]s are then. Every question about it is answered for
+    /// that instant, but for [`World::bounds`].
+    #[must_use]
+    pub fn at(&self, time: f32) -> World {
+        World {
+            stock: Arc::clone(&self.stock),
+            time,
+        }
+    }
+
+    /// The instant that it stands at, from 0 to 1.
+    pub fn time(&self) -> f32 {
+        self.time
+    }
+
+    /// Does anything move?
+    pub fn moves(&self) -> bool {
+        !self.stock.places.motions.is_empty()
+    }
+
+    /// Does this instance move?
+    ///
+    /// # Panics
+    /// Where there is no such instance.
+    pub fn is_moving(&self, instance: u32) -> bool {
+        self.stock.standing[instance as usize].motion != STILL
     }
 
     /// The same world, walked without vector instructions: same answers to the last bit, slower. For tests.
     #[must_use]
     pub fn portable(self) -> World {
-        World {
+        let time = self.time;
+        // Nobody else holds a world that was just built.
+        let stock = Arc::into_inner(self.stock).map(|stock| Stock {
             instruction_set: InstructionSet::Portable,
-            ..self
+            ..stock
+        });
+        World {
+            stock: Arc::new(stock.expect("the only handle")),
+            time,
         }
     }
 
@@ -141,12 +219,11 @@ impl World {
     /// normal, as it is slow to read at once what was just written.
     #[inline(always)]
     pub fn write_surface(&self, ray: &Ray, hit: &Hit, surface: &mut Surface) -> [Vec3; 3] {
-        self.corners(hit.instance, hit.primitive).write_surface(
-            hit.u,
-            hit.v,
-            ray.direction,
-            surface,
-        )
+        let moved;
+        let standing = &self.stock.standing[hit.instance as usize];
+        let pose = pose!(self, standing, moved);
+        let corners = standing.corners(pose, hit.primitive);
+        corners.write_surface(hit.u, hit.v, ray.direction, surface)
     }
 
     /// The surface at barycentric weights `u`, `v` of a triangle, seen from its front.
@@ -156,7 +233,11 @@ impl World {
     #[inline]
     pub fn surface_at(&self, instance: u32, primitive: u32, u: f32, v: f32) -> Surface {
         let mut surface = Surface::bare(Vec3::ZERO, Vec3::Z);
-        self.corners(instance, primitive)
+        let moved;
+        let standing = &self.stock.standing[instance as usize];
+        let pose = pose!(self, standing, moved);
+        standing
+            .corners(pose, primitive)
             .write_surface(u, v, Vec3::ZERO, &mut surface);
         surface
     }
@@ -170,7 +251,11 @@ impl World {
     /// # Panics
     /// Where there is no such instance or triangle.
     pub fn tangent(&self, hit: &Hit, normal: Vec3) -> Option<Vec4> {
-        self.corners(hit.instance, hit.primitive)
+        let moved;
+        let standing = &self.stock.standing[hit.instance as usize];
+        let pose = pose!(self, standing, moved);
+        standing
+            .corners(pose, hit.primitive)
             .tangent(hit.u, hit.v, normal)
     }
 
@@ -179,13 +264,17 @@ impl World {
     /// # Panics
     /// Where `set` is neither 0 nor 1.
     pub fn uv(&self, hit: &Hit, set: usize) -> Vec2 {
-        self.corners(hit.instance, hit.primitive)
+        let standing = &self.stock.standing[hit.instance as usize];
+        standing
+            .corners(&standing.pose, hit.primitive)
             .uv(set, weights(hit))
     }
 
     /// The vertex colour at a hit, for alpha tests; ones where the mesh has none.
     pub fn color(&self, hit: &Hit) -> [f32; 4] {
-        self.corners(hit.instance, hit.primitive)
+        let standing = &self.stock.standing[hit.instance as usize];
+        standing
+            .corners(&standing.pose, hit.primitive)
             .color(weights(hit))
     }
 
@@ -194,9 +283,7 @@ impl World {
     /// # Panics
     /// Where there is no such instance or triangle.
     pub fn triangle(&self, instance: u32, primitive: u32) -> [Vec3; 3] {
-        self.corners(instance, primitive)
-            .positions
-            .map(|p| p.as_vec3())
+        self.positions(instance, primitive).map(|p| p.as_vec3())
     }
 
     /// The area of a triangle in world space.
@@ -204,23 +291,23 @@ impl World {
     /// # Panics
     /// Where there is no such instance or triangle.
     pub fn triangle_area(&self, instance: u32, primitive: u32) -> f64 {
-        let [a, b, c] = self.corners(instance, primitive).positions;
+        let [a, b, c] = self.positions(instance, primitive);
         (b - a).cross(c - a).length() * 0.5
     }
 
-    /// The box around all instances; [`Aabb::EMPTY`] of an empty world.
+    /// The box around all instances, and around all of the way of those that move; [`Aabb::EMPTY`] of an empty world.
     pub fn bounds(&self) -> Aabb {
-        self.bounds
+        self.stock.bounds
     }
 
-    /// The instances, in the order in which they were given.
+    /// The instances, in the order in which they were given; those that move with their transform at time 0.
     pub fn instances(&self) -> &[Instance] {
-        &self.instances
+        &self.stock.instances
     }
 
     /// The meshes, in the order in which they were given.
     pub fn meshes(&self) -> &[Arc<Mesh>] {
-        &self.meshes
+        &self.stock.meshes
     }
 
     /// The mesh with this index.
@@ -228,7 +315,7 @@ impl World {
     /// # Panics
     /// Where there is no such mesh.
     pub fn mesh(&self, mesh: u32) -> &Mesh {
-        &self.meshes[mesh as usize]
+        &self.stock.meshes[mesh as usize]
     }
 
     /// The mesh that an instance places.
@@ -236,12 +323,13 @@ impl World {
     /// # Panics
     /// Where there is no such instance.
     pub fn mesh_of(&self, instance: u32) -> &Mesh {
-        self.mesh(self.instances[instance as usize].mesh)
+        self.mesh(self.stock.instances[instance as usize].mesh)
     }
 
     /// Triangles of all instances together: what a ray may meet.
     pub fn triangle_count(&self) -> u64 {
-        self.instances
+        self.stock
+            .instances
             .iter()
             .map(|i| self.mesh(i.mesh).triangle_count() as u64)
             .sum()
@@ -249,26 +337,39 @@ impl World {
 
     /// Bytes that the acceleration structure takes, without the meshes.
     pub fn memory(&self) -> usize {
-        let trees: usize = self.trees.iter().map(Bvh::memory).sum();
-        self.tree.memory() + trees + size_of_val(&self.places[..])
+        let Stock { tree, places, .. } = &*self.stock;
+        let trees: usize = places.trees.iter().map(Bvh::memory).sum();
+        let keys = |motion: &Motion| size_of_val(motion.keys());
+        let keys: usize = places.motions.iter().map(keys).sum();
+        tree.memory() + trees + size_of_val(&places.list[..]) + keys
     }
 
     #[inline]
     fn walk<G: Goal>(&self, ray: &Ray, goal: &mut G) -> bool {
+        let stock = &*self.stock;
         let level = Level {
-            bvh: &self.tree,
+            bvh: &stock.tree,
             ray,
             place: None,
-            places: &self.places,
-            trees: &self.trees,
+            places: &stock.places,
+            time: self.time,
         };
-        self.instruction_set.walk(&level, goal)
+        stock.instruction_set.walk(&level, goal)
     }
 
     /// A triangle's corners exactly as the walk sees them.
-    #[inline(always)]
-    fn corners(&self, instance: u32, primitive: u32) -> Corners<'_> {
-        self.standing[instance as usize].corners(primitive)
+    fn positions(&self, instance: u32, primitive: u32) -> [DVec3; 3] {
+        let moved;
+        let standing = &self.stock.standing[instance as usize];
+        let pose = pose!(self, standing, moved);
+        standing.corners(pose, primitive).positions
+    }
+
+    /// Where something that moves stands now.
+    #[inline(never)]
+    fn moved(&self, standing: &Standing) -> Pose {
+        let motion = &self.stock.places.motions[standing.motion as usize];
+        standing.moved(motion.at(self.time))
     }
 }
 

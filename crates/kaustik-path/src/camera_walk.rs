@@ -8,25 +8,28 @@ use kaustik_scene::Scene;
 use kaustik_spectrum::{Spectrum, Wavelengths};
 
 use crate::contributions::Gathered;
+use crate::instant::at_its_time;
 use crate::walk::Walk;
 use crate::{BuilderSettings, Contributions};
 
-/// Starts a walk, has light gathered along it, and splats the sum.
+/// Starts a walk at its time, has light gathered along it, and splats the sum.
 #[inline]
 pub(crate) fn trace(
     settings: &BuilderSettings,
     scene: &Scene,
     u: &mut dyn Coordinates,
     out: &mut Contributions,
-    gather: impl FnOnce(&mut Walk<'_>, &mut dyn Coordinates, &mut Gathered<'_>),
+    gather: impl FnOnce(&Scene, &mut Walk<'_>, &mut dyn Coordinates, &mut Gathered<'_>),
 ) {
     out.clear();
     let wavelengths = Wavelengths::sample(u.get(Stream::Wavelength, 0), settings.wavelengths);
-    let (mut walk, raster) = start(settings, scene, &wavelengths, u);
-    let mut gathered = Gathered::new(&wavelengths, settings.largest);
-    gather(&mut walk, u, &mut gathered);
-    gathered.count_walk(walk.edges);
-    out.merge(raster, &gathered);
+    at_its_time(scene, u, |scene, u| {
+        let (mut walk, raster) = start(settings, scene, &wavelengths, u);
+        let mut gathered = Gathered::new(&wavelengths, settings.largest);
+        gather(scene, &mut walk, u, &mut gathered);
+        gathered.count_walk(walk.edges);
+        out.merge(raster, &gathered);
+    });
 }
 
 /// A walk at the lens, and the raster point that it serves.

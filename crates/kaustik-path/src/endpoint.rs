@@ -26,7 +26,7 @@ pub struct Endpoint {
 
 impl PathBuilder for Endpoint {
     fn build(&self, scene: &Scene, u: &mut dyn Coordinates, out: &mut Contributions) {
-        camera_walk::trace(&self.settings, scene, u, out, |walk, u, gathered| {
+        camera_walk::trace(&self.settings, scene, u, out, |scene, walk, u, gathered| {
             self.gather(scene, walk, u, gathered);
         });
     }

@@ -2,6 +2,9 @@
 //!
 //! Each stream has a fixed stride a bounce, so that what is skipped shifts nothing. Vertices are
 //! counted by the edge that leads to them, from 1.
+//!
+//! The stream of time has one coordinate, index 0: when, while the shutter is open, the path is there. It is asked for
+//! only where the scene moves, after the wavelength and before all else of the path.
 
 /// Camera stream: raster x, y, lens (two), then [`BOUNCE`] a vertex.
 pub const CAMERA_HEAD: u32 = 4;

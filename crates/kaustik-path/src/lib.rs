@@ -12,6 +12,7 @@ mod class;
 mod contributions;
 mod endpoint;
 mod features;
+mod instant;
 pub mod layout;
 mod light;
 mod next_event;

@@ -7,6 +7,7 @@ use kaustik_scene::{AreaSample, EmissionSample, Scene, Vertex};
 use kaustik_spectrum::Wavelengths;
 
 use crate::contributions::colour;
+use crate::instant::at_its_time;
 use crate::trace::{Event, note};
 use crate::walk::{Scatter, Walk};
 use crate::{BuilderSettings, Class, Contributions, PathBuilder, layout};
@@ -27,20 +28,30 @@ impl PathBuilder for LightTracing {
         out.clear();
         let sampling = self.settings.wavelengths;
         let wavelengths = Wavelengths::sample(u.get(Stream::Wavelength, 0), sampling);
-        let emission = scene.sample_emission(&wavelengths, |i| u.get(Stream::Light, i));
-        let Some(emission) = emission else { return };
-        if let Some(area) = &emission.area
-            && self.settings.min_edges <= 1
-        {
-            self.join_emitter(scene, area, &wavelengths, u, out);
-        }
-        let mut walk = Walk::from_emitter(&emission, emission.weight, &wavelengths);
-        self.follow(scene, &emission, &mut walk, u, out);
-        out.count_walk(walk.edges);
+        at_its_time(scene, u, |scene, u| self.trace(scene, &wavelengths, u, out));
     }
 }
 
 impl LightTracing {
+    fn trace(
+        &self,
+        scene: &Scene,
+        wavelengths: &Wavelengths,
+        u: &mut dyn Coordinates,
+        out: &mut Contributions,
+    ) {
+        let emission = scene.sample_emission(wavelengths, |i| u.get(Stream::Light, i));
+        let Some(emission) = emission else { return };
+        if let Some(area) = &emission.area
+            && self.settings.min_edges <= 1
+        {
+            self.join_emitter(scene, area, wavelengths, u, out);
+        }
+        let mut walk = Walk::from_emitter(&emission, emission.weight, wavelengths);
+        self.follow(scene, &emission, &mut walk, u, out);
+        out.count_walk(walk.edges);
+    }
+
     /// A splat's scale: the raster is drawn from a window of this area by the other builders.
     fn scale(&self) -> f64 {
         1.0 / self.settings.window_area()

@@ -5,6 +5,7 @@ use kaustik_pss::{Coordinates, Stream};
 use kaustik_scene::{Scene, Vertex};
 use kaustik_spectrum::Wavelengths;
 
+use crate::instant::at_its_time;
 use crate::walk::Walk;
 use crate::{BuilderSettings, camera_walk, layout};
 
@@ -26,6 +27,11 @@ pub enum Sighting {
 /// coordinates and comes to the same places. So where this does not see light, the value of the point has nothing in
 /// [`Class::L0`](crate::Class::L0). It takes a tenth of the time.
 pub fn sight(settings: &BuilderSettings, scene: &Scene, u: &mut dyn Coordinates) -> Sighting {
+    at_its_time(scene, u, |scene, u| sight_at(settings, scene, u))
+}
+
+/// In a scene that stands at the path's time.
+fn sight_at(settings: &BuilderSettings, scene: &Scene, u: &mut dyn Coordinates) -> Sighting {
     let wavelengths = Wavelengths::sample(u.get(Stream::Wavelength, 0), settings.wavelengths);
     let (mut walk, _) = camera_walk::start(settings, scene, &wavelengths, u);
     let (mut vertex, mut bsdf) = (Vertex::default(), Bsdf::black());

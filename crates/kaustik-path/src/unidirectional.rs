@@ -41,7 +41,7 @@ impl Origin {
 
 impl PathBuilder for Unidirectional {
     fn build(&self, scene: &Scene, u: &mut dyn Coordinates, out: &mut Contributions) {
-        camera_walk::trace(&self.settings, scene, u, out, |walk, u, gathered| {
+        camera_walk::trace(&self.settings, scene, u, out, |scene, walk, u, gathered| {
             self.gather(scene, walk, u, gathered);
         });
     }

@@ -1,5 +1,7 @@
 //! Geometry with its materials: what a ray can meet.
 
+use std::sync::Arc;
+
 use glam::{DVec3, Vec3};
 use kaustik_bsdf::{Bsdf, Frame};
 use kaustik_geometry::{Hit, Ray, Surface, World};
@@ -12,14 +14,14 @@ use crate::{Interior, Vertex};
 mod passage;
 pub(crate) use passage::Passage;
 
-/// The world and what it is made of.
+/// The world at an instant and what it is made of.
 #[derive(Debug)]
 pub(crate) struct Matter {
     pub(crate) world: World,
-    pub(crate) materials: Vec<Material>,
-    pub(crate) textures: Vec<Texture>,
+    pub(crate) materials: Arc<[Material]>,
+    pub(crate) textures: Arc<[Texture]>,
     /// Material of each instance.
-    pub(crate) material_of: Vec<u32>,
+    pub(crate) material_of: Arc<[u32]>,
     /// Can any ray pass any surface because of its alpha?
     pub(crate) has_alpha: bool,
     /// Does any material bound a solid?
@@ -27,6 +29,17 @@ pub(crate) struct Matter {
 }
 
 impl Matter {
+    /// The same at another time.
+    pub(crate) fn at(&self, time: f32) -> Matter {
+        Matter {
+            world: self.world.at(time),
+            materials: Arc::clone(&self.materials),
+            textures: Arc::clone(&self.textures),
+            material_of: Arc::clone(&self.material_of),
+            ..*self
+        }
+    }
+
     #[inline]
     pub(crate) fn material(&self, index: u32) -> &Material {
         &self.materials[index as usize]
@@ -108,7 +121,58 @@ impl Matter {
             self.dominant(&around)
                 .map_or(Spectrum::ONE, |solid| self.material(solid).ior(wavelengths))
         };
+        if material.has_coat_normal() {
+            let normal = self.coat_normal(vertex);
+            let surface = &vertex.surface;
+            *bsdf = material.varnished(&self.textures, surface, wavelengths, around(), normal);
+            return;
+        }
         material.write_bsdf(&self.textures, &vertex.surface, wavelengths, around, bsdf);
+    }
+
+    /// The varnish's own normal in the frame of a vertex, or rather in that frame with its z towards the side that is
+    /// seen: varnish is on both. Where it has no texture that is the mesh's, whatever is bent below. `None` where it faces away from the surface, as with other normal maps.
+    #[inline(never)]
+    fn coat_normal(&self, vertex: &Vertex) -> Option<DVec3> {
+        let material = self.material(vertex.material);
+        let surface = &vertex.surface;
+        let [x, y, z] = material
+            .coat_normal(&self.textures, surface)?
+            .map(f64::from);
+        let mut normal = surface.shading_normal;
+        if normal.dot(surface.geometric_normal) < 0.0 {
+            normal = -normal;
+        }
+        let tangent = self.world.tangent(&self.hit_of(vertex), normal)?;
+        let frame = Frame::from_z_x(normal.as_dvec3(), tangent.truncate().as_dvec3());
+        let bitangent = frame.y * f64::from(tangent.w);
+        let bent = (frame.x * x + bitangent * y + frame.z * z).try_normalize()?;
+        let local = vertex.frame.to_local(bent);
+        (bent.dot(vertex.normal) > 0.0 && local.z > 1e-3).then_some(local)
+    }
+
+    /// The hit that a vertex was, by where it lies in its triangle.
+    fn hit_of(&self, vertex: &Vertex) -> Hit {
+        let corners = self.world.triangle(vertex.instance, vertex.primitive);
+        let [a, b, c] = corners.map(Vec3::as_dvec3);
+        let (s, t, p) = (b - a, c - a, vertex.position - a);
+        let normal = s.cross(t);
+        let squared = normal.length_squared();
+        let weight = |along: DVec3| {
+            let weight = along.dot(normal) / squared;
+            if weight.is_finite() {
+                weight.clamp(0.0, 1.0) as f32
+            } else {
+                0.0
+            }
+        };
+        Hit {
+            t: 0.0,
+            u: weight(p.cross(t)),
+            v: weight(s.cross(p)),
+            instance: vertex.instance,
+            primitive: vertex.primitive,
+        }
     }
 
     /// Emitted radiance of a material at a surface point; the side is the caller's matter.

@@ -4,10 +4,13 @@ mod build;
 mod content;
 mod endpoint;
 mod error;
+mod motion;
+
+use std::sync::Arc;
 
 use glam::DVec3;
 use kaustik_bsdf::{Bsdf, Lobe};
-use kaustik_geometry::{Hit, Ray, World};
+use kaustik_geometry::{Hit, Motion, Ray, World};
 use kaustik_spectrum::{Spectrum, Wavelengths};
 
 use crate::camera::Camera;
@@ -19,13 +22,19 @@ pub use error::SceneError;
 
 /// Everything a light path needs to know: geometry, materials, emitters, camera. Immutable;
 /// shared by reference between threads.
+///
+/// A scene stands at an instant. Where something [moves](Scene::moves) while the camera's shutter is open,
+/// [`Scene::at`] is the same scene at another instant: a handle upon the same parts. All that a light path asks is
+/// answered for that instant, so that whoever makes paths takes the scene at the path's time and needs to know no more.
 #[derive(Debug)]
 pub struct Scene {
     matter: Matter,
-    emitters: Emitters,
+    emitters: Arc<Emitters>,
     camera: Camera,
     camera_interior: Interior,
-    notices: Vec<String>,
+    camera_motion: Option<Arc<Motion>>,
+    moves: bool,
+    notices: Arc<[String]>,
     center: DVec3,
     radius: f64,
     image_size: [u32; 2],
@@ -42,6 +51,34 @@ pub struct Segment {
 }
 
 impl Scene {
+    /// Does anything move while the camera's shutter is open?
+    #[inline]
+    pub fn moves(&self) -> bool {
+        self.moves
+    }
+
+    /// The same scene at a time from 0, when the shutter opens, to 1, when it closes.
+    #[must_use]
+    pub fn at(&self, time: f64) -> Scene {
+        let time = time as f32;
+        let matter = self.matter.at(time);
+        let camera = self.camera_motion.as_ref();
+        let camera = camera.and_then(|motion| self.camera.moved(&motion.at(time)));
+        let camera = camera.unwrap_or_else(|| self.camera.clone());
+        // What moves may come to stand about the camera, or the camera in it.
+        let camera_interior = matter.interior_at(camera.position());
+        Scene {
+            matter,
+            emitters: Arc::clone(&self.emitters),
+            camera,
+            camera_interior,
+            camera_motion: self.camera_motion.clone(),
+            moves: self.moves,
+            notices: Arc::clone(&self.notices),
+            ..*self
+        }
+    }
+
     /// The camera.
     pub fn camera(&self) -> &Camera {
         &self.camera
@@ -69,7 +106,7 @@ impl Scene {
         &self.notices
     }
 
-    /// Centre and radius of a sphere around all geometry.
+    /// Centre and radius of a sphere around all geometry, wherever it moves.
     pub fn bounding_sphere(&self) -> (DVec3, f64) {
         (self.center, self.radius)
     }
@@ -262,8 +299,7 @@ impl Scene {
         let to = vertex.position - from;
         let squared = to.length_squared();
         let cos = to.dot(vertex.normal) / squared.sqrt();
-        self.emitters
-            .direct_pdf(vertex.instance, vertex.primitive, squared, cos)
+        self.emitters.direct_pdf(&self.matter, vertex, squared, cos)
     }
 
     /// Density per solid angle with which [`Self::sample_direct`] finds the environment in `direction`.
@@ -318,7 +354,7 @@ impl Scene {
 
     /// The solids around a point on an emitter, on the side of `direction` (world).
     pub fn area_interior(&self, area: &AreaSample, direction: DVec3) -> Interior {
-        self.emitters.area_interior(area, direction)
+        self.emitters.area_interior(&self.matter, area, direction)
     }
 
     /// Share of light that passes a segment (0 or 1 without alpha), for a ray whose ends are excluded.

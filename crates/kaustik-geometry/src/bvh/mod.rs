@@ -23,4 +23,4 @@ pub(crate) use build::{Leaf, build};
 pub(crate) use goal::{Any, Closest, Goal};
 pub(crate) use lanes::InstructionSet;
 pub(crate) use node::{Bvh, Kind, LIMIT};
-pub(crate) use walk::{Level, Place};
+pub(crate) use walk::{Level, Place, Places, STILL};

@@ -13,7 +13,7 @@ use super::prepared::{Prepared, WIDEN};
 use super::slabs::test_node;
 use super::stack::{Entry, Stack};
 use super::triangles::meet_block;
-use crate::Ray;
+use crate::{Motion, Ray};
 
 /// A tree, and the ray that goes through it.
 #[derive(Clone, Copy)]
@@ -24,9 +24,21 @@ pub(crate) struct Level<'a> {
     /// Whose tree this is; None of the world's.
     pub(crate) place: Option<&'a Place>,
     /// What the world's tree leads to.
-    pub(crate) places: &'a [Place],
-    pub(crate) trees: &'a [Bvh],
+    pub(crate) places: &'a Places,
+    /// In [0, 1]: where what moves stands.
+    pub(crate) time: f32,
 }
+
+/// Instances with trees of their own.
+#[derive(Default)]
+pub(crate) struct Places {
+    pub(crate) list: Vec<Place>,
+    pub(crate) trees: Vec<Bvh>,
+    pub(crate) motions: Vec<Motion>,
+}
+
+/// Of what does not move, in place of an index into the motions.
+pub(crate) const STILL: u32 = u32::MAX;
 
 /// An instance with a tree of its own.
 #[derive(Clone, Copy)]
@@ -35,6 +47,22 @@ pub(crate) struct Place {
     pub(crate) tree: u32,
     pub(crate) to_object: Affine3A,
     pub(crate) to_world: Affine3A,
+    /// Index into the motions, or [`STILL`].
+    pub(crate) motion: u32,
+}
+
+impl Places {
+    /// A moving place at a time; `None` where it is flat just then, and no ray meets it.
+    #[inline(never)]
+    fn moved(&self, place: &Place, time: f32) -> Option<Place> {
+        let to_world = self.motions[place.motion as usize].at(time);
+        let to_object = to_world.inverse();
+        to_object.is_finite().then_some(Place {
+            to_object,
+            to_world,
+            ..*place
+        })
+    }
 }
 
 /// Walks with `K`; whether the goal asked to stop. `PLACED` is whether the tree is an instance's: two functions, so that
@@ -164,8 +192,16 @@ fn sort_descending(entries: &mut [Entry]) {
 /// Walks through an instance's own tree.
 #[inline(always)]
 fn enter<K: Kernel, G: Goal>(level: &Level<'_>, index: u32, goal: &mut G) -> bool {
-    let place = &level.places[index as usize];
-    let bvh = &level.trees[place.tree as usize];
+    let mut place = &level.places.list[index as usize];
+    let moved;
+    if place.motion != STILL {
+        match level.places.moved(place, level.time) {
+            Some(instant) => moved = instant,
+            None => return false,
+        }
+        place = &moved;
+    }
+    let bvh = &level.places.trees[place.tree as usize];
     let inner = Level {
         bvh,
         place: Some(place),

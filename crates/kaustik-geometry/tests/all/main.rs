@@ -14,6 +14,8 @@ mod agreement;
 mod layers;
 /// What `Mesh` and `World` refuse, and what they must survive.
 mod limits;
+/// What moves, against worlds that stand still.
+mod motion;
 /// Rays that leave surfaces, and rays between two.
 mod spawning;
 /// Surfaces: normals, tangents, mirrored instances.

@@ -26,6 +26,7 @@ pub use multiplexed::Multiplexed;
 pub use techniques::{Technique, TechniqueShares, Techniques};
 
 use crate::contributions::Gathered;
+use crate::instant::at_its_time;
 use crate::{BuilderSettings, Contributions, PathBuilder, layout};
 use eye::OtherEnd;
 use weights::Weights;
@@ -56,7 +57,9 @@ pub struct Bidirectional {
 
 impl PathBuilder for Bidirectional {
     fn build(&self, scene: &Scene, u: &mut dyn Coordinates, out: &mut Contributions) {
-        Workspace::with(|workspace| self.evaluate(scene, u, out, workspace, &mut ()));
+        at_its_time(scene, u, |scene, u| {
+            Workspace::with(|workspace| self.evaluate(scene, u, out, workspace, &mut ()));
+        });
     }
 }
 

@@ -14,6 +14,7 @@ use super::witness::Witness;
 use super::workspace::{Subpath, Workspace};
 use super::{Bidirectional, Form, Job};
 use crate::contributions::Gathered;
+use crate::instant::at_its_time;
 use crate::walk::Walk;
 use crate::{Contributions, PathBuilder, camera_walk};
 
@@ -55,7 +56,9 @@ impl Multiplexed {
         u: &mut dyn Coordinates,
         out: &mut Contributions,
     ) {
-        Workspace::with(|workspace| self.one(scene, technique, u, out, workspace, &mut ()));
+        at_its_time(scene, u, |scene, u| {
+            Workspace::with(|workspace| self.one(scene, technique, u, out, workspace, &mut ()));
+        });
     }
 
     pub(super) fn one(

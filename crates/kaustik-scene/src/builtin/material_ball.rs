@@ -179,6 +179,8 @@ fn layered(name: &str) -> Option<MaterialDescription> {
                 texture: None,
                 roughness: 0.05,
                 roughness_texture: None,
+                normal_texture: None,
+                normal_scale: 1.0,
             }),
             ..metal(name, red, 0.5)
         },

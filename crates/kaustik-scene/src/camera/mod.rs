@@ -22,7 +22,7 @@ mod orthographic;
 mod perspective;
 mod pose;
 
-use glam::{DVec2, DVec3};
+use glam::{Affine3A, DVec2, DVec3};
 
 use crate::description::{CameraDescription, Projection};
 use orthographic::Orthographic;
@@ -156,6 +156,14 @@ impl Camera {
             pose,
             optics,
             window: [DVec2::ZERO, DVec2::ONE],
+        })
+    }
+
+    /// The same camera elsewhere; `None` if the transform has no usable axes.
+    pub(crate) fn moved(&self, transform: &Affine3A) -> Option<Self> {
+        Some(Self {
+            pose: Pose::new(transform)?,
+            ..self.clone()
         })
     }
 

@@ -11,6 +11,10 @@ pub struct Clearcoat {
     pub roughness: f32,
     /// Roughness in the green channel.
     pub roughness_texture: Option<TextureSlot>,
+    /// Normals of its own, in the tangent frame of what it covers.
+    pub normal_texture: Option<TextureSlot>,
+    /// Factor of their x and y.
+    pub normal_scale: f32,
 }
 
 /// `KHR_materials_sheen`: fibres that shine at grazing angles.

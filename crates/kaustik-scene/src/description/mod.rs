@@ -5,6 +5,7 @@
 //! file formats and light transport: neither side knows the other. Colours are linear
 //! Rec.709, lengths the scene's own unit, angles radians.
 
+mod animation;
 mod camera;
 mod environment;
 mod image;
@@ -18,6 +19,7 @@ use std::sync::Arc;
 use glam::Affine3A;
 use kaustik_geometry::Mesh;
 
+pub use animation::{AnimationDescription, Carried, Channel, Interpolation, Joint, Load, Rest};
 pub use camera::{Blades, CameraDescription, Lens, Projection, Shutter};
 pub use environment::EnvironmentDescription;
 pub use image::{ImageData, Pixels};
@@ -65,6 +67,8 @@ pub struct Description {
     pub cameras: Vec<CameraDescription>,
     /// Light from infinitely far away, if any.
     pub environment: Option<EnvironmentDescription>,
+    /// What moves while a camera's shutter is open.
+    pub animation: AnimationDescription,
 }
 
 impl Description {

@@ -52,7 +52,7 @@ impl Emitters {
         }
         let index = (first + vertex.primitive) as usize;
         if let Emitter::Triangle(triangle) = self.list[index] {
-            pdf.position = self.choice.probability(index) * triangle.inverse_area;
+            pdf.position = self.choice.probability(index) * triangle.inverse_area(matter);
             pdf.direction = lambertian_pdf(cos, material.emits_on_both_sides());
         }
         pdf

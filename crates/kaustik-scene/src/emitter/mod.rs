@@ -17,16 +17,16 @@ use std::f64::consts::PI;
 
 use glam::DVec3;
 use kaustik_bsdf::{Frame, warp};
-use kaustik_geometry::Ray;
+use kaustik_geometry::{Ray, Surface, offset_origin};
 use kaustik_spectrum::Wavelengths;
 
-use crate::Interior;
 use crate::environment::Environment;
 use crate::matter::Matter;
+use crate::{Interior, Vertex};
 use alias::AliasTable;
 use density::lambertian_pdf;
 pub(crate) use punctual::Punctual;
-use triangle::{Plane, TriangleEmitter, interiors_around};
+use triangle::{TriangleEmitter, interiors_around, typical_area};
 
 pub use density::EmissionPdf;
 pub use point::{EmitterPoint, PunctualView};
@@ -124,7 +124,7 @@ impl Emitters {
             1.0
         };
         for primitive in 0..world.mesh_of(instance).indices.len() as u32 {
-            let area = world.triangle_area(instance, primitive);
+            let area = typical_area(world, instance, primitive);
             let mean = material.mean_emission(&matter.textures, world, instance, primitive);
             powers.push(area * sides * PI * mean);
             let around = interiors_around(matter, instance, primitive, area);
@@ -132,15 +132,10 @@ impl Emitters {
             if self.interiors.last() != Some(&around) {
                 self.interiors.push(around);
             }
-            self.list.push(Emitter::Triangle(TriangleEmitter {
-                instance,
-                primitive,
-                material: material_index,
-                interior: self.interiors.len() as u32 - 1,
-                inverse_area: if area > 0.0 { 1.0 / area } else { 0.0 },
-                plain: (material.emits_evenly() && !material.has_alpha())
-                    .then(|| Plane::of(matter, instance, primitive)),
-            }));
+            let interior = self.interiors.len() as u32 - 1;
+            let place = [instance, primitive];
+            let triangle = TriangleEmitter::new(matter, place, material_index, interior);
+            self.list.push(Emitter::Triangle(triangle));
         }
     }
 
@@ -189,7 +184,7 @@ impl Emitters {
                 let wi = to / squared.sqrt();
                 let cos = -wi.dot(normal.as_dvec3());
                 let material = matter.material(triangle.material);
-                let pdf = probability * triangle.inverse_area * squared / cos.abs();
+                let pdf = probability * triangle.inverse_area(matter) * squared / cos.abs();
                 if !(material.emits_toward(cos) && pdf.is_finite() && pdf > 0.0) {
                     return false;
                 }
@@ -202,7 +197,8 @@ impl Emitters {
                 return true;
             }
             Emitter::Punctual(index) => {
-                self.punctual_direct(*index, probability, position, wavelengths)
+                let light = self.punctual[*index as usize].at(matter.world.time());
+                self.punctual_direct(&light, probability, position, wavelengths)
             }
             Emitter::Environment => {
                 let u = [u(1), u(2)];
@@ -238,12 +234,11 @@ impl Emitters {
 
     fn punctual_direct(
         &self,
-        index: u32,
+        light: &Punctual,
         probability: f64,
         position: DVec3,
         wavelengths: &Wavelengths,
     ) -> Option<DirectSample> {
-        let light = &self.punctual[index as usize];
         if light.is_directional() {
             return Some(DirectSample {
                 wi: -light.axis(),
@@ -270,17 +265,24 @@ impl Emitters {
     }
 
     /// Density per solid angle with which [`Self::write_direct`] at a distance whose square is
-    /// `squared` finds a point of a triangle met at `cos`.
+    /// `squared` finds this point of a triangle, met at `cos`.
     #[inline]
-    pub(crate) fn direct_pdf(&self, instance: u32, primitive: u32, squared: f64, cos: f64) -> f64 {
-        let first = self.first_of_instance[instance as usize];
+    pub(crate) fn direct_pdf(
+        &self,
+        matter: &Matter,
+        vertex: &Vertex,
+        squared: f64,
+        cos: f64,
+    ) -> f64 {
+        let first = self.first_of_instance[vertex.instance as usize];
         if first == DARK {
             return 0.0;
         }
-        let index = (first + primitive) as usize;
+        let index = (first + vertex.primitive) as usize;
         match self.list[index] {
             Emitter::Triangle(triangle) if cos != 0.0 => {
-                self.choice.probability(index) * triangle.inverse_area * squared / cos.abs()
+                let area = triangle.inverse_area(matter);
+                self.choice.probability(index) * area * squared / cos.abs()
             }
             _ => 0.0,
         }
@@ -305,9 +307,13 @@ impl Emitters {
         let (emitter, probability) = self.choose(|| u(0))?;
         match emitter {
             Emitter::Triangle(triangle) => {
-                Some(self.triangle_emission(matter, triangle, probability, wavelengths, u))
+                // What shrinks to nothing for an instant sends out nothing.
+                (triangle.inverse_area(matter) > 0.0)
+                    .then(|| self.triangle_emission(matter, triangle, probability, wavelengths, u))
             }
-            Emitter::Punctual(index) => self.punctual_emission(*index, probability, wavelengths, u),
+            Emitter::Punctual(index) => {
+                self.punctual_emission(matter, *index, probability, wavelengths, u)
+            }
             Emitter::Environment => {
                 let environment = self.environment.as_ref()?;
                 let (toward, pdf) = environment.sample([u(3), u(4)]);
@@ -354,20 +360,21 @@ impl Emitters {
         let direction = Frame::from_z(normal).to_world(warp::cosine_hemisphere([u(3), v]));
         let cos = normal.dot(direction).max(0.0);
         // The cosine of the density cancels the emitter's.
-        let position_weight = 1.0 / (probability * triangle.inverse_area);
+        let inverse_area = triangle.inverse_area(matter);
+        let position_weight = 1.0 / (probability * inverse_area);
         let weight = position_weight * PI * sides;
         EmissionSample {
             ray: Ray::spawn(&surface, direction.as_vec3()),
             weight: matter.covered_emission(triangle.material, &surface, wavelengths)
                 * weight as f32,
             pdf: EmissionPdf {
-                position: probability * triangle.inverse_area,
+                position: probability * inverse_area,
                 direction: lambertian_pdf(cos, both_sides),
                 cos,
                 infinite: false,
                 hittable: true,
             },
-            interior: self.interiors[triangle.interior as usize][usize::from(side < 0.0)],
+            interior: self.interior_beside(matter, triangle.interior, &surface, normal),
             area: Some(AreaSample {
                 surface,
                 weight: position_weight,
@@ -381,12 +388,13 @@ impl Emitters {
 
     fn punctual_emission(
         &self,
+        matter: &Matter,
         index: u32,
         probability: f64,
         wavelengths: &Wavelengths,
         mut u: impl FnMut(u32) -> f64,
     ) -> Option<EmissionSample> {
-        let light = &self.punctual[index as usize];
+        let light = self.punctual[index as usize].at(matter.world.time());
         if light.is_directional() {
             let weight = PI * self.radius * self.radius / probability;
             return Some(EmissionSample {
@@ -416,16 +424,45 @@ impl Emitters {
                 infinite: false,
                 hittable: false,
             },
-            interior: self.punctual_interior[index as usize],
+            interior: self.interior_about(matter, index, &light),
             area: None,
             fading: Some(index),
         })
     }
 
     /// The solids around a point on an emitter, on the side of `direction`.
-    pub(crate) fn area_interior(&self, area: &AreaSample, direction: DVec3) -> Interior {
-        let behind = area.surface.geometric_normal.as_dvec3().dot(direction) < 0.0;
-        self.interiors[area.interior as usize][usize::from(behind)]
+    pub(crate) fn area_interior(
+        &self,
+        matter: &Matter,
+        area: &AreaSample,
+        direction: DVec3,
+    ) -> Interior {
+        self.interior_beside(matter, area.interior, &area.surface, direction)
+    }
+
+    /// The same, of a triangle whose surroundings at rest have this index. Where geometry moves, they change.
+    fn interior_beside(
+        &self,
+        matter: &Matter,
+        at_rest: u32,
+        surface: &Surface,
+        direction: DVec3,
+    ) -> Interior {
+        if matter.has_solids && matter.world.moves() {
+            let point = offset_origin(surface, direction.as_vec3());
+            return matter.interior_at(point.as_dvec3());
+        }
+        let behind = surface.geometric_normal.as_dvec3().dot(direction) < 0.0;
+        self.interiors[at_rest as usize][usize::from(behind)]
+    }
+
+    /// The solids around a punctual light, which stands there now.
+    fn interior_about(&self, matter: &Matter, index: u32, light: &Punctual) -> Interior {
+        let moves = matter.world.moves() || self.punctual[index as usize].moves();
+        if matter.has_solids && moves && !light.is_directional() {
+            return matter.interior_at(light.position);
+        }
+        self.punctual_interior[index as usize]
     }
 
     /// What is left of a fading light's radiance after `distance`.

@@ -86,7 +86,7 @@ impl Emitters {
                 (Ray::spawn(&vertex.surface, direction.as_vec3()), direction)
             }
             EmitterPoint::Punctual(index) => {
-                let light = &self.punctual[index as usize];
+                let light = self.punctual[index as usize].at(matter.world.time());
                 if light.is_directional() {
                     (self.ray_from_disc(light.axis(), u), light.axis())
                 } else {
@@ -108,6 +108,7 @@ impl Emitters {
     /// The solids around a point, on the side of `direction`.
     pub(crate) fn point_interior(
         &self,
+        matter: &Matter,
         point: EmitterPoint,
         vertex: &Vertex,
         direction: DVec3,
@@ -117,13 +118,16 @@ impl Emitters {
                 let index = self.triangle_index(vertex);
                 match index.map(|index| self.list[index]) {
                     Some(Emitter::Triangle(triangle)) => {
-                        let behind = usize::from(vertex.normal.dot(direction) < 0.0);
-                        self.interiors[triangle.interior as usize][behind]
+                        let at_rest = triangle.interior;
+                        self.interior_beside(matter, at_rest, &vertex.surface, direction)
                     }
                     _ => Interior::VACUUM,
                 }
             }
-            EmitterPoint::Punctual(index) => self.punctual_interior[index as usize],
+            EmitterPoint::Punctual(index) => {
+                let light = self.punctual[index as usize].at(matter.world.time());
+                self.interior_about(matter, index, &light)
+            }
             EmitterPoint::Environment(_) => Interior::VACUUM,
         }
     }
@@ -131,11 +135,12 @@ impl Emitters {
     /// A punctual light as `position` receives it.
     pub(crate) fn punctual_view(
         &self,
+        matter: &Matter,
         index: u32,
         position: DVec3,
         wavelengths: &Wavelengths,
     ) -> PunctualView {
-        let light = &self.punctual[index as usize];
+        let light = self.punctual[index as usize].at(matter.world.time());
         let probability = self.choice.probability(self.punctual_index(index));
         let mut pdf = EmissionPdf {
             position: probability,
@@ -167,8 +172,8 @@ impl Emitters {
     }
 
     /// Where a punctual light is; `None` if infinitely far away.
-    pub(crate) fn punctual_position(&self, index: u32) -> Option<DVec3> {
-        let light = &self.punctual[index as usize];
+    pub(crate) fn punctual_position(&self, matter: &Matter, index: u32) -> Option<DVec3> {
+        let light = self.punctual[index as usize].at(matter.world.time());
         (!light.is_directional()).then_some(light.position)
     }
 

@@ -1,7 +1,11 @@
 //! Lights without area (`KHR_lights_punctual`): point, spot, directional.
 
-use glam::DVec3;
+use std::borrow::Cow;
+use std::sync::Arc;
+
+use glam::{Affine3A, DVec3};
 use kaustik_bsdf::{Frame, warp};
+use kaustik_geometry::Motion;
 use kaustik_spectrum::{EmissionSpectrum, Spectrum, Wavelengths, uplift_emission};
 
 use crate::description::{LightDescription, LightKind};
@@ -19,6 +23,8 @@ pub(crate) struct Punctual {
     pub(crate) position: DVec3,
     /// The direction in which it shines (spot, directional).
     axis: DVec3,
+    /// Of a light that moves.
+    motion: Option<Arc<Motion>>,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -39,15 +45,41 @@ impl Punctual {
             },
             LightKind::Directional => Shape::Directional,
         };
-        let axis = light.transform.transform_vector3(-glam::Vec3::Z).as_dvec3();
+        let (position, axis) = stand(&light.transform);
         Self {
             shape,
             intensity: uplift_emission(rgb),
             luminance: f64::from(luminance(rgb)),
             range: light.range.map_or(f64::INFINITY, f64::from),
-            position: light.transform.translation.as_dvec3(),
-            axis: axis.normalize_or(DVec3::NEG_Z),
+            position,
+            axis,
+            motion: None,
         }
+    }
+
+    /// Lets it move.
+    pub(crate) fn carry(&mut self, motion: Motion) {
+        (self.position, self.axis) = stand(&motion.at(0.0));
+        self.motion = (!motion.is_still()).then(|| Arc::new(motion));
+    }
+
+    pub(crate) fn moves(&self) -> bool {
+        self.motion.is_some()
+    }
+
+    /// The light at a time.
+    #[inline]
+    pub(crate) fn at(&self, time: f32) -> Cow<'_, Self> {
+        let Some(motion) = &self.motion else {
+            return Cow::Borrowed(self);
+        };
+        let (position, axis) = stand(&motion.at(time));
+        Cow::Owned(Self {
+            position,
+            axis,
+            motion: None,
+            ..self.clone()
+        })
     }
 
     pub(crate) fn is_directional(&self) -> bool {
@@ -131,4 +163,11 @@ impl Punctual {
             Shape::Directional => 0.0,
         }
     }
+}
+
+/// Where a light with this transform is, and in which direction it shines.
+fn stand(transform: &Affine3A) -> (DVec3, DVec3) {
+    let axis = transform.transform_vector3(-glam::Vec3::Z).as_dvec3();
+    let position = transform.translation.as_dvec3();
+    (position, axis.normalize_or(DVec3::NEG_Z))
 }

@@ -1,7 +1,7 @@
 //! One emissive triangle.
 
 use glam::{DVec3, Vec3};
-use kaustik_geometry::Surface;
+use kaustik_geometry::{Surface, World};
 use kaustik_spectrum::{Spectrum, Wavelengths};
 
 use crate::Interior;
@@ -14,9 +14,9 @@ pub(super) struct TriangleEmitter {
     pub(super) material: u32,
     /// Index into `Emitters::interiors`.
     pub(super) interior: u32,
-    /// One over the area in the world.
-    pub(super) inverse_area: f64,
-    /// What a look-up needs when the emission does not vary: no attributes are interpolated.
+    /// One over the area in the world; negative where it moves, and the area with it.
+    still_inverse_area: f64,
+    /// What a look-up needs when the emission does not vary: no attributes are interpolated. Only of what stands still.
     pub(super) plain: Option<Plane>,
 }
 
@@ -51,6 +51,40 @@ impl Plane {
 }
 
 impl TriangleEmitter {
+    /// A triangle of an instance with this material; `interior` is an index into `Emitters::interiors`.
+    pub(super) fn new(
+        matter: &Matter,
+        [instance, primitive]: [u32; 2],
+        material: u32,
+        interior: u32,
+    ) -> Self {
+        let moving = matter.world.is_moving(instance);
+        let of = matter.material(material);
+        let plain = of.emits_evenly() && !of.has_alpha() && !moving;
+        Self {
+            instance,
+            primitive,
+            material,
+            interior,
+            still_inverse_area: if moving {
+                -1.0
+            } else {
+                inverse_area(&matter.world, instance, primitive)
+            },
+            plain: plain.then(|| Plane::of(matter, instance, primitive)),
+        }
+    }
+
+    /// One over the area in the world as it stands now; 0 of a triangle without area, which nothing finds.
+    #[inline]
+    pub(super) fn inverse_area(&self, matter: &Matter) -> f64 {
+        if self.still_inverse_area >= 0.0 {
+            self.still_inverse_area
+        } else {
+            inverse_area(&matter.world, self.instance, self.primitive)
+        }
+    }
+
     /// The surface at barycentric weights of the second and third corner.
     pub(super) fn surface(&self, matter: &Matter, weights: [f64; 2]) -> Surface {
         match &self.plain {
@@ -93,6 +127,23 @@ impl TriangleEmitter {
             None => matter.material(self.material).even_emission(wavelengths),
         }
     }
+}
+
+fn inverse_area(world: &World, instance: u32, primitive: u32) -> f64 {
+    let area = world.triangle_area(instance, primitive);
+    if area > 0.0 { 1.0 / area } else { 0.0 }
+}
+
+/// The area, of what moves in the mean over a few times: for the choice among emitters, which any positive numbers
+/// serve.
+pub(super) fn typical_area(world: &World, instance: u32, primitive: u32) -> f64 {
+    if !world.is_moving(instance) {
+        return world.triangle_area(instance, primitive);
+    }
+    const TIMES: u32 = 5;
+    let at = |k| world.at((k as f32 + 0.5) / TIMES as f32);
+    let areas = (0..TIMES).map(|k| at(k).triangle_area(instance, primitive));
+    areas.sum::<f64>() / f64::from(TIMES)
 }
 
 /// The solids in front of a triangle and behind it.

@@ -32,7 +32,7 @@ pub(super) fn load<'a>(
     let Some(ours) = scene.extras()? else {
         return Ok(None);
     };
-    extras::warn_of_unknown(reader, &ours, &SCENE, &[])?;
+    extras::warn_of_unknown(reader, &ours, &SCENE)?;
     let Some(place) = ours.get("environment")? else {
         return Ok(None);
     };
@@ -46,7 +46,7 @@ pub(super) fn load<'a>(
     if !place.is_object() {
         return Err(place.mismatch("[r, g, b], or an object with \"uri\""));
     }
-    extras::warn_of_unknown(reader, &place, &IMAGE, &[])?;
+    extras::warn_of_unknown(reader, &place, &IMAGE)?;
     let mut image = picture(reader, &place)?;
     if place.flag("generated")? {
         image.encoded = Vec::new();

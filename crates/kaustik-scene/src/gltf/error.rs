@@ -28,6 +28,8 @@ pub enum ErrorKind {
     Compressed,
     /// A required extension that this loader lacks.
     Extension,
+    /// Something of ours (`extras.kaustik`) that this renderer cannot show, and that must not be left out in silence.
+    Unsupported,
     /// The options ask for a material variant that the file has not.
     Variant,
 }

@@ -31,15 +31,12 @@ pub(super) fn warn_of_unknown(
     reader: &mut Reader<'_>,
     place: &Cursor<'_>,
     known: &[&str],
-    later: &[&str],
 ) -> Result<()> {
     for (key, _) in place.object()? {
         let Some(member) = place.get(key)? else {
             continue;
         };
-        if later.contains(&key.as_str()) {
-            reader.warn(&member, "not read yet; it is ignored");
-        } else if !known.contains(&key.as_str()) {
+        if !known.contains(&key.as_str()) {
             let message = format!(
                 "an unknown key; it is ignored (known: {})",
                 known.join(", ")
@@ -56,7 +53,7 @@ pub(super) fn material(
     place: &Cursor<'_>,
     material: &mut MaterialDescription,
 ) -> Result<()> {
-    warn_of_unknown(reader, place, &MATERIAL, &[])?;
+    warn_of_unknown(reader, place, &MATERIAL)?;
     if let Some(input) = place.get("reflectance")? {
         material.reflectance = Some(reflectance(&input)?);
     }
@@ -202,7 +199,16 @@ pub(super) fn camera(
     reader: &mut Reader<'_>,
     place: &Cursor<'_>,
 ) -> Result<(Option<Lens>, Option<Shutter>)> {
-    warn_of_unknown(reader, place, &CAMERA, &["lens"])?;
+    if let Some(prescription) = place.get("lens")? {
+        let expected = "a thin lens: \"aperture\" and \"focus\", with \"blades\" if it has them";
+        return Err(prescription
+            .error(ErrorKind::Unsupported, "a lens of several elements", expected)
+            .help(
+                "light is not traced through lens elements, whose flares, vignetting and distortion a thin lens \
+                 would leave out",
+            ));
+    }
+    warn_of_unknown(reader, place, &CAMERA)?;
     Ok((lens(reader, place)?, shutter(place)?))
 }
 

@@ -159,7 +159,7 @@ fn is_generated(reader: &mut Reader<'_>, place: &Cursor<'_>) -> Result<bool> {
     let Some(ours) = place.extras()? else {
         return Ok(false);
     };
-    extras::warn_of_unknown(reader, &ours, &["generated"], &[])?;
+    extras::warn_of_unknown(reader, &ours, &["generated"])?;
     ours.flag("generated")
 }
 

@@ -55,14 +55,19 @@ fn clearcoat(
     textures: &Textures,
     place: &Cursor<'_>,
 ) -> Result<Clearcoat> {
-    if let Some(normal) = place.get("clearcoatNormalTexture")? {
-        let message = "ignored: the varnish has the normals of what it covers";
-        reader.warn(&normal, message);
-    }
+    let (normal_texture, normal_scale) = match place.get("clearcoatNormalTexture")? {
+        None => (None, 1.0),
+        Some(normal) => (
+            textures.slot(reader, &normal)?,
+            normal.f32_or("scale", 1.0)?,
+        ),
+    };
     Ok(Clearcoat {
         factor: reader.number(place, "clearcoatFactor", 0.0, UNIT)?,
         texture: slot(reader, textures, place, "clearcoatTexture")?,
         roughness: reader.number(place, "clearcoatRoughnessFactor", 0.0, UNIT)?,
         roughness_texture: slot(reader, textures, place, "clearcoatRoughnessTexture")?,
+        normal_texture,
+        normal_scale,
     })
 }

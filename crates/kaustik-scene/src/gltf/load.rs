@@ -15,7 +15,9 @@ use super::texture::Textures;
 use super::variant::Variants;
 use super::warning::{Warning, Warnings};
 use super::{ErrorKind, LoadError, LoadOptions};
-use super::{camera, environment, extension, image, image_light, light, material, node, syntax};
+use super::{
+    animation, camera, environment, extension, image, image_light, light, material, node, syntax,
+};
 use crate::description::Description;
 
 /// A scene file's contents, and what could not be taken from it as it stands.
@@ -117,7 +119,12 @@ fn describe(reader: &mut Reader<'_>, variants: &Variants) -> Result<Description,
         lights: light::load(reader)?,
         meshes: Meshes::load(reader, variants)?,
     };
-    placement::place(reader, &nodes, &parts, &mut description)?;
+    let seen = parts.cameras.iter().any(|camera| camera.shutter.is_some());
+    let rig = animation::load(reader, &nodes, seen)?;
+    placement::place(reader, &nodes, &parts, &rig, &mut description)?;
+    if !description.animation.carried.is_empty() {
+        description.animation.joints = rig.joints;
+    }
     let images = image::load(reader)?;
     let textures = Textures::load(reader, &images)?;
     description.materials = material::load(reader, &textures)?;
@@ -131,12 +138,6 @@ fn describe(reader: &mut Reader<'_>, variants: &Variants) -> Result<Description,
         };
     }
     description.images = images.list;
-    if root.count("animations")? > 0 {
-        reader.warn(
-            &root,
-            "animations are ignored; the scene stands as its nodes say",
-        );
-    }
     Ok(description)
 }
 

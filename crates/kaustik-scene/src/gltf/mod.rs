@@ -18,6 +18,7 @@
 //! and scenes.
 
 mod accessor;
+mod animation;
 mod budget;
 mod buffer;
 mod camera;

@@ -13,6 +13,10 @@ type Result<T> = std::result::Result<T, LoadError>;
 pub(super) struct Placed<'a> {
     pub(super) node: Cursor<'a>,
     pub(super) world: DAffine3,
+    /// Its index in the file.
+    pub(super) index: usize,
+    /// Position of its parent in the list of placed nodes.
+    pub(super) parent: Option<usize>,
 }
 
 /// The parent of each node, after it has been checked that the nodes are a forest of bounded
@@ -90,9 +94,9 @@ pub(super) fn flatten<'a>(
         None => (0..nodes.len()).filter(|&i| parents[i].is_none()).collect(),
     };
     let pending = roots.into_iter().rev().map(|i| (i, None));
-    let mut pending: Vec<(usize, Option<DAffine3>)> = pending.collect();
+    let mut pending: Vec<(usize, Option<usize>)> = pending.collect();
     let mut seen = vec![false; nodes.len()];
-    let mut placed = Vec::new();
+    let mut placed: Vec<Placed<'a>> = Vec::new();
     while let Some((index, parent)) = pending.pop() {
         let node = &nodes[index];
         if std::mem::replace(&mut seen[index], true) {
@@ -101,13 +105,15 @@ pub(super) fn flatten<'a>(
         }
         let local = transform::local(reader, node)?;
         // a root keeps its very bits
-        let world = parent.map_or(local, |parent| parent * local);
+        let world = parent.map_or(local, |parent| placed[parent].world * local);
         for child in node.list("children")?.iter().rev() {
-            pending.push((child.index("/nodes", nodes.len())?, Some(world)));
+            pending.push((child.index("/nodes", nodes.len())?, Some(placed.len())));
         }
         placed.push(Placed {
             node: node.clone(),
             world,
+            index,
+            parent,
         });
     }
     Ok(placed)

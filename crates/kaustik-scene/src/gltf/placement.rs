@@ -3,6 +3,7 @@
 use glam::{DAffine3, DVec3};
 
 use super::accessor::Accessor;
+use super::animation::{Carrier, Rig};
 use super::camera::CameraKind;
 use super::json::Cursor;
 use super::light::Punctual;
@@ -10,7 +11,9 @@ use super::mesh::Meshes;
 use super::node::Placed;
 use super::reader::Reader;
 use super::{ErrorKind, LoadError, transform, vertices};
-use crate::description::{CameraDescription, Description, InstanceDescription, LightDescription};
+use crate::description::{
+    CameraDescription, Carried, Description, InstanceDescription, LightDescription, Load,
+};
 
 type Result<T> = std::result::Result<T, LoadError>;
 
@@ -28,22 +31,42 @@ pub(super) fn place<'a>(
     reader: &mut Reader<'a>,
     nodes: &[Placed<'a>],
     parts: &Parts,
+    rig: &Rig,
     description: &mut Description,
 ) -> Result<()> {
     let mut cameras = Vec::new();
-    for placed in nodes {
+    for (position, placed) in nodes.iter().enumerate() {
         let name = placed.node.text("name")?;
-        instances(reader, placed, name, &parts.meshes, description)?;
-        if let Some(camera) = camera(reader, placed, name, &parts.cameras)? {
-            cameras.push(camera);
+        let carrier = rig.carrier(position);
+        instances(reader, placed, carrier, name, &parts.meshes, description)?;
+        if let Some((index, camera)) = camera(reader, placed, name, &parts.cameras)? {
+            cameras.push((index, camera, carrier));
         }
         if let Some(light) = light(reader, placed, name, &parts.lights)? {
+            carry(description, Load::Light(description.lights.len()), carrier);
             description.lights.push(light);
         }
     }
-    cameras.sort_by_key(|&(index, _)| index);
-    description.cameras = cameras.into_iter().map(|(_, camera)| camera).collect();
+    cameras.sort_by_key(|&(index, ..)| index);
+    for (_, camera, carrier) in cameras {
+        carry(
+            description,
+            Load::Camera(description.cameras.len()),
+            carrier,
+        );
+        description.cameras.push(camera);
+    }
     Ok(())
+}
+
+/// Notes that something moves, if it does.
+fn carry(description: &mut Description, load: Load, carrier: Carrier) {
+    let carried = carrier.map(|(joint, offset)| Carried {
+        load,
+        joint,
+        offset,
+    });
+    description.animation.carried.extend(carried);
 }
 
 /// The node's name, or else that of what it holds.
@@ -99,6 +122,7 @@ fn light(
 fn instances<'a>(
     reader: &mut Reader<'a>,
     placed: &Placed<'a>,
+    carrier: Carrier,
     name: &str,
     meshes: &Meshes,
     description: &mut Description,
@@ -119,16 +143,27 @@ fn instances<'a>(
         let expected = format!("at most {most}");
         return Err(node.error(ErrorKind::Budget, found, expected));
     }
-    let each = size_of::<InstanceDescription>() + name.len();
+    let moving = if carrier.is_some() {
+        size_of::<Carried>()
+    } else {
+        0
+    };
+    let each = size_of::<InstanceDescription>() + name.len() + moving;
     reader.budget.take_many(&node.pointer(), added, each)?;
-    for world in &copies {
+    for (world, local) in &copies {
         let transform = transform::narrow(world, node)?;
-        if transform.matrix3.as_dmat3().determinant() == 0.0 {
+        // What moves may grow from nothing.
+        if transform.matrix3.as_dmat3().determinant() == 0.0 && carrier.is_none() {
             reader.warn(
                 node,
                 "its scale is 0, so that nothing of it is seen; it is left out",
             );
             continue;
+        }
+        let first = description.instances.len();
+        for index in first..first + parts.len() {
+            let carrier = carrier.map(|(joint, offset)| (joint, offset * *local));
+            carry(description, Load::Instance(index), carrier);
         }
         description
             .instances
@@ -142,10 +177,11 @@ fn instances<'a>(
     Ok(())
 }
 
-/// The transforms of a node's copies (`EXT_mesh_gpu_instancing`): its own one if it has none.
-fn copies<'a>(reader: &mut Reader<'a>, placed: &Placed<'a>) -> Result<Vec<DAffine3>> {
+/// The transforms of a node's copies (`EXT_mesh_gpu_instancing`), to the world and to the node: its own one if it has
+/// none.
+fn copies<'a>(reader: &mut Reader<'a>, placed: &Placed<'a>) -> Result<Vec<(DAffine3, DAffine3)>> {
     let Some(extension) = placed.node.extension("EXT_mesh_gpu_instancing")? else {
-        return Ok(vec![placed.world]);
+        return Ok(vec![(placed.world, DAffine3::IDENTITY)]);
     };
     let place = extension.need("attributes")?;
     let mut count = None;
@@ -155,7 +191,7 @@ fn copies<'a>(reader: &mut Reader<'a>, placed: &Placed<'a>) -> Result<Vec<DAffin
     let count = count.unwrap_or(1);
     reader
         .budget
-        .take_many(&place.pointer(), count, size_of::<DAffine3>())?;
+        .take_many(&place.pointer(), count, size_of::<[DAffine3; 2]>())?;
     let wide = |v: &[f32; 3]| DVec3::from_array(v.map(f64::from));
     let local = |i: usize| {
         let rotation = rotations.get(i).and_then(|&r| transform::rotation(r));
@@ -165,7 +201,8 @@ fn copies<'a>(reader: &mut Reader<'a>, placed: &Placed<'a>) -> Result<Vec<DAffin
             translations.get(i).map_or(DVec3::ZERO, wide),
         )
     };
-    Ok((0..count).map(|i| placed.world * local(i)).collect())
+    let both = |local| (placed.world * local, local);
+    Ok((0..count).map(|i| both(local(i))).collect())
 }
 
 /// The values of an attribute of the copies, as many as of the others.

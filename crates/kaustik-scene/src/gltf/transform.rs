@@ -5,6 +5,7 @@ use glam::{Affine3A, DAffine3, DMat3, DQuat, DVec3};
 use super::json::Cursor;
 use super::reader::Reader;
 use super::{ErrorKind, LoadError};
+use crate::description::Rest;
 
 /// The transform of a node to its parent: a matrix, or translation, rotation and scale.
 pub(super) fn local(reader: &mut Reader<'_>, node: &Cursor<'_>) -> Result<DAffine3, LoadError> {
@@ -27,6 +28,15 @@ pub(super) fn local(reader: &mut Reader<'_>, node: &Cursor<'_>) -> Result<DAffin
         rotation,
         vector("translation", [0.0; 3])?,
     ))
+}
+
+/// Translation, rotation and scale of a node without a matrix.
+pub(super) fn rest(node: &Cursor<'_>) -> Result<Rest, LoadError> {
+    Ok(Rest {
+        translation: node.floats_or("translation", [0.0; 3])?,
+        rotation: node.floats_or("rotation", [0.0, 0.0, 0.0, 1.0])?,
+        scale: node.floats_or("scale", [1.0; 3])?,
+    })
 }
 
 /// The unit quaternion along `[x, y, z, w]`; `None` if that has no length.

@@ -22,7 +22,7 @@ pub(super) const NAMES: [&str; 6] = [
     "COLOR_0",
 ];
 
-const fn allowed(
+pub(super) const fn allowed(
     components: &'static [Component],
     plain_integers: bool,
     words: &'static str,

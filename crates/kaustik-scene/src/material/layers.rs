@@ -14,7 +14,9 @@ use crate::texture::{Coding, Texture};
 /// All of a material's layers.
 #[derive(Debug)]
 pub(super) struct Layers {
-    coat: Option<(Clearcoat, [Option<Slot>; 2])>,
+    coat: Option<(Clearcoat, [Option<Slot>; 3])>,
+    /// Has the varnish other normals than what it covers?
+    own_normals: bool,
     sheen: Option<(ColorSource, f32, Option<Slot>)>,
     brush: Option<(Anisotropy, Option<Slot>)>,
     film: Option<(Iridescence, [Option<Slot>; 2])>,
@@ -41,7 +43,11 @@ impl Layers {
         };
         let coat = match description.clearcoat {
             None => None,
-            Some(coat) => Some((coat, [slot(coat.texture)?, slot(coat.roughness_texture)?])),
+            Some(coat) => {
+                let textures = [coat.texture, coat.roughness_texture, coat.normal_texture];
+                let [share, roughness, normal] = textures.map(slot);
+                Some((coat, [share?, roughness?, normal?]))
+            }
         };
         let sheen = match description.sheen {
             None => None,
@@ -62,6 +68,7 @@ impl Layers {
         };
         Ok(Self {
             coat,
+            own_normals: Self::has_own_normals(description),
             sheen,
             brush,
             film,
@@ -77,7 +84,7 @@ impl Layers {
     ) -> LayerParameters {
         let read = |slot: &Option<Slot>, channel: usize| texel(slot, textures, surface)[channel];
         let mut layers = LayerParameters::default();
-        if let Some((coat, [share, roughness])) = &self.coat {
+        if let Some((coat, [share, roughness, _])) = &self.coat {
             layers.clearcoat = f64::from(coat.factor * read(share, 0));
             layers.clearcoat_roughness = f64::from(coat.roughness * read(roughness, 1));
         }
@@ -86,6 +93,36 @@ impl Layers {
             layers.sheen_roughness = f64::from(roughness * read(slot, 3));
         }
         layers
+    }
+
+    /// Has the varnish of a material other normals than what it covers? Without a normal texture of its own it has those of
+    /// the mesh, whatever lies below.
+    pub(super) fn has_own_normals(description: &MaterialDescription) -> bool {
+        let of_base = (description.normal_texture).map(|slot| (slot, description.normal_scale));
+        description.clearcoat.is_some_and(|coat| {
+            let own = coat.normal_texture.map(|slot| (slot, coat.normal_scale));
+            coat.factor > 0.0 && own != of_base
+        })
+    }
+
+    /// The same of this one.
+    pub(super) fn has_coat_normal(&self) -> bool {
+        self.own_normals
+    }
+
+    /// These in the tangent frame, not unit.
+    pub(super) fn coat_normal(&self, textures: &[Texture], surface: &Surface) -> Option<[f32; 3]> {
+        let (coat, [.., slot]) = self.coat.as_ref()?;
+        let Some(slot) = slot else {
+            return Some([0.0, 0.0, 1.0]);
+        };
+        let [x, y, z, _] = slot.read(textures, surface, Coding::Linear);
+        let scale = coat.normal_scale;
+        Some([
+            (2.0 * x - 1.0) * scale,
+            (2.0 * y - 1.0) * scale,
+            2.0 * z - 1.0,
+        ])
     }
 
     /// The film at a point; `around` is the index of the medium outside.
@@ -139,6 +176,12 @@ impl Layers {
         }
         [(x * cos - y * sin) / length, (x * sin + y * cos) / length]
     }
+}
+
+/// Has the material a varnish with other normals than what it covers, smoother than such a one is rendered?
+pub(crate) fn has_smooth_bumps(material: &MaterialDescription) -> bool {
+    let smooth = |c: Clearcoat| c.roughness < 0.05 || c.roughness_texture.is_some();
+    Layers::has_own_normals(material) && material.clearcoat.is_some_and(smooth)
 }
 
 fn texel(slot: &Option<Slot>, textures: &[Texture], surface: &Surface) -> [f32; 4] {

@@ -9,8 +9,10 @@ mod color;
 mod emission;
 mod interior;
 mod layers;
+mod older;
 
-use kaustik_bsdf::{Bsdf, Interface, PrincipledParameters, SMOOTH_ALPHA, Wall};
+use glam::DVec3;
+use kaustik_bsdf::{Bsdf, Interface, LayerParameters, PrincipledParameters, SMOOTH_ALPHA, Wall};
 use kaustik_geometry::{Surface, World};
 use kaustik_spectrum::{Glass, Metal, Spectrum, Wavelengths};
 
@@ -21,6 +23,8 @@ pub(crate) use color::{ColorSource, Slot, luminance};
 use emission::Emission;
 pub(crate) use interior::Solid;
 use layers::Layers;
+pub(crate) use layers::has_smooth_bumps;
+use older::Older;
 
 /// A material at rest.
 #[derive(Debug)]
@@ -134,6 +138,41 @@ impl Material {
         })
     }
 
+    /// Has its varnish other normals than what it covers?
+    #[inline]
+    pub(crate) fn has_coat_normal(&self) -> bool {
+        self.layers
+            .as_ref()
+            .is_some_and(|layers| layers.has_coat_normal())
+    }
+
+    /// The varnish's normal in the tangent frame, not unit; `None` if it is that of what it covers.
+    pub(crate) fn coat_normal(&self, textures: &[Texture], surface: &Surface) -> Option<[f32; 3]> {
+        self.layers.as_ref()?.coat_normal(textures, surface)
+    }
+
+    /// The scattering function under a varnish whose normal, in the local frame, is this.
+    pub(crate) fn varnished(
+        &self,
+        textures: &[Texture],
+        surface: &Surface,
+        wavelengths: &Wavelengths,
+        around: Spectrum,
+        normal: Option<DVec3>,
+    ) -> Bsdf {
+        let base = self.parameters(textures, surface, wavelengths, around);
+        let layers = self.layers.as_deref();
+        let layers = layers.map(|layers| layers.on_top(textures, surface, wavelengths));
+        let layers = layers.unwrap_or_default();
+        Bsdf::layered(
+            &base,
+            &LayerParameters {
+                clearcoat_normal: normal,
+                ..layers
+            },
+        )
+    }
+
     /// The scattering function at a hit, into the caller's slot: most are a plain wall's, a fraction of the size of the
     /// largest. `around` is the index of refraction of the medium on the outer side of the surface at the path's
     /// wavelengths.
@@ -208,6 +247,21 @@ impl Material {
         wavelengths: &Wavelengths,
         around: Spectrum,
     ) -> Bsdf {
+        let base = self.parameters(textures, surface, wavelengths, around);
+        match self.layers.as_deref() {
+            None => Bsdf::principled(&base),
+            Some(layers) => Bsdf::layered(&base, &layers.on_top(textures, surface, wavelengths)),
+        }
+    }
+
+    #[inline(always)]
+    fn parameters(
+        &self,
+        textures: &[Texture],
+        surface: &Surface,
+        wavelengths: &Wavelengths,
+        around: Spectrum,
+    ) -> PrincipledParameters {
         let (metallic, roughness) = self.metallic_roughness(textures, surface);
         let read = |slot: &Option<Slot>, channel: usize| {
             slot.as_ref().map_or(1.0, |slot| {
@@ -235,13 +289,9 @@ impl Material {
             film: layers.and_then(|layers| layers.film(textures, surface, wavelengths, around)),
             compensation: self.compensation,
         };
-        let base = match &self.older {
+        match &self.older {
             None => base,
             Some(older) => older.replace(&base, textures, surface, wavelengths),
-        };
-        match layers {
-            None => Bsdf::principled(&base),
-            Some(layers) => Bsdf::layered(&base, &layers.on_top(textures, surface, wavelengths)),
         }
     }
 
@@ -377,41 +427,6 @@ impl Material {
     /// Index of refraction of the interior.
     pub(crate) fn ior(&self, wavelengths: &Wavelengths) -> Spectrum {
         self.glass.ior(wavelengths)
-    }
-}
-
-/// The older model (`KHR_materials_pbrSpecularGlossiness`).
-#[derive(Debug)]
-struct Older {
-    /// Reflectance at normal incidence; its texture's alpha holds the glossiness.
-    color: ColorSource,
-    glossiness: f32,
-}
-
-impl Older {
-    /// The parameters with its numbers: no metal, and an index so high that the colour alone
-    /// tells what is reflected at normal incidence.
-    fn replace(
-        &self,
-        base: &PrincipledParameters,
-        textures: &[Texture],
-        surface: &Surface,
-        wavelengths: &Wavelengths,
-    ) -> PrincipledParameters {
-        const ALL_BY_COLOUR: f32 = 1e6;
-        let alpha = self
-            .color
-            .slot()
-            .map_or(1.0, |slot| slot.read(textures, surface, Coding::Srgb)[3]);
-        PrincipledParameters {
-            metallic: 0.0,
-            roughness: f64::from(1.0 - self.glossiness * alpha),
-            specular: 1.0,
-            specular_color: self.color.eval_plain(textures, surface, wavelengths),
-            ior: Spectrum::splat(ALL_BY_COLOUR),
-            transmission: 0.0,
-            ..*base
-        }
     }
 }
 

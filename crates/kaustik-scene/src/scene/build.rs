@@ -3,17 +3,19 @@
 use std::sync::Arc;
 
 use glam::{Affine3A, DVec2, DVec3, Vec3A};
-use kaustik_geometry::{Aabb, Instance, World};
+use kaustik_geometry::{Aabb, Instance, Motion, World};
 
 use super::content::content;
+use super::motion::Motions;
 use super::{Scene, SceneError};
 use crate::camera::Camera;
 use crate::description::{
-    CameraDescription, Description, EnvironmentDescription, MaterialDescription, Projection,
+    CameraDescription, Description, EnvironmentDescription, InstanceDescription, Load,
+    MaterialDescription, Projection,
 };
 use crate::emitter::{Emitters, Punctual, Sources};
 use crate::environment::Environment;
-use crate::material::Material;
+use crate::material::{Material, has_smooth_bumps};
 use crate::matter::Matter;
 use crate::texture::Texture;
 
@@ -52,7 +54,14 @@ impl Scene {
     /// not exist or cannot be, a spectrum without sense.
     pub fn new(description: &Description, options: &SceneOptions) -> Result<Self, SceneError> {
         let mut notices = Vec::new();
-        let matter = matter(description, options)?;
+        let mut motions = motions(description, options, &mut notices)?;
+        let matter = matter(description, options, &mut motions)?;
+        if description.materials.iter().any(has_smooth_bumps) {
+            notices.push(
+                "a varnish (clearcoat) whose normals are not those of what it covers is rendered with a roughness of at least 0.05"
+                    .to_owned(),
+            );
+        }
         let (center, radius) = bounding_sphere(&matter.world);
         let camera = camera_description(
             description,
@@ -67,6 +76,12 @@ impl Scene {
             );
         }
         // Builders know which part of the raster they serve; the camera accepts all of it.
+        let camera_motion = camera_motion(description, options, &mut motions);
+        let mut camera = camera;
+        if let Some(motion) = &camera_motion {
+            camera.transform = motion.at(0.0);
+        }
+        let camera_motion = camera_motion.filter(|motion| !motion.is_still());
         let camera = Camera::new(&camera, options.width, options.height)?
             .with_window(DVec2::NEG_INFINITY, DVec2::INFINITY);
         let environment = options
@@ -95,8 +110,15 @@ impl Scene {
                 ))?)
             }
         };
+        let lights = description.lights.iter().map(Punctual::new);
+        let mut punctual: Vec<Punctual> = lights.collect();
+        for (index, motion) in motions.lights {
+            punctual[index].carry(motion);
+        }
+        let moves =
+            matter.world.moves() || camera_motion.is_some() || punctual.iter().any(Punctual::moves);
         let sources = Sources {
-            punctual: description.lights.iter().map(Punctual::new).collect(),
+            punctual,
             environment,
             center,
             radius,
@@ -105,10 +127,12 @@ impl Scene {
         let camera_interior = matter.interior_at(camera.position());
         Ok(Self {
             matter,
-            emitters,
+            emitters: Arc::new(emitters),
             camera,
             camera_interior,
-            notices,
+            camera_motion,
+            moves,
+            notices: notices.into(),
             center,
             radius,
             image_size: [options.width, options.height],
@@ -117,7 +141,93 @@ impl Scene {
     }
 }
 
-fn matter(description: &Description, options: &SceneOptions) -> Result<Matter, SceneError> {
+/// What moves while the chosen camera's shutter is open.
+fn motions(
+    description: &Description,
+    options: &SceneOptions,
+    notices: &mut Vec<String>,
+) -> Result<Motions, SceneError> {
+    if description.animation.is_empty() {
+        return Ok(Motions::default());
+    }
+    let camera = description.camera(options.camera.as_deref());
+    let Some(shutter) = camera.and_then(|camera| camera.shutter) else {
+        notices.push(
+            "what is animated stands at rest: the camera has no shutter interval \
+             (\"shutter\" in its extras.kaustik)"
+                .to_owned(),
+        );
+        return Ok(Motions::default());
+    };
+    // Roughly the size of the scene at rest: a light that turns must not miss by much at its far end.
+    let reach = |instance: &InstanceDescription| {
+        let size = description.meshes.get(instance.mesh).map_or(0.0, |mesh| {
+            let bounds = mesh.bounds();
+            let far = bounds.min.abs().max(bounds.max.abs());
+            f64::from(instance.transform.matrix3.abs().mul_vec3(far).max_element())
+        });
+        size + f64::from(instance.transform.translation.abs().max_element())
+    };
+    let reach = description.instances.iter().map(reach);
+    let reach = reach.filter(|reach| reach.is_finite()).fold(0.0, f64::max);
+    Motions::new(description, shutter, reach.max(1e-30))
+}
+
+/// The motion of the chosen camera. `None` where it stands still.
+fn camera_motion(
+    description: &Description,
+    options: &SceneOptions,
+    motions: &mut Motions,
+) -> Option<Arc<Motion>> {
+    let chosen = description.camera(options.camera.as_deref())?;
+    let cameras = motions.cameras.iter();
+    let mut of_chosen =
+        cameras.filter(|(index, _)| std::ptr::eq(&raw const description.cameras[*index], chosen));
+    of_chosen.next().map(|(_, motion)| Arc::new(motion.clone()))
+}
+
+/// Where instances stand, and the motions of those that do not. What an animation holds in one place stands still there.
+fn instances(
+    description: &Description,
+    motions: &mut Motions,
+) -> (Vec<Instance>, Vec<(u32, Motion)>) {
+    let mut instances: Vec<Instance> = (description.instances.iter())
+        .map(|instance| Instance {
+            mesh: instance.mesh as u32,
+            transform: instance.transform,
+        })
+        .collect();
+    let mut moving = std::mem::take(&mut motions.instances);
+    moving.retain(|(index, motion)| {
+        let first = motion.at(0.0);
+        let stands = motion.is_still() && first.matrix3.as_dmat3().determinant() != 0.0;
+        if stands {
+            instances[*index as usize].transform = first;
+        }
+        !stands
+    });
+    // What grows from nothing while it moves is nothing at rest.
+    let carried = &description.animation.carried;
+    for load in carried.iter().map(|carried| carried.load) {
+        let Load::Instance(index) = load else {
+            continue;
+        };
+        let Some(rest) = instances.get(index).map(|instance| instance.transform) else {
+            continue;
+        };
+        let flat = rest.matrix3.as_dmat3().determinant() == 0.0;
+        if flat && moving.iter().all(|(other, _)| *other as usize != index) {
+            moving.extend(Motion::new(vec![(0.0, rest)]).map(|motion| (index as u32, motion)));
+        }
+    }
+    (instances, moving)
+}
+
+fn matter(
+    description: &Description,
+    options: &SceneOptions,
+    motions: &mut Motions,
+) -> Result<Matter, SceneError> {
     let textures = description
         .textures
         .iter()
@@ -161,14 +271,7 @@ fn matter(description: &Description, options: &SceneOptions) -> Result<Matter, S
             }),
         })
         .collect::<Result<Vec<u32>, _>>()?;
-    let instances = description
-        .instances
-        .iter()
-        .map(|instance| Instance {
-            mesh: instance.mesh as u32,
-            transform: instance.transform,
-        })
-        .collect();
+    let (instances, moving) = instances(description, motions);
     let used = |test: fn(&Material) -> bool| {
         material_of
             .iter()
@@ -176,12 +279,12 @@ fn matter(description: &Description, options: &SceneOptions) -> Result<Matter, S
     };
     let has_alpha = used(Material::has_alpha);
     let has_solids = used(|material| material.solid().is_some());
-    let world = World::build(description.meshes.clone(), instances)?;
+    let world = World::moving(description.meshes.clone(), instances, moving)?;
     Ok(Matter {
         world,
-        materials,
-        textures,
-        material_of,
+        materials: materials.into(),
+        textures: textures.into(),
+        material_of: material_of.into(),
         has_alpha,
         has_solids,
     })

@@ -28,6 +28,7 @@ pub(super) fn content(description: &Description, options: &SceneOptions) -> [u8;
         lights,
         cameras,
         environment,
+        animation,
     } = description;
     let mut content = Content(Hasher::new());
     content.each(meshes.iter(), |content, mesh| content.mesh(mesh));
@@ -46,6 +47,10 @@ pub(super) fn content(description: &Description, options: &SceneOptions) -> [u8;
     content.text(lights);
     content.text(cameras);
     content.text(&options.camera);
+    // What stands still keeps the hash that it had before anything could move.
+    if !animation.is_empty() {
+        content.text(animation);
+    }
     match options.environment.as_ref().or(environment.as_ref()) {
         Some(EnvironmentDescription::Image {
             image,

@@ -39,7 +39,8 @@ impl Scene {
         vertex: &Vertex,
         direction: DVec3,
     ) -> Interior {
-        self.emitters.point_interior(point, vertex, direction)
+        self.emitters
+            .point_interior(&self.matter, point, vertex, direction)
     }
 
     /// A punctual light as `position` receives it.
@@ -49,12 +50,13 @@ impl Scene {
         position: DVec3,
         wavelengths: &Wavelengths,
     ) -> PunctualView {
-        self.emitters.punctual_view(index, position, wavelengths)
+        self.emitters
+            .punctual_view(&self.matter, index, position, wavelengths)
     }
 
     /// Where a punctual light is; `None` if infinitely far away.
     pub fn punctual_position(&self, index: u32) -> Option<DVec3> {
-        self.emitters.punctual_position(index)
+        self.emitters.punctual_position(&self.matter, index)
     }
 
     /// Can any ray pass any surface because of its alpha?

@@ -40,6 +40,14 @@ pub enum SceneError {
         /// What is wrong.
         reason: String,
     },
+    /// A motion that cannot be followed.
+    #[error("animation of '{joint}': {reason}")]
+    Animation {
+        /// Name of the node.
+        joint: String,
+        /// What is wrong.
+        reason: &'static str,
+    },
     /// There is no camera of the wanted name or index.
     #[error("there is no camera '{wanted}'; there are: {known}")]
     NoSuchCamera {

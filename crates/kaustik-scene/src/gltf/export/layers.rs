@@ -1,4 +1,4 @@
-use super::material::slot;
+use super::material::{normal, slot};
 use super::writer::{Object, Writer, number, numbers};
 use crate::description::MaterialDescription;
 
@@ -13,6 +13,10 @@ pub(super) fn layers(writer: &mut Writer, m: &MaterialDescription) -> Vec<(&'sta
             .maybe(
                 "clearcoatRoughnessTexture",
                 slot(writer, coat.roughness_texture),
+            )
+            .maybe(
+                "clearcoatNormalTexture",
+                normal(writer, coat.normal_texture, coat.normal_scale),
             );
         all.push(("KHR_materials_clearcoat", members));
     }

@@ -32,7 +32,10 @@ pub(super) fn material(writer: &mut Writer, m: &MaterialDescription) -> Value {
     Object::default()
         .named(&m.name)
         .with("pbrMetallicRoughness", pbr)
-        .maybe("normalTexture", normal(writer, m))
+        .maybe(
+            "normalTexture",
+            normal(writer, m.normal_texture, m.normal_scale),
+        )
         .maybe("emissiveFactor", factor)
         .maybe("emissiveTexture", slot(writer, m.emissive_texture))
         .maybe("alphaMode", alpha_mode)
@@ -60,10 +63,15 @@ fn emissive(radiance: [f32; 3]) -> (Option<Value>, Option<Value>) {
     (factor, (strength > 1.0).then(|| strength.into()))
 }
 
-fn normal(writer: &mut Writer, m: &MaterialDescription) -> Option<Value> {
-    let mut info = slot(writer, m.normal_texture)?;
-    if m.normal_scale.to_bits() != 1.0_f32.to_bits() {
-        info["scale"] = number(m.normal_scale);
+/// A texture info of normals, with the factor of their x and y.
+pub(super) fn normal(
+    writer: &mut Writer,
+    normals: Option<TextureSlot>,
+    scale: f32,
+) -> Option<Value> {
+    let mut info = slot(writer, normals)?;
+    if scale.to_bits() != 1.0_f32.to_bits() {
+        info["scale"] = number(scale);
     }
     Some(info)
 }

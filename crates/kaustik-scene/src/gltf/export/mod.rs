@@ -79,6 +79,13 @@ fn text(description: &Description) -> Result<Vec<u8>, ExportError> {
 }
 
 fn document(description: &Description) -> Result<Writer, ExportError> {
+    if !description.animation.is_empty() {
+        return Err(ExportError::Unsupported {
+            place: "animation".into(),
+            found: "parts that move".into(),
+            expected: "a scene that stands still: animations are read, but not written".into(),
+        });
+    }
     let mut writer = Writer::default();
     let meshes = geometry::meshes(&mut writer, description);
     let materials = description.materials.iter();

@@ -129,6 +129,7 @@ fn glass(rng: &mut Rng) -> Glass {
 fn material(rng: &mut Rng, textures: usize) -> MaterialDescription {
     let texture = |rng: &mut Rng| maybe(rng, |rng| slot(rng, textures));
     let normal_texture = texture(rng);
+    let coat_normals = texture(rng);
     let alpha_modes = [
         AlphaMode::Opaque,
         AlphaMode::Mask(unit(rng)),
@@ -184,6 +185,8 @@ fn material(rng: &mut Rng, textures: usize) -> MaterialDescription {
             texture: texture(rng),
             roughness: unit(rng),
             roughness_texture: texture(rng),
+            normal_texture: coat_normals,
+            normal_scale: coat_normals.map_or(1.0, |_| number(rng)),
         }),
         sheen: maybe(rng, |rng| Sheen {
             color: numbers(rng, unit),
@@ -357,5 +360,6 @@ pub(super) fn description(seed: u64) -> Description {
         materials,
         textures,
         images,
+        animation: crate::description::AnimationDescription::default(),
     }
 }

@@ -273,7 +273,6 @@ fn cameras() {
     let camera = &mut file.json["cameras"][0]["extras"]["kaustik"];
     camera["blades"] = json!(6);
     camera["rotation"] = json!(0.5);
-    camera["lens"] = json!([]);
     camera["bokeh"] = json!("round");
     let loaded = file.load();
     let blades = loaded.description.cameras[0]
@@ -286,11 +285,27 @@ fn cameras() {
             rotation: 0.5
         })
     );
-    let mut warnings = loaded.warnings;
-    warnings.sort_by(|a, b| b.place.cmp(&a.place));
-    assert_eq!(warnings.len(), 2);
-    assert!(warnings[0].message.contains("not read yet"));
-    assert!(warnings[1].message.contains("unknown key"));
+    assert_eq!(loaded.warnings.len(), 1);
+    assert!(loaded.warnings[0].message.contains("unknown key"));
+    // A prescription is no thin lens: it is refused, whatever it says, and the refusal names what stands in its place.
+    for prescription in [
+        json!([]),
+        json!([{ "radius": 0.05, "thickness": 0.01, "ior": 1.5, "aperture": 0.02 }]),
+        json!("double-gauss"),
+    ] {
+        let mut file = file.clone();
+        file.json["cameras"][0]["extras"]["kaustik"]["lens"] = prescription;
+        let error = file
+            .load_with(&LoadOptions::default())
+            .expect_err("a refusal");
+        assert_eq!(error.kind(), ErrorKind::Unsupported);
+        assert_eq!(error.place(), "/cameras/0/extras/kaustik/lens");
+        let message = error.to_string();
+        assert!(
+            message.contains("thin lens") && message.contains("\"focus\""),
+            "{message}"
+        );
+    }
     for (key, wrong) in [
         ("blades", json!(2)),
         ("blades", json!(65)),

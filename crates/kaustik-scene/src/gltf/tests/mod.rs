@@ -4,6 +4,7 @@
     reason = "what is read must be the very numbers that were written; json! borrows its parts"
 )]
 
+mod animation;
 mod any;
 mod crafted;
 mod file;

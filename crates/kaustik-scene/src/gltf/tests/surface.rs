@@ -65,7 +65,8 @@ fn everything_at_once() {
                 "specularColorFactor": [2, 0.5, 0], "specularColorTexture": { "index": 0 } },
             "KHR_materials_unlit": {},
             "KHR_materials_clearcoat": { "clearcoatFactor": 0.5, "clearcoatTexture": { "index": 0 },
-                "clearcoatRoughnessFactor": 0.25, "clearcoatRoughnessTexture": { "index": 1 } },
+                "clearcoatRoughnessFactor": 0.25, "clearcoatRoughnessTexture": { "index": 1 },
+                "clearcoatNormalTexture": { "index": 0, "scale": 0.5 } },
             "KHR_materials_sheen": { "sheenColorFactor": [0.5, 0.25, 1], "sheenColorTexture": { "index": 1 },
                 "sheenRoughnessFactor": 0.75, "sheenRoughnessTexture": { "index": 0 } },
             "KHR_materials_anisotropy": { "anisotropyStrength": 0.5, "anisotropyRotation": 2,
@@ -128,6 +129,8 @@ fn everything_at_once() {
         texture: Some(slot(0)),
         roughness: 0.25,
         roughness_texture: Some(slot(1)),
+        normal_texture: Some(slot(0)),
+        normal_scale: 0.5,
     };
     assert_eq!(m.clearcoat, Some(clearcoat));
     let sheen = Sheen {
