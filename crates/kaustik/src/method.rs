@@ -133,10 +133,24 @@ impl Method {
 
     /// Does it write its state, so that a render can be resumed and shares of it merged?
     pub fn keeps_state(self) -> bool {
-        matches!(
-            self,
-            Self::Path | Self::Light | Self::Bdpt | Self::Pssmlt | Self::Mmlt
-        )
+        // All do now; a further one may come without.
+        match self {
+            Self::Path
+            | Self::Light
+            | Self::Bdpt
+            | Self::Pssmlt
+            | Self::Mmlt
+            | Self::Relt
+            | Self::ErptPss
+            | Self::Annealing
+            | Self::Mlt
+            | Self::Erpt => true,
+            Self::Sppm
+            | Self::PhotonVisibility
+            | Self::PhotonDensity
+            | Self::PhotonSpatial
+            | Self::PhotonImage => false,
+        }
     }
 
     /// The settings that it reads.

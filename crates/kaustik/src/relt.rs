@@ -1,6 +1,7 @@
 //! Replica exchange light transport (Kitaoka, Kitamura and Kishino 2009; spec: relt.md).
 
 mod even;
+mod keep;
 mod run;
 pub(crate) mod scouts;
 pub(crate) mod start;
@@ -22,6 +23,7 @@ use rayon::prelude::*;
 use crate::control::is_stopped;
 use crate::engine::{Engine, Nonfinite, STRIDE, add_counters, add_nonfinite};
 use crate::lamps::Lamps;
+use crate::state::Keep;
 use crate::{
     ChainStatistics, EvenSamples, Normaliser, Options, Place, RenderError, RenderSettings,
     ReplicaLevel, ReplicaStatistics, Steps,
@@ -438,6 +440,14 @@ impl<const K: usize> Engine for ReltEngine<'_, K> {
         (self.films.iter().map(Film::counters))
             .chain(direct)
             .fold(Counters::default(), add_counters)
+    }
+
+    fn keep(&self) -> Option<&dyn Keep> {
+        Some(self)
+    }
+
+    fn keep_mut(&mut self) -> Option<&mut dyn Keep> {
+        Some(self)
     }
 
     fn is_lit(&self) -> bool {

@@ -39,6 +39,19 @@ impl StateError {
     pub(crate) fn damaged(what: impl Into<String>) -> Self {
         Self::Damaged(what.into())
     }
+
+    /// Bands of an image whose samples cannot be weighed against each other.
+    pub(crate) fn passes() -> Self {
+        let what = "their ladders have taken different numbers of passes over the image";
+        Self::Shares(what.to_owned())
+    }
+
+    /// A pilot that found another number than it did for the state.
+    pub(crate) fn pilot(state: f64, here: f64) -> Self {
+        Self::Other(format!(
+            "the pilot found {state:e} for the state, {here:e} here: this program computes other numbers"
+        ))
+    }
 }
 
 fn keepers() -> String {
