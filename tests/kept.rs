@@ -121,12 +121,8 @@ fn what_cannot_go_on_is_refused() {
         &["method is path in the state, light here"],
     );
     refused(
-        &words("relt", "2", &resume),
-        &["relt does not write its state yet", "pssmlt"],
-    );
-    refused(
-        &words("sppm", "2", &["--checkpoint", &state]),
-        &["sppm does not write its state yet"],
+        &words("sppm", "2", &["--ladders", "0..3"]),
+        &["all of them: the iterations", "other seeds can be merged"],
     );
     refused(
         &words("path", "2", &with(&["--environment", "0.5"])),

@@ -7,8 +7,7 @@ use kaustik::film::FilmError;
 use kaustik::scene::{Scene, SceneOptions};
 use kaustik::spectrum::WavelengthSampling;
 use kaustik::{
-    Budget, Control, Options, RenderError, RenderSettings, Source, State, StateError,
-    render_watched, resume,
+    Budget, Control, Options, RenderError, RenderSettings, Source, State, render_watched, resume,
 };
 
 use crate::arguments::RenderWords;
@@ -43,9 +42,6 @@ pub(crate) fn run(words: &RenderWords) -> Result<ExitCode, Failure> {
 fn state(words: &RenderWords) -> Result<Option<State>, Failure> {
     if let Some(path) = &words.checkpoint {
         kaustik::film::check_writable(path).map_err(Failure::input)?;
-    }
-    if (words.checkpoint.is_some() || words.resume.is_some()) && !words.method.keeps_state() {
-        return Err(Failure::input(StateError::Method(words.method)));
     }
     let Some(path) = &words.resume else {
         return Ok(None);

@@ -21,7 +21,6 @@ use crate::relt::start::{
     start,
 };
 use crate::relt::{known, layer};
-use crate::state::Keep;
 use crate::{
     Budget, ChainStatistics, Place, RenderError, RenderSettings, ReplicaLevel, ReplicaStatistics,
     Steps,
@@ -425,14 +424,6 @@ impl<const K: usize> Engine for AnnealingEngine<'_, K> {
     fn film_counters(&self) -> Counters {
         let direct = self.direct.as_ref().map(Lamps::film_counters);
         add_counters(self.film.counters(), direct.unwrap_or_default())
-    }
-
-    fn keep(&self) -> Option<&dyn Keep> {
-        Some(self)
-    }
-
-    fn keep_mut(&mut self) -> Option<&mut dyn Keep> {
-        Some(self)
     }
 
     fn is_lit(&self) -> bool {

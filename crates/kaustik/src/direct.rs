@@ -191,18 +191,6 @@ impl Engine for DirectApart<'_> {
         add_counters(self.chains.film_counters(), self.direct.film_counters())
     }
 
-    fn keep(&self) -> Option<&dyn Keep> {
-        self.chains.keep().map(|_| self as &dyn Keep)
-    }
-
-    fn keep_mut(&mut self) -> Option<&mut dyn Keep> {
-        if self.chains.keep().is_some() {
-            Some(self)
-        } else {
-            None
-        }
-    }
-
     fn is_lit(&self) -> bool {
         self.chains.is_lit() || self.direct.is_lit()
     }
@@ -211,24 +199,19 @@ impl Engine for DirectApart<'_> {
 /// Both parts; what a ladder was given is what it took.
 impl Keep for DirectApart<'_> {
     fn taken(&self) -> Vec<u64> {
-        let chains = self.chains.keep().map(|keep| keep.taken());
-        let chains = chains.unwrap_or_default();
-        let both = self.direct.taken().into_iter().zip(chains);
+        let both = self.direct.taken().into_iter().zip(self.chains.taken());
         both.map(|(direct, chains)| direct + chains).collect()
     }
 
     fn write(&self, out: &mut Writer<'_>) -> io::Result<()> {
         self.direct.write(out)?;
-        self.chains.keep().map_or(Ok(()), |keep| keep.write(out))
+        self.chains.write(out)
     }
 
     fn take_up(&mut self, from: &mut Reader<'_>) -> Result<(), StateError> {
         self.direct.take_up(from)?;
-        let Some(chains) = self.chains.keep_mut() else {
-            return Ok(());
-        };
-        chains.take_up(from)?;
-        let both = self.direct.taken().into_iter().zip(chains.taken());
+        self.chains.take_up(from)?;
+        let both = self.direct.taken().into_iter().zip(self.chains.taken());
         self.done = both.map(|(direct, chains)| [direct, chains]).collect();
         self.given = self.taken();
         Ok(())

@@ -212,14 +212,6 @@ impl Engine for ErptEngine<'_> {
         self.films.picture.counters()
     }
 
-    fn keep(&self) -> Option<&dyn Keep> {
-        Some(self)
-    }
-
-    fn keep_mut(&mut self) -> Option<&mut dyn Keep> {
-        Some(self)
-    }
-
     fn is_lit(&self) -> bool {
         self.space.scene.has_light()
     }

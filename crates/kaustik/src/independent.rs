@@ -304,14 +304,6 @@ impl Engine for IndependentEngine<'_> {
         self.film.counters()
     }
 
-    fn keep(&self) -> Option<&dyn Keep> {
-        Some(self)
-    }
-
-    fn keep_mut(&mut self) -> Option<&mut dyn Keep> {
-        Some(self)
-    }
-
     fn is_lit(&self) -> bool {
         self.lit
     }

@@ -68,9 +68,6 @@ pub fn merge(
         };
         state.check(scene, &share)?;
     }
-    if !settings.method.keeps_state() {
-        return Err(StateError::Method(settings.method).into());
-    }
     let pool = threads(settings)?;
     let mut work = Work::new(scene, settings);
     let mut engine = pool.install(|| engine(scene, settings))?;

@@ -131,26 +131,17 @@ impl Method {
         }
     }
 
-    /// Does it write its state, so that a render can be resumed and shares of it merged?
-    pub fn keeps_state(self) -> bool {
-        // All do now; a further one may come without.
-        match self {
-            Self::Path
-            | Self::Light
-            | Self::Bdpt
-            | Self::Pssmlt
-            | Self::Mmlt
-            | Self::Relt
-            | Self::ErptPss
-            | Self::Annealing
-            | Self::Mlt
-            | Self::Erpt => true,
+    /// Are its ladders independent, so that processes can each run a share of them? Those of photon methods learn
+    /// from each other in every iteration.
+    pub fn has_shares(self) -> bool {
+        !matches!(
+            self,
             Self::Sppm
-            | Self::PhotonVisibility
-            | Self::PhotonDensity
-            | Self::PhotonSpatial
-            | Self::PhotonImage => false,
-        }
+                | Self::PhotonVisibility
+                | Self::PhotonDensity
+                | Self::PhotonSpatial
+                | Self::PhotonImage
+        )
     }
 
     /// The settings that it reads.

@@ -333,14 +333,6 @@ impl Engine for MltEngine<'_> {
         add_counters(self.film.counters(), lamps.unwrap_or_default())
     }
 
-    fn keep(&self) -> Option<&dyn Keep> {
-        Some(self)
-    }
-
-    fn keep_mut(&mut self) -> Option<&mut dyn Keep> {
-        Some(self)
-    }
-
     fn is_lit(&self) -> bool {
         self.pool.mean() > 0.0 || self.lamps.as_ref().is_some_and(Lamps::is_lit)
     }

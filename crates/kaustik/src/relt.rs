@@ -23,7 +23,6 @@ use rayon::prelude::*;
 use crate::control::is_stopped;
 use crate::engine::{Engine, Nonfinite, STRIDE, add_counters, add_nonfinite};
 use crate::lamps::Lamps;
-use crate::state::Keep;
 use crate::{
     ChainStatistics, EvenSamples, Normaliser, Options, Place, RenderError, RenderSettings,
     ReplicaLevel, ReplicaStatistics, Steps,
@@ -440,14 +439,6 @@ impl<const K: usize> Engine for ReltEngine<'_, K> {
         (self.films.iter().map(Film::counters))
             .chain(direct)
             .fold(Counters::default(), add_counters)
-    }
-
-    fn keep(&self) -> Option<&dyn Keep> {
-        Some(self)
-    }
-
-    fn keep_mut(&mut self) -> Option<&mut dyn Keep> {
-        Some(self)
     }
 
     fn is_lit(&self) -> bool {

@@ -44,6 +44,7 @@ const SECTION: usize = 9;
 /// Kind of a section.
 const VALUE: u8 = 1;
 const FILM: u8 = 2;
+const NUMBERS: u8 = 3;
 
 #[cfg(test)]
 mod tests;

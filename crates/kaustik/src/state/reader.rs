@@ -3,7 +3,7 @@ use std::ops::Range;
 use kaustik_film::{Counters, Film, Quantum};
 use serde::de::DeserializeOwned;
 
-use super::{FILM, SECTION, StateError, VALUE};
+use super::{FILM, NUMBERS, SECTION, StateError, VALUE};
 
 /// No ladder takes so many steps: sums over ladders stay far from the end of 64 bits.
 const MOST_STEPS: u64 = 1 << 46;
@@ -71,6 +71,23 @@ impl<'a> Reader<'a> {
                 "a value makes no sense: {error}"
             ))),
         }
+    }
+
+    /// As many numbers as there are to be.
+    pub(crate) fn numbers(&mut self, count: usize) -> Result<Vec<f64>, StateError> {
+        let length = self.section(NUMBERS, 8)?;
+        let bytes = self.take(length * 8)?;
+        if length != count {
+            return Err(StateError::damaged(
+                "a list of numbers is of another length",
+            ));
+        }
+        let numbers = bytes.chunks_exact(8).map(|bytes| {
+            let mut number = [0; 8];
+            number.copy_from_slice(bytes);
+            f64::from_le_bytes(number)
+        });
+        Ok(numbers.collect())
     }
 
     /// Fills a film: of the first state it has these sums alone, those of others are added.

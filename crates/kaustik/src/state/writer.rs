@@ -4,7 +4,7 @@ use blake3::Hasher;
 use kaustik_film::Film;
 use serde::Serialize;
 
-use super::{BYTE_ORDER, FILM, MAGIC, VALUE, VERSION};
+use super::{BYTE_ORDER, FILM, MAGIC, NUMBERS, VALUE, VERSION};
 
 /// Writes the sections of a state, and their checksum at the end.
 pub(crate) struct Writer<'a> {
@@ -42,13 +42,26 @@ impl<'a> Writer<'a> {
 
     /// A film: its quantum, what it left out, its sums.
     pub(crate) fn film(&mut self, film: &Film) -> io::Result<()> {
-        const MOST: usize = 1 << 16;
         self.value(&(film.quantum(), film.counters()))?;
         let sums = film.sums();
         self.section(FILM, sums.len())?;
+        self.words(sums.map(i64::to_le_bytes))
+    }
+
+    /// Many numbers.
+    pub(crate) fn numbers<'n>(
+        &mut self,
+        numbers: impl ExactSizeIterator<Item = &'n f64>,
+    ) -> io::Result<()> {
+        self.section(NUMBERS, numbers.len())?;
+        self.words(numbers.map(|x| x.to_le_bytes()))
+    }
+
+    fn words(&mut self, words: impl Iterator<Item = [u8; 8]>) -> io::Result<()> {
+        const MOST: usize = 1 << 16;
         let mut bytes = Vec::with_capacity(MOST);
-        for sum in sums {
-            bytes.extend(sum.to_le_bytes());
+        for word in words {
+            bytes.extend(word);
             if bytes.len() == MOST {
                 self.raw(&bytes)?;
                 bytes.clear();
