@@ -84,8 +84,9 @@ pub(crate) fn cases() -> Vec<(String, RenderSettings)> {
         let mut settings = settings(method, SIDE, 12);
         settings.options.photon.photons = 1_000;
         if method == Method::Annealing {
-            // so that there are several rounds
-            settings.options.particles = 100;
+            // several rounds, each of 1,000 particles
+            settings.options.particles = 1_000;
+            settings.budget = Budget::PerPixel(120);
         }
         settings
     };

@@ -345,7 +345,7 @@ impl<'a> Work<'a> {
     }
 
     /// The state as it is now.
-    fn snapshot<'s>(&self, engine: &'s (dyn Engine + '_)) -> Snapshot<'s> {
+    pub(crate) fn snapshot<'s>(&self, engine: &'s (dyn Engine + '_)) -> Snapshot<'s> {
         let header = Header::new(self.scene, self.settings, self.seconds());
         Snapshot::new(header, engine)
     }
@@ -415,6 +415,7 @@ impl<'a> Work<'a> {
             mutations: engine.mutation_statistics(),
             energy: engine.energy_statistics(),
             photons: engine.photon_statistics(),
+            merged: None,
         };
         if settings.features {
             for layer in engine.layers()? {

@@ -3,7 +3,7 @@
 //! ```text
 //! magic, format version, byte order      16 bytes
 //! header                                 what was rendered: see `header`
-//! sections                               values by postcard, films as raw little-endian sums
+//! sections                               values by postcard, films as packed little-endian sums
 //! checksum                               BLAKE3 of all before it, 32 bytes
 //! ```
 //!
@@ -13,6 +13,7 @@
 mod error;
 mod header;
 mod keep;
+mod packed;
 mod reader;
 mod snapshot;
 mod stored;
@@ -31,7 +32,7 @@ pub(crate) use writer::Writer;
 /// How a state file begins: a name, and a byte that ends a text on some systems.
 const MAGIC: [u8; 8] = *b"kaustik\x1a";
 /// Of what follows. Any change of the format or of what a method keeps raises it.
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 /// Reads as itself in little-endian order alone.
 const BYTE_ORDER: u32 = 0x0102_0304;
 /// Bytes before the header.

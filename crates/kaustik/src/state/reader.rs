@@ -3,6 +3,7 @@ use std::ops::Range;
 use kaustik_film::{Counters, Film, Quantum};
 use serde::de::DeserializeOwned;
 
+use super::packed::Packed;
 use super::{FILM, NUMBERS, SECTION, StateError, VALUE};
 
 /// No ladder takes so many steps: sums over ladders stay far from the end of 64 bits.
@@ -103,8 +104,13 @@ impl<'a> Reader<'a> {
 
     fn film_if(&mut self, film: &mut Film, wanted: bool, clear: bool) -> Result<(), StateError> {
         let (quantum, counters): (Quantum, Counters) = self.value()?;
-        let length = self.section(FILM, 8)?;
-        let bytes = self.take(length * 8)?;
+        let length = self.section(FILM, 0)?;
+        if length > film.sums().len() {
+            return Err(StateError::damaged("a film is of another size"));
+        }
+        let (sums, rest) = Packed::split(self.rest, length)
+            .ok_or_else(|| StateError::damaged("the sums of a film are not packed"))?;
+        self.rest = rest;
         // The pilot decides it.
         if quantum != film.quantum() {
             return Err(StateError::Other(format!(
@@ -125,11 +131,6 @@ impl<'a> Reader<'a> {
         if clear {
             film.clear();
         }
-        let sums = bytes.chunks_exact(8).map(|bytes| {
-            let mut sum = [0; 8];
-            sum.copy_from_slice(bytes);
-            i64::from_le_bytes(sum)
-        });
         film.add_sums(sums, &counters)
             .map_err(|error| StateError::damaged(error.to_string()))
     }

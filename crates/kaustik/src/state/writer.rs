@@ -4,6 +4,7 @@ use blake3::Hasher;
 use kaustik_film::Film;
 use serde::Serialize;
 
+use super::packed::pack;
 use super::{BYTE_ORDER, FILM, MAGIC, NUMBERS, VALUE, VERSION};
 
 /// Writes the sections of a state, and their checksum at the end.
@@ -45,7 +46,7 @@ impl<'a> Writer<'a> {
         self.value(&(film.quantum(), film.counters()))?;
         let sums = film.sums();
         self.section(FILM, sums.len())?;
-        self.words(sums.map(i64::to_le_bytes))
+        pack(sums, |bytes| self.raw(bytes))
     }
 
     /// Many numbers.
@@ -54,14 +55,10 @@ impl<'a> Writer<'a> {
         numbers: impl ExactSizeIterator<Item = &'n f64>,
     ) -> io::Result<()> {
         self.section(NUMBERS, numbers.len())?;
-        self.words(numbers.map(|x| x.to_le_bytes()))
-    }
-
-    fn words(&mut self, words: impl Iterator<Item = [u8; 8]>) -> io::Result<()> {
         const MOST: usize = 1 << 16;
         let mut bytes = Vec::with_capacity(MOST);
-        for word in words {
-            bytes.extend(word);
+        for number in numbers {
+            bytes.extend(number.to_le_bytes());
             if bytes.len() == MOST {
                 self.raw(&bytes)?;
                 bytes.clear();
