@@ -6,9 +6,9 @@ use kaustik::estimate::Refinement;
 use kaustik::film::Filter;
 use kaustik::scene::Scene;
 use kaustik::{
-    Budget, Control, Direct, Energy, Method, Mis, Normalisation, Outcome, Progress, RenderError,
-    RenderSettings, Rendered, Snapshot, Source, State, StateError, Steps, TargetFunction, Watch,
-    merge, render_watched, resume, whole,
+    Budget, Control, Direct, Energy, Method, Mis, Normalisation, Options, Outcome, Progress,
+    RenderError, RenderSettings, Rendered, Snapshot, Source, State, StateError, Steps,
+    TargetFunction, Watch, merge, render_watched, resume, whole,
 };
 
 use crate::bits::bits;
@@ -87,6 +87,13 @@ pub(crate) fn cases() -> Vec<(String, RenderSettings)> {
             // several rounds, each of 1,000 particles
             settings.options.particles = 1_000;
             settings.budget = Budget::PerPixel(120);
+        }
+        // What another method reads is in no state: as on the command line.
+        let entries = settings.options.entries(method);
+        settings.options = Options::default();
+        for (key, value) in entries {
+            let set = settings.options.set(method, &format!("{key}={value}"));
+            set.expect("a setting of the method");
         }
         settings
     };
@@ -342,7 +349,7 @@ fn shares_that_do_not_add_up_are_refused() {
     let other = shares(&scene, &seeded, &[8, 64]);
     let message = fault(&[states[0].clone(), other[0].clone()]);
     assert!(
-        message.contains("seed is 0 in the state, 7 here"),
+        message.contains("seed 0 has the ladders 0..8, seed 7 has 8..64"),
         "{message}"
     );
     // Light of `bdpt` falls anywhere: bands with different numbers of passes cannot be weighed.

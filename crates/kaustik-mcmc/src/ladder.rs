@@ -345,27 +345,6 @@ impl<S, V, const K: usize> Ladder<S, V, K> {
         &self.replicas
     }
 
-    /// The same ladder with another form of its values: see [`Metropolis::with_value`].
-    pub fn with_values<W: Default>(&self, values: [W; K]) -> Ladder<S, W, K>
-    where
-        S: Clone,
-    {
-        let mut replicas = self.replicas.iter();
-        Ladder {
-            // as many values as replicas
-            replicas: values.map(|value| {
-                let replica = replicas.next().unwrap_or(&self.replicas[0]);
-                replica.with_value(value)
-            }),
-            graph: self.graph.clone(),
-            schedule: self.schedule,
-            turn: self.turn,
-            indices: self.indices.clone(),
-            statistics: self.statistics.clone(),
-            stepping_stone: self.stepping_stone.clone(),
-        }
-    }
-
     /// Which pairs may exchange.
     pub fn graph(&self) -> &SwapGraph<K> {
         &self.graph

@@ -1,6 +1,6 @@
 //! Paths written down and read again (feature `serde`).
 //!
-//! Of a vertex all numbers are kept, to the bit; its scattering function follows from them and the scene.
+//! Of a vertex all numbers that count are kept, to the bit; its scattering function follows from them and the scene.
 
 use glam::{DVec2, DVec3, Vec2, Vec3};
 use kaustik_bsdf::{Bsdf, Frame};
@@ -134,18 +134,46 @@ impl PathSpace<'_> {
     }
 }
 
+/// What counts of a vertex: slots are used again and again, and hold leftovers of other paths where their kind of vertex has
+/// no use for a number.
+fn bare(slot: &PathVertex) -> PathVertex {
+    match slot.place {
+        Place::Surface => PathVertex {
+            transmitted: slot.specular && slot.transmitted,
+            ..*slot
+        },
+        Place::Emitter(point) => PathVertex {
+            place: slot.place,
+            vertex: match point {
+                EmitterPoint::Surface => slot.vertex,
+                _ => Vertex::default(),
+            },
+            toward_eye: slot.toward_eye,
+            value: slot.value,
+            specular: slot.specular,
+            cos_eye: slot.cos_eye,
+            opacity: slot.opacity,
+            edge: slot.edge,
+            ..PathVertex::default()
+        },
+        Place::Lens => PathVertex {
+            place: slot.place,
+            vertex: Vertex {
+                position: slot.vertex.position,
+                ..Vertex::default()
+            },
+            toward_light: slot.toward_light,
+            specular: slot.specular,
+            cos_light: slot.cos_light,
+            ..PathVertex::default()
+        },
+    }
+}
+
 impl From<&PathVertex> for WrittenVertex {
     fn from(slot: &PathVertex) -> Self {
+        let slot = bare(slot);
         let Vertex { surface, frame, .. } = &slot.vertex;
-        let on_surface = matches!(
-            slot.place,
-            Place::Surface | Place::Emitter(EmitterPoint::Surface)
-        );
-        let indices = [
-            slot.vertex.instance,
-            slot.vertex.primitive,
-            slot.vertex.material,
-        ];
         Self {
             place: match slot.place {
                 Place::Emitter(EmitterPoint::Surface) => WrittenPlace::Area,
@@ -173,8 +201,11 @@ impl From<&PathVertex> for WrittenVertex {
                 frame.z,
             ]
             .map(|v| v.to_array()),
-            // elsewhere they are left over from what was there before
-            indices: if on_surface { indices } else { [0; 3] },
+            indices: [
+                slot.vertex.instance,
+                slot.vertex.primitive,
+                slot.vertex.material,
+            ],
             solids: slot.interior.solids().to_vec(),
             directions: [
                 slot.back,

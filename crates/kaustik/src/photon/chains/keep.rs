@@ -63,9 +63,7 @@ impl<const K: usize> PhotonChains<K> {
         let kept: Kept = from.value()?;
         let levels: [_; K] =
             (kept.levels.try_into()).map_err(|_| wrong("chains of other levels"))?;
-        let known = |(_, rough, last): &(_, f64, [f64; 2])| {
-            rough.is_finite() && *rough > 0.0 && last.iter().all(|x| x.is_finite())
-        };
+        let known = |(_, rough, _): &(_, f64, _)| rough.is_finite() && *rough > 0.0;
         if kept.iterations != iterations
             || kept.visible.is_some() != self.visible.is_some()
             || !levels.iter().all(known)
