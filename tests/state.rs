@@ -14,9 +14,9 @@ use kaustik::{
 use crate::bits::bits;
 use crate::support::{picture, scene, settings};
 
-const SIDE: u32 = 20;
+pub(crate) const SIDE: u32 = 20;
 
-fn a_scene() -> Scene {
+pub(crate) fn a_scene() -> Scene {
     scene("glass-cube?light=0.8", SIDE)
 }
 
@@ -59,7 +59,7 @@ fn kept(bytes: &[u8]) -> &[u8] {
     &bytes[25 + header.expect("a length") as usize..bytes.len() - 32]
 }
 
-fn read(bytes: &[u8]) -> State {
+pub(crate) fn read(bytes: &[u8]) -> State {
     State::from_bytes(bytes.to_vec()).expect("what was written")
 }
 
@@ -265,7 +265,7 @@ fn a_stopped_render_goes_on() {
 }
 
 /// The states of these shares of a render.
-fn shares(scene: &Scene, settings: &RenderSettings, bounds: &[u32]) -> Vec<State> {
+pub(crate) fn shares(scene: &Scene, settings: &RenderSettings, bounds: &[u32]) -> Vec<State> {
     let ranges = bounds.windows(2).map(|pair| pair[0]..pair[1]);
     let share = |range| RenderSettings {
         ladders: Some(range),
