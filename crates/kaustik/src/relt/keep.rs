@@ -12,7 +12,6 @@ use super::run::{Run, below};
 use super::start::Mutation;
 use crate::Steps;
 use crate::engine::Nonfinite;
-use crate::lamps::Lamps;
 use crate::state::{Keep, Reader, StateError, Writer};
 
 /// All of a [`Run`] that does not follow from its number of sweeps, and this number. `L`, `P`, `A` stand for what is
@@ -100,9 +99,9 @@ impl<const K: usize> Keep for ReltEngine<'_, K> {
             ));
         }
         let steps = self.sweeps() * cost;
-        self.direct
-            .as_mut()
-            .map(|direct: &mut Lamps<'_>| direct.keep_up(steps));
+        if let Some(direct) = &mut self.direct {
+            direct.keep_up(steps);
+        }
         Ok(())
     }
 }

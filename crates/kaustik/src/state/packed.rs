@@ -11,11 +11,11 @@ const WHOLE: usize = 8;
 /// Packs sums behind what is in `bytes`; at most [`BLOCK`] of them.
 fn pack_block(sums: &[i64], bytes: &mut Vec<u8>) {
     // all bits that any of them has, and one for the sign
-    let bits = sums.iter().fold(0, |bits, sum| {
+    let bits = sums.iter().fold(0_i64, |bits, sum| {
         let sign = sum >> 63;
         bits | ((sum ^ sign) << 1) | (sign & 1)
     });
-    let width = WHOLE - (bits as u64).leading_zeros() as usize / 8;
+    let width = WHOLE - bits.leading_zeros() as usize / 8;
     bytes.push(width as u8);
     for sum in sums {
         bytes.extend_from_slice(&sum.to_le_bytes()[..width]);
