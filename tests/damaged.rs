@@ -103,8 +103,8 @@ fn damaged_states(name: &str, each: usize) {
 
 #[test]
 fn damaged_states_are_refused() {
-    damaged_states("cornell", 25);
-    damaged_states("glass-cube?light=0.8", 25);
+    damaged_states("cornell", 12);
+    damaged_states("glass-cube?light=0.8", 12);
 }
 
 #[test]
