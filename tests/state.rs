@@ -123,8 +123,8 @@ pub(crate) fn cases() -> Vec<(String, RenderSettings)> {
     // Steps learn after a thousand sweeps of a ladder.
     add("adapted", Method::Relt, |s| {
         s.options.steps = Steps::Adapted;
-        s.options.ladders = 2;
-        s.budget = Budget::PerPixel(60);
+        s.options.ladders = 3;
+        s.budget = Budget::PerPixel(80);
     });
     add("few ladders", Method::Annealing, |s| s.options.ladders = 3);
     add("by passes, filtered", Method::Erpt, |s| {

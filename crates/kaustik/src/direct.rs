@@ -196,24 +196,42 @@ impl Engine for DirectApart<'_> {
     }
 }
 
-/// Both parts; what a ladder was given is what it took.
+/// Both parts, and what ladders were given: of that, something too small for a step may be left over.
 impl Keep for DirectApart<'_> {
     fn taken(&self) -> Vec<u64> {
-        let both = self.direct.taken().into_iter().zip(self.chains.taken());
-        both.map(|(direct, chains)| direct + chains).collect()
+        self.given.clone()
+    }
+
+    fn steps(&self) -> u64 {
+        self.direct.steps() + self.chains.steps()
     }
 
     fn write(&self, out: &mut Writer<'_>) -> io::Result<()> {
+        out.value(&self.given)?;
         self.direct.write(out)?;
         self.chains.write(out)
     }
 
     fn take_up(&mut self, from: &mut Reader<'_>) -> Result<(), StateError> {
+        let given: Vec<u64> = from.value()?;
+        let kept = from.ladders();
+        if given.len() != kept.len() {
+            return Err(StateError::damaged("a ladder's steps are missing"));
+        }
         self.direct.take_up(from)?;
         self.chains.take_up(from)?;
         let both = self.direct.taken().into_iter().zip(self.chains.taken());
         self.done = both.map(|(direct, chains)| [direct, chains]).collect();
-        self.given = self.taken();
+        for (ladder, given) in kept.zip(given) {
+            let at = ladder.wrapping_sub(self.ladders.start) as usize;
+            let (Some(steps), Some(done)) = (self.given.get_mut(at), self.done.get(at)) else {
+                continue;
+            };
+            *steps = Reader::count(given)?;
+            if done[0].saturating_add(done[1]) > *steps {
+                return Err(StateError::damaged("a ladder took more steps than it had"));
+            }
+        }
         Ok(())
     }
 }

@@ -240,7 +240,7 @@ fn each_share(
     for state in &render.states {
         merged.alone(&nothing)?;
         merged.alone(state)?;
-        let steps: u64 = merged.engine.taken().iter().sum();
+        let steps = merged.engine.steps();
         let (pool, engine) = (&merged.pool, merged.engine.as_mut());
         let image = pool.install(|| engine.develop())?;
         parts.push(MergedPart::new(

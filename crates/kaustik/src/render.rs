@@ -263,7 +263,7 @@ impl<'a> Work<'a> {
     ) -> Result<(), StateError> {
         take_up(engine, state, first)?;
         self.before += Duration::from_secs_f64(state.seconds());
-        self.steps = engine.taken().iter().sum();
+        self.steps = engine.steps();
         Ok(())
     }
 
