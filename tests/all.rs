@@ -10,6 +10,7 @@ mod arrows;
 mod decision;
 /// Every link in the documents leads somewhere.
 mod links;
+mod merged;
 /// Reading the tree: files, and Rust without its comments, strings and tests.
 mod source;
 /// Manifests, lengths, leftovers, paths of somebody's machine.

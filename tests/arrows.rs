@@ -59,14 +59,14 @@ const TABLE: &[(u8, &str, &str, &str, &str)] = &[
         4,
         "kaustik-mutate",
         "bsdf geometry mcmc path scene spectrum",
-        "glam libm",
+        "glam libm serde",
         "pss",
     ),
     (
         4,
         "kaustik-estimate",
         "film mcmc path pss scene spectrum",
-        "libm",
+        "libm serde",
         "",
     ),
     (

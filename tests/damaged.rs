@@ -56,14 +56,15 @@ fn seal(bytes: &mut Vec<u8>) {
 
 /// Damages states of every kind: none is taken up, none makes anything panic. With a checksum that agrees the
 /// damage gets further in, where all that counts is that nothing panics: a bit of a film's sum is anybody's.
-fn damaged_states(each: usize) {
-    let scene = scene("cornell", 8);
+fn damaged_states(name: &str, each: usize) {
+    let scene = scene(name, 8);
     for (what, mut settings) in cases() {
         settings.filter = Filter::default();
         (settings.width, settings.height) = (8, 8);
         settings.budget = Budget::PerPixel(2);
         settings.options.ladders = settings.options.ladders.min(5);
         settings.options.pilot = 200;
+        settings.options.particles = 1_000;
         settings.threads = 1;
         let sound = last_state(&scene, &settings);
         assert!(resumed(&scene, &settings, &sound).is_ok());
@@ -102,13 +103,15 @@ fn damaged_states(each: usize) {
 
 #[test]
 fn damaged_states_are_refused() {
-    damaged_states(100);
+    damaged_states("cornell", 12);
+    damaged_states("glass-cube?light=0.8", 12);
 }
 
 #[test]
 #[ignore = "ten thousand states"]
 fn ten_thousand_damaged_states_are_refused() {
-    damaged_states(1000);
+    damaged_states("cornell", 300);
+    damaged_states("glass-cube?light=0.8", 300);
 }
 
 #[test]

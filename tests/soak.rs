@@ -113,9 +113,7 @@ fn seconds_to_end(method: Method, after: f64, (signal, status): (&str, i32)) -> 
     words.extend([
         "--width", "1920", "--height", "1080", "--time", "1h", "-o", &exr,
     ]);
-    if method.keeps_state() {
-        words.extend(["--checkpoint", &state]);
-    }
+    words.extend(["--checkpoint", &state]);
     let mut child = Command::new(env!("CARGO_BIN_EXE_kaustik"))
         .args(words)
         .stderr(Stdio::piped())
@@ -150,7 +148,7 @@ fn seconds_to_end(method: Method, after: f64, (signal, status): (&str, i32)) -> 
         early,
         "{name} after {after} s: {said}"
     );
-    if !said.contains("before the first sample") && method.keeps_state() {
+    if !said.contains("before the first sample") {
         kaustik::State::read(state.as_ref()).expect("a state");
     }
     Some(seconds)

@@ -161,7 +161,7 @@ pub(crate) struct OutputWords {
 /// Words of `merge`.
 #[derive(Args, Debug)]
 pub(crate) struct MergeWords {
-    /// States of shares of one render
+    /// States of shares of one render, or of renders that differ in their seeds
     #[arg(value_name = "STATE", required = true)]
     pub(crate) states: Vec<PathBuf>,
     #[command(flatten)]

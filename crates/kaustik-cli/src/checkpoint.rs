@@ -95,10 +95,6 @@ impl Watch for Checkpoints<'_> {
         self.signals.sampling();
     }
 
-    fn keeps(&self) -> bool {
-        self.path.is_some()
-    }
-
     fn wants_state(&mut self, _: &Progress, last: bool) -> bool {
         self.asked |= self.signals.hangup.swap(false, Ordering::Relaxed);
         self.path.is_some() && (last || self.asked || self.last.elapsed() >= self.every)

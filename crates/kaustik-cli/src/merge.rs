@@ -21,6 +21,15 @@ pub(crate) fn run(words: &MergeWords) -> Result<ExitCode, Failure> {
         State::read(path).map_err(|error| Failure::Input(format!("{}: {error}", path.display())))
     });
     let states = states.collect::<Result<Vec<_>, _>>()?;
+    let several = states
+        .windows(2)
+        .any(|pair| pair[0].seed() != pair[1].seed());
+    if words.state.is_some() && several {
+        return Err(Failure::Input(
+            "--state: renders of several seeds have no state in common; merge the shares of each by themselves"
+                .to_owned(),
+        ));
+    }
     let settings = RenderSettings {
         threads: words.threads.map_or(0, |threads| threads as usize),
         features: !words.outputs.no_features,

@@ -115,6 +115,11 @@ pub(crate) fn report(words: &OutputWords, outcome: Outcome, statistics: &RenderS
             output::note(&notice);
         }
     }
+    if let Some(merged) = &statistics.merged {
+        for notice in merged.notices() {
+            output::note(&notice);
+        }
+    }
     let lost = statistics.nonfinite + statistics.film.non_finite + statistics.film.too_large;
     if lost > 0 {
         output::note(&format!(

@@ -8,7 +8,7 @@ use kaustik::scene::{Scene, SceneOptions};
 use kaustik::spectrum::WavelengthSampling;
 use kaustik::{
     Budget, Control, Options, Outcome, RenderError, RenderSettings, Rendered, Source, State,
-    StateError, render_watched, resume,
+    render_watched, resume,
 };
 
 use crate::arguments::RenderWords;
@@ -46,9 +46,6 @@ pub(crate) fn run(words: &RenderWords) -> Result<ExitCode, Failure> {
 fn state(words: &RenderWords) -> Result<Option<State>, Failure> {
     if let Some(path) = &words.checkpoint {
         kaustik::film::check_writable(path).map_err(Failure::input)?;
-    }
-    if (words.checkpoint.is_some() || words.resume.is_some()) && !words.method.keeps_state() {
-        return Err(Failure::input(StateError::Method(words.method)));
     }
     let Some(path) = &words.resume else {
         return Ok(None);

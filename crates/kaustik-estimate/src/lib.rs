@@ -25,7 +25,7 @@ pub use photon_deposit::{Combine, PhotonDeposit, TOUCH};
 pub use photon_map::PhotonMap;
 pub use photon_target::{Meeting, PhotonLevels, PhotonTarget, PhotonValue};
 pub use region_sums::{RegionSums, Witnesses};
-pub use regions::{LeafTally, Place, Refinement, Regions, inverse};
+pub use regions::{LeafTally, Learnt, Place, Refinement, Regions, inverse};
 pub use replica_set::{ClassWeights, ReplicaSet, ReplicaSetError};
 pub use replicas::{ReplicaDeposit, ReplicaFamily, ReplicaWeights, light};
 pub use scalar::{Contribution, ScalarContribution};

@@ -24,6 +24,17 @@ pub struct Regions {
     cut: Vec<u32>,
 }
 
+/// What a node of the tree has learnt: all that [`Regions`] have beyond how they were built.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Learnt {
+    in_cut: bool,
+    delta: [f64; 2],
+    flux: [f64; 2],
+    iterations: u64,
+    paths: f64,
+}
+
 #[derive(Clone, Debug, Default)]
 struct Node {
     parent: u32,
@@ -89,6 +100,8 @@ impl Refinement {
 impl Regions {
     /// Levels of a tree below its root.
     pub const MOST_LEVELS: u32 = 15;
+    /// No render has so many iterations.
+    const MOST_ITERATIONS: u64 = 1 << 60;
     /// Points of a pilot that a leaf holds at least.
     pub const LEAST_POINTS: usize = 64;
 
@@ -216,6 +229,43 @@ impl Regions {
             self.nodes[at as usize].area = area;
         }
         self.sum_up(|node| node.area, |node, area| node.area += area);
+    }
+
+    /// What all nodes have learnt, to be kept.
+    pub fn learnt(&self) -> Vec<Learnt> {
+        let of = |node: &Node| Learnt {
+            in_cut: node.in_cut,
+            delta: node.delta,
+            flux: node.flux,
+            iterations: node.iterations,
+            paths: node.paths,
+        };
+        self.nodes.iter().map(of).collect()
+    }
+
+    /// Takes up what regions that were built alike have learnt; `None` if they were not, or if it is no cut: a node of it
+    /// on the way from the root to each leaf, and no two.
+    pub fn with_learnt(mut self, learnt: &[Learnt]) -> Option<Self> {
+        if learnt.len() != self.nodes.len() {
+            return None;
+        }
+        for (node, learnt) in self.nodes.iter_mut().zip(learnt) {
+            node.in_cut = learnt.in_cut;
+            node.delta = learnt.delta;
+            node.flux = learnt.flux;
+            node.iterations = learnt.iterations.min(Self::MOST_ITERATIONS);
+            node.paths = learnt.paths;
+        }
+        // parents come before their children
+        let mut above = vec![0_u32; self.nodes.len()];
+        for at in 0..self.nodes.len() {
+            let parent = self.nodes[at].parent as usize;
+            let before = if at == 0 { 0 } else { above[parent] };
+            above[at] = before + u32::from(self.nodes[at].in_cut);
+        }
+        let is_cut = self.leaves.iter().all(|&leaf| above[leaf as usize] == 1);
+        self.map_leaves();
+        is_cut.then_some(self)
     }
 
     /// Adds what children have to their parents, from below.

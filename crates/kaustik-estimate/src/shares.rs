@@ -19,6 +19,11 @@ const FEW: f64 = 8.0;
 /// The light of all films together is then the mean of `l` over independent samples: unbiased, with the
 /// standard error of a mean of independent numbers.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    serde(try_from = "serial::Written", into = "serial::Written")
+)]
 pub struct Shares<const K: usize> {
     /// `w_k l` of independent samples.
     parts: [Mean; K],
@@ -238,6 +243,9 @@ fn estimate(mean: &Mean) -> Estimate {
         standard_error: mean.standard_error(),
     }
 }
+
+#[cfg(feature = "serde")]
+mod serial;
 
 #[cfg(test)]
 mod tests {

@@ -26,6 +26,7 @@
 //! ```
 
 mod atomic;
+mod average;
 mod develop;
 pub mod exr;
 mod film;
@@ -40,6 +41,7 @@ mod read;
 mod tone;
 
 pub use atomic::{Sink, WriteError, check_writable, write_file};
+pub use average::Average;
 pub use develop::{DevelopError, develop, develop_xyz};
 pub use film::Film;
 pub use filter::{Filter, FilterError, Taps};

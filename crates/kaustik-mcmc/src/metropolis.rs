@@ -200,6 +200,24 @@ impl<S, V, const K: usize> Metropolis<S, V, K> {
         self.stay = 0;
     }
 
+    /// The same chain with another form of its value, densities as they are: for values that are written down in
+    /// another form than they are worked with.
+    pub fn with_value<W: Default>(&self, value: W) -> Metropolis<S, W, K>
+    where
+        S: Clone,
+    {
+        Metropolis {
+            level: self.level,
+            state: self.state.clone(),
+            value,
+            densities: self.densities,
+            pending: self.pending,
+            proposed: W::default(),
+            statistics: self.statistics.clone(),
+            stay: self.stay,
+        }
+    }
+
     /// Brings the chain to another level and under its kernel. What was gathered and not
     /// flushed is forgotten: it belongs to the level that is left.
     pub(crate) fn enter<N, D>(&mut self, level: usize, kernel: &N, draws: &mut D)

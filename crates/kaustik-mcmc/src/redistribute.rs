@@ -297,6 +297,12 @@ impl<S: Clone, V: Clone + Default> Redistributor<S, V> {
         }
     }
 
+    /// As one that has these behind it: between two starts nothing else counts.
+    #[must_use]
+    pub fn with_statistics(self, statistics: RedistributionStatistics) -> Self {
+        Self { statistics, ..self }
+    }
+
     /// What has happened so far.
     pub fn statistics(&self) -> &RedistributionStatistics {
         &self.statistics

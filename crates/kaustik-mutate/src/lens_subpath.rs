@@ -3,6 +3,7 @@
 use kaustik_bsdf::Lobe;
 use kaustik_mcmc::Draws;
 
+use crate::vertex::Place;
 use crate::walk::Way;
 use crate::{Path, PathSpace};
 
@@ -51,7 +52,14 @@ impl LensMutation<'_> {
             return None;
         }
         let mut at = longest - 2;
-        while !y.at(at).bsdf.is_connectable() {
+        loop {
+            // What has left the scene has no scattering function: what is there is left over from another path.
+            if y.at(at).place != Place::Surface {
+                return None;
+            }
+            if y.at(at).bsdf.is_connectable() {
+                break;
+            }
             if at <= kept {
                 return None;
             }

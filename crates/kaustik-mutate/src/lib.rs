@@ -66,6 +66,8 @@ pub use jitter::Radii;
 pub use lens::{LensPerturbation, Run};
 pub use lens_subpath::LensMutation;
 pub use path::Path;
+#[cfg(feature = "serde")]
+pub use path::WrittenPath;
 pub use printed::RuleFive;
 pub use seed::Seeds;
 pub use space::PathSpace;

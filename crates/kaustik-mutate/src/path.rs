@@ -4,6 +4,11 @@ use kaustik_spectrum::{WavelengthSampling, Wavelengths, Xyz};
 
 use crate::vertex::{PathVertex, Place};
 
+#[cfg(feature = "serde")]
+mod written;
+#[cfg(feature = "serde")]
+pub use written::WrittenPath;
+
 /// A light path, from the emitter to the lens, with what it brings to the image.
 ///
 /// The memory is reused from mutation to mutation: behind the vertices lie slots used before.

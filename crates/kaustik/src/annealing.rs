@@ -11,6 +11,7 @@ use kaustik_mcmc::{
 use kaustik_path::{Bidirectional, Contributions};
 use kaustik_scene::Scene;
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 
 use crate::control::is_stopped;
 use crate::engine::{Engine, add_counters, add_nonfinite};
@@ -27,6 +28,7 @@ use crate::{
 use deposit::{AnnealedDeposit, Gathered};
 
 mod deposit;
+mod keep;
 
 /// Particles that one thread moves at a time.
 const CHUNK: usize = 64;
@@ -61,7 +63,7 @@ pub(crate) fn engine<'a>(
 /// A round draws N independent paths and takes them up all levels. Of every level k, all that its particles
 /// visit is splatted with the round's own `Z_k`: for any weights that sum to 1 and were fixed before,
 /// every round's picture is unbiased (spec relt.md (9)), extinct ones with their zeros included, and rounds are
-/// independent. So nothing is ever to be forgotten, and nothing found is kept.
+/// independent. So nothing is ever to be forgotten, and nothing found is kept. Ladders take rounds in turn.
 struct AnnealingEngine<'a, const K: usize> {
     scene: &'a Scene,
     builder: Bidirectional,
@@ -76,21 +78,29 @@ struct AnnealingEngine<'a, const K: usize> {
     /// Raster area of the window in pixels.
     area: f64,
     seed: u64,
-    /// All rounds of this process belong to its first ladder.
-    ladder: u32,
     particles: u64,
     effective: Vec<[f64; 2]>,
     dropped: Option<String>,
     lit: bool,
+    /// Ladders of the whole: round r belongs to ladder r modulo their number.
+    of: u32,
+    /// Those of this process.
+    told: Vec<Told<K>>,
+}
+
+/// What the rounds of a ladder have told.
+#[derive(Clone, Debug)]
+struct Told<const K: usize> {
+    ladder: u32,
     rounds: u64,
     levels: [Level; K],
     /// Light of each round.
     light: Mean,
-    nonfinite: AtomicU64,
+    nonfinite: u64,
 }
 
 /// What rounds have told of a level.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 struct Level {
     /// `Z_k` of each round, zero where the population died before.
     normaliser: Mean,
@@ -100,6 +110,37 @@ struct Level {
     share: Mean,
     moves: u64,
     accepted: u64,
+}
+
+impl<const K: usize> Told<K> {
+    fn of(ladder: u32) -> Self {
+        Self {
+            ladder,
+            rounds: 0,
+            levels: [Level::default(); K],
+            light: Mean::new(),
+            nonfinite: 0,
+        }
+    }
+
+    /// For each level of the next round a ladder that nothing else has, for its generators.
+    fn next(&self) -> impl Fn(usize) -> u64 + use<K> {
+        let round = (u64::from(self.ladder) + 1) << 40 | self.rounds << 4;
+        move |level| round | level as u64
+    }
+
+    fn merge(&mut self, other: &Self) {
+        self.rounds += other.rounds;
+        self.light.merge(&other.light);
+        self.nonfinite += other.nonfinite;
+        for (level, other) in self.levels.iter_mut().zip(&other.levels) {
+            level.normaliser.merge(&other.normaliser);
+            level.independent.merge(&other.independent);
+            level.share.merge(&other.share);
+            level.moves += other.moves;
+            level.accepted += other.accepted;
+        }
+    }
 }
 
 impl<'a, const K: usize> AnnealingEngine<'a, K> {
@@ -130,16 +171,35 @@ impl<'a, const K: usize> AnnealingEngine<'a, K> {
             },
             area: layout.extended_bounds().area(),
             seed: settings.seed,
-            ladder: settings.ladder_range().start,
             particles: options.particles,
             effective: started.effective,
             dropped: started.dropped,
             lit: started.mean > 0.0,
-            rounds: 0,
-            levels: [Level::default(); K],
-            light: Mean::new(),
-            nonfinite: AtomicU64::new(0),
+            of: options.ladders,
+            told: settings.ladder_range().map(Told::of).collect(),
         })
+    }
+
+    /// Rounds of all ladders of this process.
+    fn rounds(&self) -> u64 {
+        self.told.iter().map(|told| told.rounds).sum()
+    }
+
+    /// The rounds of all ladders, in their order.
+    fn told(&self) -> Told<K> {
+        let mut all = Told::of(0);
+        self.told.iter().for_each(|told| all.merge(told));
+        all
+    }
+
+    /// How many of the first so many rounds of the whole fall to the ladders of this process.
+    fn share(&self, rounds: u64) -> u64 {
+        let of = u64::from(self.of);
+        let shares = self.told.iter().map(|told| {
+            let (all, rest) = (rounds / of, rounds % of);
+            all + u64::from(u64::from(told.ladder) < rest)
+        });
+        shares.sum()
     }
 
     /// Paths that a round evaluates.
@@ -147,13 +207,13 @@ impl<'a, const K: usize> AnnealingEngine<'a, K> {
         self.particles * (1 + (K as u64 - 1) * MOVES as u64)
     }
 
-    /// A ladder that nothing else has, for the generators of a level of a round.
-    fn ladder(&self, round: u64, level: usize) -> u64 {
-        (u64::from(self.ladder) + 1) << 40 | round << 4 | level as u64
-    }
-
-    /// One population from the bottom to the top.
+    /// One population from the bottom to the top: the next round of the whole that falls to this process.
     fn round(&mut self) {
+        let next = (0..self.told.len()).min_by_key(|&at| self.told[at].rounds);
+        let Some(at) = next else {
+            return;
+        };
+        let told = self.told[at].next();
         let nonfinite = AtomicU64::new(0);
         let target = PathTarget {
             scene: self.scene,
@@ -161,7 +221,7 @@ impl<'a, const K: usize> AnnealingEngine<'a, K> {
             nonfinite: &nonfinite,
         };
         let kernels = kernels::<K>(target, &self.set, self.steps);
-        let bottom = self.ladder(self.rounds, 0);
+        let bottom = told(0);
         let first = mutation(&self.set, self.steps, 0);
         let samples = samples(
             target,
@@ -173,7 +233,7 @@ impl<'a, const K: usize> AnnealingEngine<'a, K> {
         );
         let mut population =
             Population::from_samples(samples, &self.family, Resampling::Systematic);
-        let mut central = generator(self.seed, self.ladder(self.rounds, K));
+        let mut central = generator(self.seed, told(K));
         let mut light = [0.0; K];
         let mut normalisers = [0.0; K];
         for (level, kernel) in kernels.iter().enumerate() {
@@ -184,23 +244,26 @@ impl<'a, const K: usize> AnnealingEngine<'a, K> {
             let gathered = if level == 0 {
                 self.show(population.particles())
             } else {
-                self.climb(level, normalisers[level], kernel, &mut population)
+                let generators = SampleGenerators::new(self.seed, told(level));
+                let of = (level, normalisers[level]);
+                self.climb(of, kernel, &generators, &mut population)
             };
             light[level] = gathered.light;
-            self.levels[level].moves += gathered.moves;
-            self.levels[level].accepted += gathered.accepted;
-            for (of, mean) in self.levels.iter_mut().zip(&gathered.densities) {
+            let levels = &mut self.told[at].levels;
+            levels[level].moves += gathered.moves;
+            levels[level].accepted += gathered.accepted;
+            for (of, mean) in levels.iter_mut().zip(&gathered.densities) {
                 of.independent.merge(mean);
             }
         }
-        for (k, level) in self.levels.iter_mut().enumerate() {
+        let told = &mut self.told[at];
+        for (k, level) in told.levels.iter_mut().enumerate() {
             level.normaliser.push(normalisers[k]);
             level.share.push(light[k]);
         }
-        self.light.push(light.iter().sum());
-        let found = nonfinite.load(Ordering::Relaxed);
-        self.nonfinite.fetch_add(found, Ordering::Relaxed);
-        self.rounds += 1;
+        told.light.push(light.iter().sum());
+        told.nonfinite += nonfinite.load(Ordering::Relaxed);
+        told.rounds += 1;
     }
 
     fn deposit(&self, level: usize, normaliser: f64, each: u64) -> AnnealedDeposit<'_, K> {
@@ -229,12 +292,11 @@ impl<'a, const K: usize> AnnealingEngine<'a, K> {
     /// Moves the particles under their level's density and splats what they visit.
     fn climb(
         &self,
-        level: usize,
-        normaliser: f64,
+        (level, normaliser): (usize, f64),
         kernel: &LevelKernel<PathTarget<'_>, Mutation>,
+        generators: &SampleGenerators,
         population: &mut Population<Point<Mutation>, Contributions, K>,
     ) -> Gathered<K> {
-        let generators = SampleGenerators::new(self.seed, self.ladder(self.rounds, level));
         let climb = |(chunk, particles): (usize, &mut [Particle<K>])| {
             let mut deposit = self.deposit(level, normaliser, MOVES as u64);
             for (at, particle) in particles.iter_mut().enumerate() {
@@ -259,36 +321,33 @@ type Particle<const K: usize> = Metropolis<Point<Mutation>, Contributions, K>;
 impl<const K: usize> Engine for AnnealingEngine<'_, K> {
     fn advance(&mut self, plan: &[u64], stop: Option<&AtomicBool>) -> u64 {
         let rounds = plan.iter().sum::<u64>() / self.cost();
-        let before = self.rounds;
+        let before = self.rounds();
         for _ in 0..rounds {
             if is_stopped(stop) {
                 break;
             }
             self.round();
         }
-        let steps = self.rounds * self.cost();
+        let steps = self.rounds() * self.cost();
         if let Some(direct) = &mut self.direct {
             direct.keep_up(steps);
         }
-        (self.rounds - before) * self.cost()
+        steps - before * self.cost()
     }
 
+    /// All rounds of this process, on the account of its first ladder.
     fn planned(&self, ladder: u32, settings: &RenderSettings) -> u64 {
-        if ladder != self.ladder {
+        if ladder != settings.ladder_range().start {
             return 0;
         }
         let cost = self.cost();
-        match settings.budget {
-            Budget::Time(_) => u64::MAX / cost * cost,
-            // a share of the ladders is a share of the rounds, but one at least
-            Budget::PerPixel(_) | Budget::Total(_) => {
-                let share = settings
-                    .ladder_range()
-                    .map(|ladder| settings.planned(ladder));
-                let steps: u64 = share.sum();
-                (steps / cost).max(u64::from(steps > 0)) * cost
-            }
-        }
+        let steps = match settings.budget {
+            Budget::Time(_) => return u64::MAX / cost * cost,
+            Budget::PerPixel(n) => n.saturating_mul(settings.pixels()),
+            Budget::Total(n) => n,
+        };
+        // one at least
+        self.share((steps / cost).max(u64::from(steps > 0))) * cost
     }
 
     fn grain(&self, _ladder: u32) -> u64 {
@@ -296,7 +355,7 @@ impl<const K: usize> Engine for AnnealingEngine<'_, K> {
     }
 
     fn develop(&mut self) -> Result<Image, RenderError> {
-        let mut parts = vec![(&self.film, self.area / self.rounds.max(1) as f64)];
+        let mut parts = vec![(&self.film, self.area / self.rounds().max(1) as f64)];
         parts.extend(self.direct.iter().map(Lamps::part));
         Ok(develop(&parts)?)
     }
@@ -307,13 +366,14 @@ impl<const K: usize> Engine for AnnealingEngine<'_, K> {
     }
 
     fn chain_statistics(&self) -> Option<ChainStatistics> {
-        let sum = |of: fn(&Level) -> u64| self.levels.iter().map(of).sum::<u64>();
+        let told = self.told();
+        let sum = |of: fn(&Level) -> u64| told.levels.iter().map(of).sum::<u64>();
         let moves = sum(|level| level.moves).max(1);
         Some(ChainStatistics {
             small_acceptance: sum(|level| level.accepted) as f64 / moves as f64,
             large_acceptance: 1.0,
-            normalisation: self.light.mean(),
-            normalisation_error: self.light.standard_error(),
+            normalisation: told.light.mean(),
+            normalisation_error: told.light.standard_error(),
             b0: self.rough[1.min(K - 1)].value,
             longest_stay: 0,
             defects: 0,
@@ -321,6 +381,7 @@ impl<const K: usize> Engine for AnnealingEngine<'_, K> {
     }
 
     fn replica_statistics(&self) -> Option<ReplicaStatistics> {
+        let told = self.told();
         let level = |(k, level): (usize, &Level)| ReplicaLevel {
             weights: self.set.rows()[k],
             rough: self.rough[k].value,
@@ -340,8 +401,8 @@ impl<const K: usize> Engine for AnnealingEngine<'_, K> {
             step: mutation(&self.set, self.steps, k).sizes().1,
         };
         Some(ReplicaStatistics {
-            levels: self.levels.iter().enumerate().map(level).collect(),
-            sweeps: self.rounds,
+            levels: told.levels.iter().enumerate().map(level).collect(),
+            sweeps: told.rounds,
             exchange_acceptance: Vec::new(),
             pairs: Vec::new(),
             even: 0,
@@ -356,7 +417,7 @@ impl<const K: usize> Engine for AnnealingEngine<'_, K> {
     }
 
     fn nonfinite(&self) -> (u64, Vec<Place>) {
-        let own = (self.nonfinite.load(Ordering::Relaxed), Vec::new());
+        let own = (self.told().nonfinite, Vec::new());
         add_nonfinite(own, self.direct.as_ref().map(Lamps::nonfinite))
     }
 

@@ -196,46 +196,47 @@ impl Engine for DirectApart<'_> {
         add_counters(self.chains.film_counters(), self.direct.film_counters())
     }
 
-    fn keep(&self) -> Option<&dyn Keep> {
-        self.chains.keep().map(|_| self as &dyn Keep)
-    }
-
-    fn keep_mut(&mut self) -> Option<&mut dyn Keep> {
-        if self.chains.keep().is_some() {
-            Some(self)
-        } else {
-            None
-        }
-    }
-
     fn is_lit(&self) -> bool {
         self.chains.is_lit() || self.direct.is_lit()
     }
 }
 
-/// Both parts; what a ladder was given is what it took.
+/// Both parts, and what ladders were given: of that, something too small for a step may be left over.
 impl Keep for DirectApart<'_> {
     fn taken(&self) -> Vec<u64> {
-        let chains = self.chains.keep().map(|keep| keep.taken());
-        let chains = chains.unwrap_or_default();
-        let both = self.direct.taken().into_iter().zip(chains);
-        both.map(|(direct, chains)| direct + chains).collect()
+        self.given.clone()
+    }
+
+    fn steps(&self) -> u64 {
+        self.direct.steps() + self.chains.steps()
     }
 
     fn write(&self, out: &mut Writer<'_>) -> io::Result<()> {
+        out.value(&self.given)?;
         self.direct.write(out)?;
-        self.chains.keep().map_or(Ok(()), |keep| keep.write(out))
+        self.chains.write(out)
     }
 
     fn take_up(&mut self, from: &mut Reader<'_>) -> Result<(), StateError> {
+        let given: Vec<u64> = from.value()?;
+        let kept = from.ladders();
+        if given.len() != kept.len() {
+            return Err(StateError::damaged("a ladder's steps are missing"));
+        }
         self.direct.take_up(from)?;
-        let Some(chains) = self.chains.keep_mut() else {
-            return Ok(());
-        };
-        chains.take_up(from)?;
-        let both = self.direct.taken().into_iter().zip(chains.taken());
+        self.chains.take_up(from)?;
+        let both = self.direct.taken().into_iter().zip(self.chains.taken());
         self.done = both.map(|(direct, chains)| [direct, chains]).collect();
-        self.given = self.taken();
+        for (ladder, given) in kept.zip(given) {
+            let at = ladder.wrapping_sub(self.ladders.start) as usize;
+            let (Some(steps), Some(done)) = (self.given.get_mut(at), self.done.get(at)) else {
+                continue;
+            };
+            *steps = Reader::count(given)?;
+            if done[0].saturating_add(done[1]) > *steps {
+                return Err(StateError::damaged("a ladder took more steps than it had"));
+            }
+        }
         Ok(())
     }
 }

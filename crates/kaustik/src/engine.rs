@@ -12,11 +12,11 @@ use crate::{
     Place, RenderError, RenderSettings, ReplicaStatistics,
 };
 
-/// A method at work: ladders that can be driven on, and films that can be developed.
+/// A method at work: ladders that can be driven on, films that can be developed, and a state that can be kept.
 ///
 /// Ladders are independent of each other and of how their steps are cut into rounds, so that
 /// the picture depends on the number of steps alone.
-pub(crate) trait Engine: Send + Sync {
+pub(crate) trait Engine: Keep {
     /// Drives the ladders of this process on by as many steps as `plan` says for each, on the threads
     /// of the current pool; returns early when `stop` is raised. Returns the number of steps taken.
     fn advance(&mut self, plan: &[u64], stop: Option<&AtomicBool>) -> u64;
@@ -86,16 +86,6 @@ pub(crate) trait Engine: Send + Sync {
 
     /// What the films left out.
     fn film_counters(&self) -> Counters;
-
-    /// The method's state, where it keeps one: then [`Method::keeps_state`](crate::Method::keeps_state) says so.
-    fn keep(&self) -> Option<&dyn Keep> {
-        None
-    }
-
-    /// The same, to be filled.
-    fn keep_mut(&mut self) -> Option<&mut dyn Keep> {
-        None
-    }
 
     /// Does anything bring light to the camera? `false` lets the render end at once.
     fn is_lit(&self) -> bool {

@@ -10,6 +10,7 @@ mod perturbations;
 mod starts;
 mod stream;
 
+use std::io;
 use std::sync::atomic::AtomicBool;
 
 use glam::DVec2;
@@ -22,6 +23,7 @@ use rayon::prelude::*;
 use crate::cells::Cells;
 use crate::engine::{Engine, Nonfinite};
 use crate::render::builder_settings;
+use crate::state::{Keep, Reader, StateError, Writer};
 use crate::{
     ChainStatistics, EnergyStatistics, MutationStatistics, Options, Place, RenderError,
     RenderSettings,
@@ -95,12 +97,16 @@ impl<'a> ErptEngine<'a> {
     }
 
     /// Samples of the whole image that the passes so far amount to, in whatever part of it this process works.
-    fn samples(&self) -> f64 {
+    fn samples(&self) -> Result<f64, StateError> {
         let passes = self.streams.iter().filter_map(|stream| {
             let [first, end] = self.cells.of_ladder(stream.ladder);
             stream.step.checked_div(end - first)
         });
-        (passes.max().unwrap_or(0).max(1) * self.cells.count()) as f64
+        let (least, most) = (passes.clone().min(), passes.max());
+        if least != most {
+            return Err(StateError::passes());
+        }
+        Ok((most.unwrap_or(0).max(1) * self.cells.count()) as f64)
     }
 
     fn lost(&self, on: bool, place: usize) -> Option<f64> {
@@ -139,7 +145,7 @@ impl Engine for ErptEngine<'_> {
     }
 
     fn develop(&mut self) -> Result<Image, RenderError> {
-        let per_sample = self.size.element_product() / self.samples();
+        let per_sample = self.size.element_product() / self.samples()?;
         let (image, lost) = self.films.develop(per_sample)?;
         self.lost = lost;
         Ok(image)
@@ -208,5 +214,31 @@ impl Engine for ErptEngine<'_> {
 
     fn is_lit(&self) -> bool {
         self.space.scene.has_light()
+    }
+}
+
+/// Films, and where each stream is; the pilot is drawn again, and compared.
+impl Keep for ErptEngine<'_> {
+    fn taken(&self) -> Vec<u64> {
+        self.streams.iter().map(|stream| stream.step).collect()
+    }
+
+    fn write(&self, out: &mut Writer<'_>) -> io::Result<()> {
+        out.value(&self.pilot)?;
+        self.films.write(out)?;
+        (self.streams.iter()).try_for_each(|stream| out.value(&stream.kept()))
+    }
+
+    fn take_up(&mut self, from: &mut Reader<'_>) -> Result<(), StateError> {
+        let pilot: Mean = from.value()?;
+        if pilot != self.pilot {
+            return Err(StateError::pilot(pilot.mean(), self.pilot.mean()));
+        }
+        self.films.take_up(from)?;
+        let ladders = from.ladders();
+        for stream in (self.streams.iter_mut()).filter(|s| ladders.contains(&s.ladder)) {
+            stream.take_up(from.value()?, &self.cells)?;
+        }
+        Ok(())
     }
 }

@@ -18,6 +18,7 @@ use kaustik_pss::Coordinates;
 use kaustik_scene::Scene;
 
 use crate::pssmlt::{PILOT_LADDER, Small, pilot};
+use crate::state::{Reader, StateError};
 use crate::{ChainStatistics, RenderSettings};
 
 /// The decisions of a ladder's chains come from streams beside those of its samples.
@@ -80,6 +81,11 @@ impl PssRedistribution {
         }
     }
 
+    /// Mean scalar contribution of the pilot's samples: what all else follows from.
+    pub(crate) fn pilot(&self) -> f64 {
+        self.pilot
+    }
+
     /// All ladders' chains, in their order.
     pub(crate) fn statistics<'a>(
         &self,
@@ -98,7 +104,29 @@ impl PssRedistribution {
     }
 }
 
+/// What chains of a ladder leave behind.
+pub(crate) type Kept = (RedistributionStatistics, Mean);
+
 impl Chains {
+    /// Between two samples nothing else counts.
+    pub(crate) fn kept(&self) -> Kept {
+        (self.redistributor.statistics().clone(), self.weights)
+    }
+
+    /// Refuses what chains from so many samples cannot have left.
+    pub(crate) fn take_up(&mut self, kept: Kept, samples: u64) -> Result<(), StateError> {
+        let (statistics, weights) = kept;
+        check_redistribution(&statistics)?;
+        if weights.count() != samples || statistics.starts + statistics.bad_starts > samples {
+            return Err(StateError::damaged(
+                "chains do not agree with their samples",
+            ));
+        }
+        self.redistributor = Redistributor::new().with_statistics(statistics);
+        self.weights = weights;
+        Ok(())
+    }
+
     pub(crate) fn new(settings: &RenderSettings, ladder: u32) -> Self {
         Self {
             generators: SampleGenerators::new(settings.seed, CHAIN_LADDERS + u64::from(ladder)),
@@ -146,4 +174,17 @@ impl Chains {
         }
         nonfinite.load(Ordering::Relaxed)
     }
+}
+
+/// Refuses counts that no redistribution has.
+pub(crate) fn check_redistribution(kept: &RedistributionStatistics) -> Result<(), StateError> {
+    let moves = kept.chain.moves.iter().map(|kind| kind.proposed);
+    let counts = [kept.starts, kept.bad_starts, kept.chains, kept.chain.steps];
+    for count in counts.into_iter().chain(moves) {
+        Reader::count(count)?;
+    }
+    if kept.capped > kept.starts || kept.chain.defects > kept.chain.steps {
+        return Err(StateError::damaged("chains do not agree with themselves"));
+    }
+    Ok(())
 }

@@ -21,7 +21,7 @@ use crate::builders::builder;
 use crate::cells::{Cells, Tour};
 use crate::control::is_stopped;
 use crate::engine::{Engine, Nonfinite, STRIDE, add_rays};
-use crate::erpt_pss::{Chains, Paths, PssRedistribution};
+use crate::erpt_pss::{Chains, Kept, Paths, PssRedistribution};
 use crate::render::builder_settings;
 use mark::Mark;
 
@@ -195,8 +195,7 @@ impl<'a> IndependentEngine<'a> {
             return Ok(develop(&[(&self.film, cell_area / passes.max(1) as f64)])?);
         }
         if !self.single_pixel {
-            let what = "their ladders have taken different numbers of passes over the image";
-            return Err(StateError::Shares(what.to_owned()).into());
+            return Err(StateError::passes().into());
         }
         // Every pixel has its own number of samples (one pixel a cell).
         let mut image = develop(&[(&self.film, 1.0)])?;
@@ -353,20 +352,6 @@ impl Engine for IndependentEngine<'_> {
         self.film.counters()
     }
 
-    fn keep(&self) -> Option<&dyn Keep> {
-        match self.redistribution {
-            None => Some(self),
-            Some(_) => None,
-        }
-    }
-
-    fn keep_mut(&mut self) -> Option<&mut dyn Keep> {
-        match self.redistribution {
-            None => Some(self),
-            Some(_) => None,
-        }
-    }
-
     fn is_lit(&self) -> bool {
         self.lit
     }
@@ -383,7 +368,13 @@ impl Keep for IndependentEngine<'_> {
         let streams = self.streams.iter();
         let streams: Vec<(u64, Nonfinite, Rays)> =
             streams.map(|s| (s.step, s.nonfinite, s.rays)).collect();
-        out.value(&streams)
+        out.value(&streams)?;
+        let Some(redistribution) = &self.redistribution else {
+            return Ok(());
+        };
+        let chains = self.streams.iter().filter_map(|s| s.chains.as_deref());
+        let chains: Vec<Kept> = chains.map(Chains::kept).collect();
+        out.value(&(redistribution.pilot(), chains))
     }
 
     fn take_up(&mut self, from: &mut Reader<'_>) -> Result<(), StateError> {
@@ -400,6 +391,31 @@ impl Keep for IndependentEngine<'_> {
             stream.nonfinite = nonfinite.checked()?;
             (stream.rays.closest, stream.rays.any) =
                 (Reader::count(rays.closest)?, Reader::count(rays.any)?);
+        }
+        self.take_up_chains(from)
+    }
+}
+
+impl IndependentEngine<'_> {
+    /// The chains of the streams that were taken up just now, where the method has any.
+    fn take_up_chains(&mut self, from: &mut Reader<'_>) -> Result<(), StateError> {
+        let Some(redistribution) = &self.redistribution else {
+            return Ok(());
+        };
+        let (pilot, kept): (f64, Vec<Kept>) = from.value()?;
+        let (ladders, here) = (from.ladders(), redistribution.pilot());
+        if pilot.to_bits() != here.to_bits() {
+            return Err(StateError::pilot(pilot, here));
+        }
+        if kept.len() != ladders.len() {
+            return Err(StateError::damaged("a ladder's chains are missing"));
+        }
+        let streams = self.streams.iter_mut();
+        let streams = streams.filter(|stream| ladders.contains(&stream.ladder));
+        for (stream, kept) in streams.zip(kept) {
+            if let Some(chains) = &mut stream.chains {
+                chains.take_up(kept, stream.step)?;
+            }
         }
         Ok(())
     }

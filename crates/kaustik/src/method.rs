@@ -131,11 +131,16 @@ impl Method {
         }
     }
 
-    /// Does it write its state, so that a render can be resumed and shares of it merged?
-    pub fn keeps_state(self) -> bool {
-        matches!(
+    /// Are its ladders independent, so that processes can each run a share of them? Those of photon methods learn
+    /// from each other in every iteration.
+    pub fn has_shares(self) -> bool {
+        !matches!(
             self,
-            Self::Path | Self::Light | Self::Bdpt | Self::Pssmlt | Self::Mmlt
+            Self::Sppm
+                | Self::PhotonVisibility
+                | Self::PhotonDensity
+                | Self::PhotonSpatial
+                | Self::PhotonImage
         )
     }
 

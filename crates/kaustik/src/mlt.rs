@@ -5,6 +5,8 @@
 //! that b / M times the visits of M mutations are an unbiased picture from the first step on. Between
 //! mutations further samples are made, so that b becomes better while the picture does.
 
+use std::io;
+use std::ops::Range;
 use std::sync::atomic::AtomicBool;
 
 use glam::DVec2;
@@ -15,15 +17,17 @@ use kaustik_mcmc::{
 };
 use kaustik_mutate::{
     BidirectionalMutation, CausticPerturbation, EveryPerturbation, LensMutation, LensPerturbation,
-    Path, PathSpace, Radii, Run, Seeds, WavelengthMutation,
+    Path, PathSpace, Radii, Run, Seeds, WavelengthMutation, WrittenPath,
 };
 use kaustik_scene::Scene;
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 
 use crate::control::is_stopped;
 use crate::engine::{Engine, Nonfinite, STRIDE, add_counters, add_nonfinite};
 use crate::lamps::Lamps;
 use crate::render::builder_settings;
+use crate::state::{Keep, Reader, StateError, Writer};
 use crate::{
     ChainStatistics, Jitter, MutationStatistics, Mutations, Normaliser, Options, Place,
     RenderError, RenderSettings,
@@ -54,18 +58,24 @@ pub(crate) struct MltEngine<'a> {
     lamps: Option<Lamps<'a>>,
     pool: Mean,
     size: DVec2,
+    /// Of this process; where the pool is dark they have no chains.
+    ladders: Range<u32>,
 }
 
-/// One ladder.
-struct Chain {
+/// One ladder; its path in this form or in that to be written.
+#[derive(Serialize, Deserialize)]
+struct Chain<M = Metropolis<(), Path, 1>> {
     ladder: u32,
     nonfinite: Nonfinite,
     draws: Pcg64Dxsm,
     /// Makes the samples between mutations.
     fresh: Pcg64Dxsm,
     independent: Mean,
-    metropolis: Metropolis<(), Path, 1>,
+    metropolis: M,
 }
+
+/// As it is kept.
+type Kept = Chain<Metropolis<(), WrittenPath, 1>>;
 
 /// The family of one density.
 fn density(path: &Path) -> [f64; 1] {
@@ -93,6 +103,7 @@ impl<'a> MltEngine<'a> {
             space,
             options,
             size,
+            ladders: settings.ladder_range(),
         })
     }
 
@@ -324,6 +335,92 @@ impl Engine for MltEngine<'_> {
 
     fn is_lit(&self) -> bool {
         self.pool.mean() > 0.0 || self.lamps.as_ref().is_some_and(Lamps::is_lit)
+    }
+}
+
+/// Film and chains; the pool is filled again, and compared.
+impl Keep for MltEngine<'_> {
+    fn taken(&self) -> Vec<u64> {
+        let mut taken = vec![0; self.ladders.len()];
+        let chains = self.chains.iter().map(|c| c.metropolis.statistics().steps);
+        taken
+            .iter_mut()
+            .zip(chains)
+            .for_each(|(taken, steps)| *taken = steps);
+        taken
+    }
+
+    fn write(&self, out: &mut Writer<'_>) -> io::Result<()> {
+        out.value(&self.pool)?;
+        out.film(&self.film)?;
+        if let Some(lamps) = &self.lamps {
+            lamps.write(out)?;
+        }
+        (self.chains.iter()).try_for_each(|chain| out.value(&chain.written()))
+    }
+
+    fn take_up(&mut self, from: &mut Reader<'_>) -> Result<(), StateError> {
+        let pool: Mean = from.value()?;
+        if pool != self.pool {
+            return Err(StateError::pilot(pool.mean(), self.pool.mean()));
+        }
+        from.film(&mut self.film)?;
+        let passes = self.lamps.as_mut().map(|lamps| lamps.take_up(from));
+        let passes = passes.transpose()?;
+        let ladders = from.ladders();
+        let mut taken = 0;
+        for chain in (self.chains.iter_mut()).filter(|c| ladders.contains(&c.ladder)) {
+            *chain = from.value::<Kept>()?.checked(chain.ladder, &self.space)?;
+            taken += chain.metropolis.statistics().steps;
+        }
+        if passes != self.lamps.as_ref().map(|lamps| lamps.due(taken)) {
+            return Err(StateError::damaged(
+                "its lamps do not keep up with its chains",
+            ));
+        }
+        let steps = self.statistics().steps;
+        if let Some(lamps) = &mut self.lamps {
+            lamps.keep_up(steps);
+        }
+        Ok(())
+    }
+}
+
+impl Chain {
+    fn written(&self) -> Kept {
+        Chain {
+            ladder: self.ladder,
+            nonfinite: self.nonfinite,
+            draws: self.draws.clone(),
+            fresh: self.fresh.clone(),
+            independent: self.independent,
+            metropolis: (self.metropolis).with_value(self.metropolis.value().written()),
+        }
+    }
+}
+
+impl Kept {
+    /// Refuses what no chain of this ladder can have written.
+    fn checked(self, ladder: u32, space: &PathSpace<'_>) -> Result<Chain, StateError> {
+        let statistics = self.metropolis.statistics();
+        let steps = Reader::count(statistics.steps)?;
+        let moves = statistics.moves.iter().map(|kind| kind.proposed);
+        let counts = moves.chain([self.independent.count(), statistics.defects]);
+        if self.ladder != ladder || counts.max() > Some(steps) {
+            return Err(StateError::damaged("a chain does not agree with itself"));
+        }
+        let path = space.read(self.metropolis.value());
+        let path = path.filter(|p| p.density().to_bits() == self.metropolis.density().to_bits());
+        let path =
+            path.ok_or_else(|| StateError::damaged("a chain's path is none of the scene"))?;
+        Ok(Chain {
+            ladder,
+            nonfinite: self.nonfinite.checked()?,
+            draws: self.draws,
+            fresh: self.fresh,
+            independent: self.independent,
+            metropolis: self.metropolis.with_value(path),
+        })
     }
 }
 

@@ -376,14 +376,6 @@ impl Engine for PssmltEngine<'_> {
         add_counters(self.chain_film.counters(), others)
     }
 
-    fn keep(&self) -> Option<&dyn Keep> {
-        Some(self)
-    }
-
-    fn keep_mut(&mut self) -> Option<&mut dyn Keep> {
-        Some(self)
-    }
-
     fn is_lit(&self) -> bool {
         self.b0 > 0.0 || self.lamps.as_ref().is_some_and(Lamps::is_lit)
     }

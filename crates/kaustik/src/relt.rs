@@ -1,6 +1,7 @@
 //! Replica exchange light transport (Kitaoka, Kitamura and Kishino 2009; spec: relt.md).
 
 mod even;
+mod keep;
 mod run;
 pub(crate) mod scouts;
 pub(crate) mod start;

@@ -13,7 +13,7 @@ use crate::engine::Engine;
 use crate::erpt::ErptEngine;
 use crate::independent::IndependentEngine;
 use crate::mlt::MltEngine;
-use crate::photon::{PhotonEngine, is_photon};
+use crate::photon::PhotonEngine;
 use crate::pssmlt::PssmltEngine;
 use crate::relt;
 use crate::state::{Header, take_up};
@@ -78,11 +78,6 @@ pub trait Watch {
     /// The pilot is over: from now on there is something to lose.
     fn begins(&mut self) {}
 
-    /// Will states be wanted? Methods that keep none are then refused before the first step.
-    fn keeps(&self) -> bool {
-        false
-    }
-
     /// Asked after every round, and once more after the `last`: is the state wanted as it is now?
     fn wants_state(&mut self, _progress: &Progress, _last: bool) -> bool {
         false
@@ -105,12 +100,10 @@ impl Watch for Unwatched {
 
 /// As [`render`], showing pictures and states on the way: an error curve takes one render, not one a point.
 ///
-/// Whoever looks changes nothing where the method [keeps its state](Method::keeps_state). Elsewhere a look makes the chains
-/// deposit what they hold back, in two parts where it would have been one: the pictures after it may differ in
-/// rounding from those of a render that nobody watched.
+/// Whoever looks changes nothing.
 ///
 /// # Errors
-/// As [`render`]; a method that keeps no state when states are wanted.
+/// As [`render`].
 pub fn render_watched(
     scene: &Scene,
     settings: &RenderSettings,
@@ -144,9 +137,6 @@ fn render_from(
     watch: &mut dyn Watch,
 ) -> Result<Rendered, RenderError> {
     check(scene, settings)?;
-    if (watch.keeps() || state.is_some()) && !settings.method.keeps_state() {
-        return Err(StateError::Method(settings.method).into());
-    }
     if let Some(state) = state {
         state.check(scene, settings)?;
     }
@@ -209,8 +199,8 @@ pub(crate) fn check(scene: &Scene, settings: &RenderSettings) -> Result<(), Rend
             expected,
         );
     }
-    if is_photon(settings.method) && range != (0..settings.options.ladders) {
-        let expected = "all of them: the iterations of photon methods are shared by all ladders";
+    if !settings.method.has_shares() && range != (0..settings.options.ladders) {
+        let expected = "all of them: the iterations of photon methods are shared by all ladders; renders of other seeds can be merged instead";
         let found = format!("{}..{}", range.start, range.end);
         return setting("ladders", found, expected.into());
     }
@@ -289,7 +279,7 @@ impl<'a> Work<'a> {
     ) -> Result<(), StateError> {
         take_up(engine, state, first)?;
         self.before += Duration::from_secs_f64(state.seconds());
-        self.steps = engine.keep().map_or(0, |keep| keep.taken().iter().sum());
+        self.steps = engine.steps();
         Ok(())
     }
 
@@ -333,10 +323,7 @@ impl<'a> Work<'a> {
         watch: &mut dyn Watch,
     ) -> Result<Outcome, RenderError> {
         let ladders = self.settings.ladder_range();
-        let mut done = match engine.keep() {
-            Some(keep) => keep.taken(),
-            None => vec![0; ladders.len()],
-        };
+        let mut done = engine.taken();
         // Every ladder may have taken `allowed` grains, but no more than planned.
         let grains = |(ladder, done): (u32, &u64)| done.div_ceil(engine.grain(ladder).max(1));
         let mut allowed = ladders.clone().zip(&done).map(grains).max().unwrap_or(0);
@@ -373,16 +360,14 @@ impl<'a> Work<'a> {
         }
     }
 
-    /// The state as it is now, where the method keeps one.
-    fn snapshot<'s>(&self, engine: &'s (dyn Engine + '_)) -> Option<Snapshot<'s>> {
+    /// The state as it is now.
+    pub(crate) fn snapshot<'s>(&self, engine: &'s (dyn Engine + '_)) -> Snapshot<'s> {
         let header = Header::new(self.scene, self.settings, self.seconds());
-        Some(Snapshot::new(header, engine.keep()?))
+        Snapshot::new(header, engine)
     }
 
     pub(crate) fn show_state(&self, engine: &(dyn Engine + '_), watch: &mut dyn Watch) {
-        if let Some(snapshot) = self.snapshot(engine) {
-            watch.keep(&snapshot);
-        }
+        watch.keep(&self.snapshot(engine));
     }
 
     /// Shows the picture, and puts back what its chains had to deposit for it.
@@ -392,13 +377,9 @@ impl<'a> Work<'a> {
         pool: &rayon::ThreadPool,
         watch: &mut dyn Watch,
     ) -> Result<(), RenderError> {
-        let kept = self.snapshot(engine).map(|snapshot| snapshot.state());
-        let kept = kept.transpose()?;
+        let kept = self.snapshot(engine).state()?;
         watch.see(pool.install(|| self.rendered(engine, Outcome::Stopped))?);
-        match kept {
-            Some(state) => Ok(pool.install(|| take_up(engine, &state, true))?),
-            None => Ok(()),
-        }
+        Ok(pool.install(|| take_up(engine, &kept, true))?)
     }
 
     /// The picture at the end, with what does not come from the engine.
@@ -457,6 +438,7 @@ impl<'a> Work<'a> {
             mutations: engine.mutation_statistics(),
             energy: engine.energy_statistics(),
             photons: engine.photon_statistics(),
+            merged: None,
         };
         if settings.features {
             for layer in engine.layers()? {

@@ -2,7 +2,7 @@ use kaustik_film::Counters;
 use kaustik_mcmc::Statistics;
 use serde::Serialize;
 
-use crate::{EnergyStatistics, ReplicaStatistics};
+use crate::{EnergyStatistics, MergeStatistics, ReplicaStatistics};
 
 /// What a render tells about itself; goes into the image file and into `--stats`.
 #[derive(Clone, Debug, Serialize)]
@@ -46,6 +46,9 @@ pub struct RenderStatistics {
     /// Of chains of photons.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub photons: Option<PhotonStatistics>,
+    /// Of parts that were merged.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub merged: Option<MergeStatistics>,
 }
 
 /// What chains of photons tell about themselves.

@@ -9,6 +9,7 @@ mod printed;
 mod rules;
 mod seeds;
 mod stage;
+mod written;
 
 use glam::DVec2;
 use kaustik_mcmc::Draws;

@@ -177,6 +177,10 @@ impl Emitters {
         (!light.is_directional()).then_some(light.position)
     }
 
+    pub(crate) fn has_punctual(&self, index: u32) -> bool {
+        (index as usize) < self.punctual.len()
+    }
+
     /// Its place in the list: triangles come first, then punctual lights in order.
     fn punctual_index(&self, index: u32) -> usize {
         let environment = usize::from(self.environment.is_some());

@@ -69,6 +69,27 @@ impl Scene {
         self.matter.coverage(vertex.material, &vertex.surface)
     }
 
+    /// Is there such a point, of a triangle that is there and with its material, within solids that are there? Of
+    /// vertices that were kept outside, before anything is asked about them.
+    pub fn has_vertex(&self, vertex: &Vertex, interior: &Interior) -> bool {
+        let matter = &self.matter;
+        let has_material = |index: u32| (index as usize) < matter.materials.len();
+        matter.material_of.get(vertex.instance as usize) == Some(&vertex.material)
+            && (vertex.primitive as usize) < matter.world.mesh_of(vertex.instance).triangle_count()
+            && interior.solids().iter().all(|&solid| has_material(solid))
+    }
+
+    /// Is there such an emitter? `vertex` is where one on a surface lies.
+    pub fn has_emitter(&self, point: EmitterPoint, vertex: &Vertex) -> bool {
+        match point {
+            EmitterPoint::Surface => {
+                self.has_vertex(vertex, &Interior::VACUUM) && self.is_emitter(vertex)
+            }
+            EmitterPoint::Punctual(index) => self.emitters.has_punctual(index),
+            EmitterPoint::Environment(_) => self.emitters.environment().is_some(),
+        }
+    }
+
     /// Does the surface emit toward any side?
     pub fn is_emitter(&self, vertex: &Vertex) -> bool {
         self.matter.material(vertex.material).is_emissive()

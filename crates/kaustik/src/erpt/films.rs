@@ -1,5 +1,8 @@
 //! The picture, and what Cline's filters need beside it (spec: erpt.md 5).
 
+use std::io;
+use std::iter::once;
+
 use glam::DVec2;
 use kaustik_film::{Film, Image, Layer, Quantum, develop, develop_xyz};
 use kaustik_mcmc::Deposit;
@@ -7,6 +10,7 @@ use kaustik_mutate::Path;
 use kaustik_path::ScalarTarget;
 use kaustik_spectrum::Xyz;
 
+use crate::state::{Reader, StateError, Writer};
 use crate::{RenderError, RenderSettings};
 
 /// One film; another for each filter that is asked for.
@@ -73,6 +77,20 @@ impl Films {
         if let Some((allowed, kappa)) = self.allowed.as_ref().filter(|_| deposit.is_proposal) {
             allowed.splat_weighted(at.x, at.y, UNIT, kappa * deposit.unit);
         }
+    }
+
+    /// Writes all of them.
+    pub(crate) fn write(&self, out: &mut Writer<'_>) -> io::Result<()> {
+        let allowed = self.allowed.iter().map(|(film, _)| film);
+        let mut films = once(&self.picture).chain(&self.held).chain(allowed);
+        films.try_for_each(|film| out.film(film))
+    }
+
+    /// Fills all of them.
+    pub(crate) fn take_up(&mut self, from: &mut Reader<'_>) -> Result<(), StateError> {
+        let allowed = self.allowed.iter_mut().map(|(film, _)| film);
+        let mut films = once(&mut self.picture).chain(&mut self.held).chain(allowed);
+        films.try_for_each(|film| from.film(film))
     }
 
     /// The picture through the filters, and what each took away. `per_sample` turns sums into means.

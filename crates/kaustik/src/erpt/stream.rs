@@ -2,17 +2,21 @@
 
 use glam::DVec2;
 use kaustik_mcmc::{
-    Deposit, Draws, Independent, Kernel, Mean, Redistribution, Redistributor, SampleGenerators,
+    Deposit, Draws, Independent, Kernel, Mean, Redistribution, RedistributionStatistics,
+    Redistributor, SampleGenerators,
 };
 use kaustik_mutate::{Path, PathSpace};
 use kaustik_pss::{Coordinates, Stream as Axis};
 use kaustik_spectrum::Xyz;
+use serde::{Deserialize, Serialize};
 
 use super::films::Films;
 use super::perturbations::Perturbations;
 use super::starts::{Starter, is_spread};
 use crate::cells::{Cells, Tour};
 use crate::engine::Nonfinite;
+use crate::erpt_pss::check_redistribution;
+use crate::state::{Reader, StateError};
 use crate::stratified::mix;
 use crate::{Colours, Energy, Options};
 
@@ -44,8 +48,18 @@ pub(crate) struct Stream {
     pub(crate) nonfinite: Nonfinite,
 }
 
+/// What there is of a stream between two passes.
+#[derive(Serialize, Deserialize)]
+pub(crate) struct Kept {
+    ladder: u32,
+    step: u64,
+    statistics: RedistributionStatistics,
+    light: Light,
+    nonfinite: Nonfinite,
+}
+
 /// Sums of light over samples.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub(crate) struct Light {
     /// Scalar of each sample: what is to be spread, and all.
     pub(crate) spread: Mean,
@@ -96,6 +110,32 @@ impl Stream {
             light: Light::default(),
             nonfinite: Nonfinite::default(),
         }
+    }
+
+    pub(crate) fn kept(&self) -> Kept {
+        Kept {
+            ladder: self.ladder,
+            step: self.step,
+            statistics: self.redistributor.statistics().clone(),
+            light: self.light,
+            nonfinite: self.nonfinite,
+        }
+    }
+
+    /// Refuses what no stream of this ladder has written; passes are whole.
+    pub(crate) fn take_up(&mut self, kept: Kept, cells: &Cells) -> Result<(), StateError> {
+        let [first, end] = cells.of_ladder(self.ladder);
+        let (step, light) = (Reader::count(kept.step)?, &kept.light);
+        check_redistribution(&kept.statistics)?;
+        let sums = [light.spread.count(), light.all.count()];
+        if kept.ladder != self.ladder || step % (end - first).max(1) != 0 || sums != [step; 2] {
+            return Err(StateError::damaged("a stream does not agree with itself"));
+        }
+        self.step = step;
+        self.redistributor = Redistributor::new().with_statistics(kept.statistics);
+        self.light = kept.light;
+        self.nonfinite = kept.nonfinite.checked()?;
+        Ok(())
     }
 
     pub(crate) fn run(&mut self, job: &Job<'_>, steps: u64) {

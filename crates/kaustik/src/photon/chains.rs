@@ -1,5 +1,9 @@
 //! Photons of Markov chains that exchange states (spec: stf-photon.md 3, 7 and 8).
 
+mod keep;
+
+use std::io;
+
 use kaustik_estimate::{PhotonDeposit, PhotonLevels, PhotonTarget, PhotonValue};
 use kaustik_film::{Counters, Film, Image, Layer};
 use kaustik_mcmc::{
@@ -16,6 +20,7 @@ use super::stage::Stage;
 use super::targets::{Space, Targets};
 use crate::engine::{Nonfinite, add_counters};
 use crate::photon_options::Normalisation;
+use crate::state::{Reader, StateError, Writer};
 use crate::statistics::{PhotonLevel, PhotonStatistics};
 use crate::{ChainStatistics, PhotonOptions, RenderError, RenderSettings};
 
@@ -419,6 +424,14 @@ impl<const K: usize> Tracer for PhotonChains<K> {
             }
         }
         self.adapt();
+    }
+
+    fn write(&self, out: &mut Writer<'_>) -> io::Result<()> {
+        self.write_down(out)
+    }
+
+    fn take_up(&mut self, from: &mut Reader<'_>, iterations: u64) -> Result<(), StateError> {
+        self.take_from(from, iterations)
     }
 
     fn develop(&mut self, stage: &Stage<'_>) -> Result<Image, RenderError> {

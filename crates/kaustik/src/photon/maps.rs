@@ -53,6 +53,15 @@ impl Maps {
         }
     }
 
+    /// What is to be kept of it between two iterations.
+    pub(super) fn sums(&self) -> &[[f64; 2]] {
+        &self.sums
+    }
+
+    pub(super) fn sums_mut(&mut self) -> &mut [[f64; 2]] {
+        &mut self.sums
+    }
+
     /// The pixel that a point was made for, if it is shown.
     fn pixel(&self, point: &MeasurementPoint) -> Option<usize> {
         let [width, height] = self.size;

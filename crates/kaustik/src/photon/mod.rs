@@ -11,6 +11,7 @@ mod sppm;
 mod stage;
 mod targets;
 
+use std::io;
 use std::sync::atomic::AtomicBool;
 
 use kaustik_film::{Counters, Image, Layer};
@@ -19,6 +20,7 @@ use kaustik_scene::Scene;
 use crate::control::is_stopped;
 use crate::engine::{Engine, Nonfinite, add_counters, add_nonfinite};
 use crate::independent::IndependentEngine;
+use crate::state::{Keep, Reader, StateError, Writer};
 use crate::{
     Budget, ChainStatistics, Method, PhotonStatistics, Place, RenderError, RenderSettings,
 };
@@ -36,6 +38,12 @@ const SEED: u64 = 0x5E3D_0F1B_9C27_A684;
 trait Tracer: Send + Sync {
     /// Traces the light paths of the iteration that the stage has begun.
     fn trace(&mut self, stage: &Stage<'_>);
+
+    /// Writes what there is between two iterations, beyond what is made anew.
+    fn write(&self, out: &mut Writer<'_>) -> io::Result<()>;
+
+    /// Takes it up, after so many iterations.
+    fn take_up(&mut self, from: &mut Reader<'_>, iterations: u64) -> Result<(), StateError>;
 
     /// The picture of all iterations.
     fn develop(&mut self, stage: &Stage<'_>) -> Result<Image, RenderError>;
@@ -67,18 +75,6 @@ pub(crate) struct PhotonEngine<'a> {
     passes: Vec<u64>,
     /// The stage has begun an iteration that was not traced yet.
     ready: bool,
-}
-
-/// Is it one of these methods?
-pub(crate) fn is_photon(method: Method) -> bool {
-    matches!(
-        method,
-        Method::Sppm
-            | Method::PhotonVisibility
-            | Method::PhotonDensity
-            | Method::PhotonSpatial
-            | Method::PhotonImage
-    )
 }
 
 /// What traces the light paths of a method.
@@ -129,6 +125,11 @@ impl<'a> PhotonEngine<'a> {
             remainder,
             ready: true,
         })
+    }
+
+    /// Iterations that were traced.
+    fn done(&self) -> u64 {
+        self.stage.iterations - u64::from(self.ready)
     }
 
     fn iterate(&mut self) {
@@ -201,5 +202,41 @@ impl Engine for PhotonEngine<'_> {
 
     fn is_lit(&self) -> bool {
         self.remainder.is_lit()
+    }
+}
+
+/// What photons have brought and chains have learnt; the points of the last iteration are made anew.
+impl Keep for PhotonEngine<'_> {
+    /// On the account of the first ladder.
+    fn taken(&self) -> Vec<u64> {
+        let mut taken = vec![0; self.passes.len()];
+        if let Some(first) = taken.first_mut() {
+            *first = self.done() * self.stage.photons;
+        }
+        taken
+    }
+
+    fn write(&self, out: &mut Writer<'_>) -> io::Result<()> {
+        out.value(&(self.done(), self.stage.radius()))?;
+        self.tracer.write(out)?;
+        self.remainder.write(out)
+    }
+
+    fn take_up(&mut self, from: &mut Reader<'_>) -> Result<(), StateError> {
+        let (iterations, radius): (u64, f64) = from.value()?;
+        self.stage.go_to(iterations, radius)?;
+        self.ready = iterations == 0;
+        self.tracer.take_up(from, iterations)?;
+        self.remainder.take_up(from)?;
+        let due = self
+            .passes
+            .iter()
+            .map(|steps| steps.saturating_mul(iterations));
+        if !due.eq(self.remainder.taken()) {
+            return Err(StateError::damaged(
+                "what photons cannot carry does not keep up with them",
+            ));
+        }
+        Ok(())
     }
 }

@@ -1,5 +1,7 @@
 //! Independent photons (Hachisuka and Jensen 2009).
 
+use std::io;
+
 use kaustik_film::{Counters, Film, Image, develop};
 use kaustik_mcmc::{Independent, SampleGenerators};
 use kaustik_path::PhotonPath;
@@ -8,6 +10,7 @@ use rayon::prelude::*;
 use super::Tracer;
 use super::stage::Stage;
 use crate::engine::Nonfinite;
+use crate::state::{Reader, StateError, Writer};
 use crate::{RenderError, RenderSettings};
 
 /// Light paths that one thread traces at a time.
@@ -57,6 +60,17 @@ impl Tracer for IndependentPhotons {
             .map_init(PhotonPath::default, chunk)
             .reduce(Nonfinite::default, Nonfinite::and);
         self.nonfinite = self.nonfinite.and(found);
+    }
+
+    fn write(&self, out: &mut Writer<'_>) -> io::Result<()> {
+        out.film(&self.film)?;
+        out.value(&self.nonfinite)
+    }
+
+    fn take_up(&mut self, from: &mut Reader<'_>, _: u64) -> Result<(), StateError> {
+        from.film(&mut self.film)?;
+        self.nonfinite = from.value::<Nonfinite>()?.checked()?;
+        Ok(())
     }
 
     fn develop(&mut self, stage: &Stage<'_>) -> Result<Image, RenderError> {

@@ -13,6 +13,7 @@ use rayon::prelude::*;
 
 use crate::cells::Cells;
 use crate::render::builder_settings;
+use crate::state::{Reader, StateError};
 use crate::stratified::{Stratified, mix};
 use crate::{RenderError, RenderSettings};
 
@@ -97,14 +98,43 @@ impl<'a> Stage<'a> {
     /// Sees the scene anew: other wavelengths, other points of every pixel, and smaller discs if these shrink.
     pub(super) fn begin(&mut self) {
         let index = self.iterations;
-        self.iterations += 1;
-        let turned = self.first_wavelength + GOLDEN * index as f64;
-        self.wavelengths = Wavelengths::sample(turned - turned.floor(), self.sampling);
         if let (Some(alpha), true) = (self.reduction, index > 0) {
             // spec 1: r_{i+1}^2 = r_i^2 (i + alpha) / (i + 1), i >= 1
             let i = index as f64;
             self.walk.radius *= ((i + alpha) / (i + 1.0)).sqrt();
         }
+        self.see(index);
+    }
+
+    /// The radius of discs.
+    pub(super) fn radius(&self) -> f64 {
+        self.walk.radius
+    }
+
+    /// As it was after so many iterations, the discs of this radius. Refuses what cannot be.
+    pub(super) fn go_to(&mut self, iterations: u64, radius: f64) -> Result<(), StateError> {
+        let steps = self.photons.max(self.cells.count());
+        Reader::count(iterations.saturating_mul(steps))?;
+        // discs never grow, and shrink by chains of roots
+        if !(radius > 0.0 && radius <= self.walk.radius) {
+            return Err(StateError::damaged("discs have an impossible radius"));
+        }
+        if iterations > 0 && (iterations, radius.to_bits()) != self.place() {
+            self.walk.radius = radius;
+            self.see(iterations - 1);
+        }
+        Ok(())
+    }
+
+    fn place(&self) -> (u64, u64) {
+        (self.iterations, self.walk.radius.to_bits())
+    }
+
+    /// The iteration of this number.
+    fn see(&mut self, index: u64) {
+        self.iterations = index + 1;
+        let turned = self.first_wavelength + GOLDEN * index as f64;
+        self.wavelengths = Wavelengths::sample(turned - turned.floor(), self.sampling);
         self.look(index);
         let balls = self.points.points().iter();
         self.lookup.rebuild(balls.map(|p| (p.position, p.radius)));

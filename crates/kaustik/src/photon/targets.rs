@@ -1,11 +1,13 @@
 //! What chains follow: the targets of measurement points, and the regions that they go by.
 
-use kaustik_estimate::{DensityTarget, Place, Refinement, RegionSums, Regions, inverse};
+use kaustik_estimate::{DensityTarget, Learnt, Place, Refinement, RegionSums, Regions, inverse};
 use kaustik_path::MeasurementPoint;
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 
 use super::stage::Stage;
 use crate::photon_options::{PhotonOptions, TargetFunction};
+use crate::state::StateError;
 
 /// Names of the four targets of spec stf-photon.md (9).
 const NAMES: [&str; 4] = ["uniform", "visibility", "inverse-kernel", "full"];
@@ -23,6 +25,14 @@ pub(super) enum Space {
     Image,
     /// No regions: a pilot's map of the image.
     Densities(DensityTarget),
+}
+
+/// What targets have learnt.
+#[derive(Serialize, Deserialize)]
+pub(super) struct Kept {
+    means: [f64; 2],
+    learnt: Option<Vec<Learnt>>,
+    of_points: Vec<[f32; 2]>,
 }
 
 /// `T_3` and `T_4` of all points, and the regions behind them.
@@ -128,6 +138,41 @@ impl<const K: usize> Targets<K> {
         });
         let [kernel, full] = [0, 1].map(|which| self.means[which] / before[which]);
         [1.0, 1.0, kernel, full]
+    }
+
+    /// What is to be kept between two iterations; with the targets of the last one's points, if these are shown.
+    pub(super) fn kept(&self, shown: bool) -> Kept {
+        Kept {
+            means: self.means,
+            learnt: self.regions.as_ref().map(Regions::learnt),
+            of_points: if shown {
+                self.of_points.clone()
+            } else {
+                Vec::new()
+            },
+        }
+    }
+
+    /// Refuses what other targets have left.
+    pub(super) fn take_up(&mut self, kept: Kept, shown: bool) -> Result<(), StateError> {
+        let wrong = || StateError::damaged("regions are none of these targets");
+        if !kept
+            .means
+            .iter()
+            .all(|mean| mean.is_finite() && *mean > 0.0)
+        {
+            return Err(wrong());
+        }
+        self.regions = match (self.regions.take(), kept.learnt) {
+            (None, None) => None,
+            (Some(regions), Some(learnt)) => Some(regions.with_learnt(&learnt).ok_or_else(wrong)?),
+            _ => return Err(wrong()),
+        };
+        self.means = kept.means;
+        if shown {
+            self.of_points = kept.of_points;
+        }
+        Ok(())
     }
 
     /// Where a point lies in the tree.

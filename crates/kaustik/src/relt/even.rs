@@ -100,6 +100,20 @@ impl Even {
         }
     }
 
+    /// To where it is after so many samples: all follows from their number.
+    pub(super) fn go_to(&mut self, step: u64, ladder: u32) {
+        let (count, ladder) = (u128::from(self.cells.count()), u128::from(ladder));
+        let ladders = u128::from(self.ladders);
+        let along = count * ladder / ladders + u128::from(step);
+        let (round, place) = (along / count, along % count);
+        // the first part that ends behind the place
+        let part = ((place + 1) * ladders).div_ceil(count) - 1;
+        self.place = place as u64;
+        self.part = part as u64;
+        self.pass = (round * ladders + part - ladder) as u64;
+        self.step = step;
+    }
+
     fn cell(&self) -> u64 {
         let count = u128::from(self.cells.count());
         let along = u128::from(self.place) * u128::from(self.stride) % count;
@@ -198,6 +212,23 @@ mod tests {
                 let count = passes.len();
                 passes.dedup();
                 assert_eq!((count, passes.len()), (ladders as usize, count));
+            }
+        }
+    }
+
+    /// Whoever goes on from a number of samples stands where one stands that has walked so far.
+    #[test]
+    fn a_walk_goes_on_anywhere() {
+        for (columns, rows, ladders) in [(16, 12, 64), (7, 5, 3), (1, 1, 4), (5, 1, 64), (3, 2, 1)]
+        {
+            for (ladder, mut walked) in (0..).zip(walks(columns, rows, ladders, 7)) {
+                for steps in 0..3 * u64::from(columns * rows) {
+                    let mut gone = walks(columns, rows, ladders, 7).swap_remove(ladder as usize);
+                    gone.go_to(steps, ladder);
+                    let at = |walk: &Even| (walk.cell(), walk.part, walk.place, walk.pass);
+                    assert_eq!(at(&gone), at(&walked), "{columns}x{rows} {ladder} {steps}");
+                    step(&mut walked);
+                }
             }
         }
     }

@@ -1,5 +1,3 @@
-use crate::Method;
-
 /// A state file that cannot be read, or must not be used.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
@@ -27,9 +25,6 @@ pub enum StateError {
     /// The state of another picture: what differs, with both values.
     #[error("the state is that of another render: {0}")]
     Other(String),
-    /// A method that keeps no state.
-    #[error("method {0} does not write its state yet: those that do are {list}", list = keepers())]
-    Method(Method),
     /// States that are no shares of one render.
     #[error("the states do not add up: {0}")]
     Shares(String),
@@ -39,13 +34,17 @@ impl StateError {
     pub(crate) fn damaged(what: impl Into<String>) -> Self {
         Self::Damaged(what.into())
     }
-}
 
-fn keepers() -> String {
-    let names: Vec<&str> = Method::ALL
-        .into_iter()
-        .filter(|method| method.keeps_state())
-        .map(Method::name)
-        .collect();
-    names.join(", ")
+    /// Bands of an image whose samples cannot be weighed against each other.
+    pub(crate) fn passes() -> Self {
+        let what = "their ladders have taken different numbers of passes over the image";
+        Self::Shares(what.to_owned())
+    }
+
+    /// A pilot that found another number than it did for the state.
+    pub(crate) fn pilot(state: f64, here: f64) -> Self {
+        Self::Other(format!(
+            "the pilot found {state:e} for the state, {here:e} here: this program computes other numbers"
+        ))
+    }
 }

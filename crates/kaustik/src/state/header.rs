@@ -5,6 +5,7 @@ use kaustik_scene::Scene;
 use serde::{Deserialize, Serialize};
 
 use super::StateError;
+use super::packed::Packed;
 use crate::{Budget, Options, RenderSettings};
 
 /// Where the scene of a render came from, in the words that found it: `merge` loads it again.
@@ -77,6 +78,10 @@ impl Header {
         self.seconds
     }
 
+    pub(crate) fn seed(&self) -> u64 {
+        self.seed
+    }
+
     pub(crate) fn ladders(&self) -> std::ops::Range<u32> {
         self.ladders[0]..self.ladders[1]
     }
@@ -126,6 +131,15 @@ impl Header {
         Err(StateError::Other(differences))
     }
 
+    /// As [`same_picture`](Self::same_picture), of whatever seeds.
+    pub(crate) fn same_but_seed(&self, other: &Self) -> Result<(), StateError> {
+        let other = Self {
+            seed: self.seed,
+            ..other.clone()
+        };
+        self.same_picture(&other)
+    }
+
     /// As [`same_picture`](Self::same_picture), and the same share of it.
     pub(crate) fn same_share(&self, asked: &Self) -> Result<(), StateError> {
         self.same_picture(asked)?;
@@ -172,14 +186,15 @@ impl Header {
         })
     }
 
-    /// Refuses what would make whoever reads on take more memory than the file has bytes.
+    /// Refuses a file that is too short for its picture, before anything is made of it.
     pub(super) fn fits(&self, bytes: usize) -> Result<(), StateError> {
         let ladders = u64::from(self.ladders[1].saturating_sub(self.ladders[0]));
-        let sums = self.crop.area().saturating_mul(24);
+        let sums = self.crop.area().saturating_mul(3);
+        let least = Packed::least(usize::try_from(sums).unwrap_or(usize::MAX)) as u64;
         if !self.seconds.is_finite() || self.seconds < 0.0 || self.seconds > 1e12 {
             return Err(StateError::damaged("its time makes no sense"));
         }
-        if sums.max(ladders) > bytes as u64 {
+        if least.max(ladders) > bytes as u64 {
             return Err(StateError::damaged(
                 "it is shorter than a picture of its size",
             ));

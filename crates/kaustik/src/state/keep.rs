@@ -3,11 +3,16 @@ use std::io;
 use super::{Reader, State, StateError, Writer};
 use crate::engine::Engine;
 
-/// A method whose state can be written down and taken up again: the whole of what a further method needs for
-/// checkpoints, resumed renders and merged shares.
+/// A method whose state can be written down and taken up again: the whole of what checkpoints, resumed renders and
+/// merged shares need.
 pub(crate) trait Keep: Send + Sync {
-    /// Steps taken so far by each ladder of this process.
+    /// Steps of its plan that each ladder of this process has behind it.
     fn taken(&self) -> Vec<u64>;
+
+    /// Steps that were taken in all.
+    fn steps(&self) -> u64 {
+        self.taken().iter().sum()
+    }
 
     /// Writes what does not follow from scene and settings: films, chains, generators, counters; what chains hold back
     /// stays held back.
@@ -25,10 +30,7 @@ pub(crate) fn take_up(
     state: &State,
     first: bool,
 ) -> Result<(), StateError> {
-    let Some(keep) = engine.keep_mut() else {
-        return Err(StateError::Method(state.settings()?.method));
-    };
     let mut reader = state.reader(first);
-    keep.take_up(&mut reader)?;
+    engine.take_up(&mut reader)?;
     reader.end()
 }

@@ -3,7 +3,7 @@
 //! ```text
 //! magic, format version, byte order      16 bytes
 //! header                                 what was rendered: see `header`
-//! sections                               values by postcard, films as raw little-endian sums
+//! sections                               values by postcard, films as packed little-endian sums
 //! checksum                               BLAKE3 of all before it, 32 bytes
 //! ```
 //!
@@ -13,6 +13,7 @@
 mod error;
 mod header;
 mod keep;
+mod packed;
 mod reader;
 mod snapshot;
 mod stored;
@@ -44,6 +45,7 @@ const SECTION: usize = 9;
 /// Kind of a section.
 const VALUE: u8 = 1;
 const FILM: u8 = 2;
+const NUMBERS: u8 = 3;
 
 #[cfg(test)]
 mod tests;

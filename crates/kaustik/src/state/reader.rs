@@ -3,7 +3,8 @@ use std::ops::Range;
 use kaustik_film::{Counters, Film, Quantum};
 use serde::de::DeserializeOwned;
 
-use super::{FILM, SECTION, StateError, VALUE};
+use super::packed::Packed;
+use super::{FILM, NUMBERS, SECTION, StateError, VALUE};
 
 /// No ladder takes so many steps: sums over ladders stay far from the end of 64 bits.
 const MOST_STEPS: u64 = 1 << 46;
@@ -73,6 +74,23 @@ impl<'a> Reader<'a> {
         }
     }
 
+    /// As many numbers as there are to be.
+    pub(crate) fn numbers(&mut self, count: usize) -> Result<Vec<f64>, StateError> {
+        let length = self.section(NUMBERS, 8)?;
+        let bytes = self.take(length * 8)?;
+        if length != count {
+            return Err(StateError::damaged(
+                "a list of numbers is of another length",
+            ));
+        }
+        let numbers = bytes.chunks_exact(8).map(|bytes| {
+            let mut number = [0; 8];
+            number.copy_from_slice(bytes);
+            f64::from_le_bytes(number)
+        });
+        Ok(numbers.collect())
+    }
+
     /// Fills a film: of the first state it has these sums alone, those of others are added.
     pub(crate) fn film(&mut self, film: &mut Film) -> Result<(), StateError> {
         let first = self.first;
@@ -86,8 +104,13 @@ impl<'a> Reader<'a> {
 
     fn film_if(&mut self, film: &mut Film, wanted: bool, clear: bool) -> Result<(), StateError> {
         let (quantum, counters): (Quantum, Counters) = self.value()?;
-        let length = self.section(FILM, 8)?;
-        let bytes = self.take(length * 8)?;
+        let length = self.section(FILM, 0)?;
+        if length > film.sums().len() {
+            return Err(StateError::damaged("a film is of another size"));
+        }
+        let (sums, rest) = Packed::split(self.rest, length)
+            .ok_or_else(|| StateError::damaged("the sums of a film are not packed"))?;
+        self.rest = rest;
         // The pilot decides it.
         if quantum != film.quantum() {
             return Err(StateError::Other(format!(
@@ -108,11 +131,6 @@ impl<'a> Reader<'a> {
         if clear {
             film.clear();
         }
-        let sums = bytes.chunks_exact(8).map(|bytes| {
-            let mut sum = [0; 8];
-            sum.copy_from_slice(bytes);
-            i64::from_le_bytes(sum)
-        });
         film.add_sums(sums, &counters)
             .map_err(|error| StateError::damaged(error.to_string()))
     }

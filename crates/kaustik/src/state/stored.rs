@@ -93,6 +93,11 @@ impl State {
         self.header.settings()
     }
 
+    /// The seed that it was made with.
+    pub fn seed(&self) -> u64 {
+        self.header.seed()
+    }
+
     /// The ladders that are in it.
     pub fn ladders(&self) -> Range<u32> {
         self.header.ladders()

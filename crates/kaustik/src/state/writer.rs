@@ -4,7 +4,8 @@ use blake3::Hasher;
 use kaustik_film::Film;
 use serde::Serialize;
 
-use super::{BYTE_ORDER, FILM, MAGIC, VALUE, VERSION};
+use super::packed::pack;
+use super::{BYTE_ORDER, FILM, MAGIC, NUMBERS, VALUE, VERSION};
 
 /// Writes the sections of a state, and their checksum at the end.
 pub(crate) struct Writer<'a> {
@@ -42,13 +43,22 @@ impl<'a> Writer<'a> {
 
     /// A film: its quantum, what it left out, its sums.
     pub(crate) fn film(&mut self, film: &Film) -> io::Result<()> {
-        const MOST: usize = 1 << 16;
         self.value(&(film.quantum(), film.counters()))?;
         let sums = film.sums();
         self.section(FILM, sums.len())?;
+        pack(sums, |bytes| self.raw(bytes))
+    }
+
+    /// Many numbers.
+    pub(crate) fn numbers<'n>(
+        &mut self,
+        numbers: impl ExactSizeIterator<Item = &'n f64>,
+    ) -> io::Result<()> {
+        self.section(NUMBERS, numbers.len())?;
+        const MOST: usize = 1 << 16;
         let mut bytes = Vec::with_capacity(MOST);
-        for sum in sums {
-            bytes.extend(sum.to_le_bytes());
+        for number in numbers {
+            bytes.extend(number.to_le_bytes());
             if bytes.len() == MOST {
                 self.raw(&bytes)?;
                 bytes.clear();

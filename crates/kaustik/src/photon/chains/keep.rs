@@ -1,0 +1,117 @@
+//! Chains of photons written down and taken up again, between two iterations.
+
+use std::io;
+
+use kaustik_estimate::PhotonValue;
+use kaustik_film::Counters;
+use kaustik_mcmc::{AcceptanceAdaptation, Ladder, Mean, Pcg64Dxsm, Point, Power};
+use serde::{Deserialize, Serialize};
+
+use super::PhotonChains;
+use crate::engine::Nonfinite;
+use crate::photon::maps::Maps;
+use crate::photon::targets;
+use crate::state::{Reader, StateError, Writer};
+
+/// All but pictures and ladders.
+#[derive(Serialize, Deserialize)]
+struct Kept {
+    iterations: u64,
+    /// For each level: how steps learn, the rough normaliser, the last one with its error.
+    levels: Vec<(AcceptanceAdaptation<Power>, f64, [f64; 2])>,
+    visible: Option<Mean>,
+    revival: Pcg64Dxsm,
+    nonfinite: Nonfinite,
+    counters: Counters,
+    targets: targets::Kept,
+}
+
+/// Where chains are: what is there is read anew in each iteration.
+type KeptLadder<const K: usize> = (Pcg64Dxsm, Ladder<Point<Power>, (), K>);
+
+impl<const K: usize> PhotonChains<K> {
+    pub(super) fn write_down(&self, out: &mut Writer<'_>) -> io::Result<()> {
+        let levels = (0..K).map(|level| {
+            let adaptation = self.adaptations[level].clone();
+            (adaptation, self.rough[level], self.normalisers[level])
+        });
+        out.value(&Kept {
+            iterations: self.iterations,
+            levels: levels.collect(),
+            visible: self.visible,
+            revival: self.revival.clone(),
+            nonfinite: self.nonfinite,
+            counters: self.counters,
+            targets: self.targets.kept(self.maps.is_some()),
+        })?;
+        out.numbers(self.sums.as_flattened().iter())?;
+        out.numbers(self.unscaled.as_flattened().iter())?;
+        if let Some(maps) = &self.maps {
+            out.numbers(maps.sums().as_flattened().iter())?;
+        }
+        self.ladders
+            .iter()
+            .try_for_each(|chains| out.value(&(&chains.draws, chains.ladder.with_values([(); K]))))
+    }
+
+    pub(super) fn take_from(
+        &mut self,
+        from: &mut Reader<'_>,
+        iterations: u64,
+    ) -> Result<(), StateError> {
+        let wrong = |what: &str| StateError::damaged(what);
+        let kept: Kept = from.value()?;
+        let levels: [_; K] =
+            (kept.levels.try_into()).map_err(|_| wrong("chains of other levels"))?;
+        let known = |(_, rough, _): &(_, f64, _)| rough.is_finite() && *rough > 0.0;
+        if kept.iterations != iterations
+            || kept.visible.is_some() != self.visible.is_some()
+            || !levels.iter().all(known)
+        {
+            return Err(wrong("chains do not agree with their iterations"));
+        }
+        for count in [
+            kept.counters.non_finite,
+            kept.counters.too_large,
+            kept.counters.overflowed,
+        ] {
+            Reader::count(count)?;
+        }
+        self.targets.take_up(kept.targets, self.maps.is_some())?;
+        fill(self.sums.as_flattened_mut(), from)?;
+        fill(self.unscaled.as_flattened_mut(), from)?;
+        if let Some(sums) = self.maps.as_mut().map(Maps::sums_mut) {
+            fill(sums.as_flattened_mut(), from)?;
+        }
+        for chains in &mut self.ladders {
+            let (draws, ladder): KeptLadder<K> = from.value()?;
+            let before = &chains.ladder;
+            let learnt = (ladder.replicas().iter().zip(&levels))
+                .all(|(replica, level)| *replica.state().mutation() == level.0.mutation());
+            if ladder.graph().pairs() != before.graph().pairs()
+                || ladder.schedule() != before.schedule()
+                || ladder.stepping_stone().below() != before.stepping_stone().below()
+                || !learnt
+            {
+                return Err(wrong("a ladder does not agree with itself"));
+            }
+            chains.draws = draws;
+            chains.ladder = ladder.with_values(std::array::from_fn(|_| PhotonValue::default()));
+        }
+        self.iterations = iterations;
+        self.rough = levels.each_ref().map(|level| level.1);
+        self.normalisers = levels.each_ref().map(|level| level.2);
+        self.adaptations = levels.map(|level| level.0);
+        self.visible = kept.visible;
+        self.revival = kept.revival;
+        self.nonfinite = kept.nonfinite.checked()?;
+        self.counters = kept.counters;
+        Ok(())
+    }
+}
+
+/// As many numbers as there is room for.
+fn fill(room: &mut [f64], from: &mut Reader<'_>) -> Result<(), StateError> {
+    room.copy_from_slice(&from.numbers(room.len())?);
+    Ok(())
+}

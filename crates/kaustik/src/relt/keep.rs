@@ -1,0 +1,165 @@
+//! Ladders of replicas written down and taken up again.
+
+use std::io;
+
+use kaustik_estimate::{ReplicaFamily, ReplicaSet, Shares};
+use kaustik_mcmc::{AcceptanceAdaptation, Estimate, Ladder, Pcg64Dxsm, Point, checked_densities};
+use kaustik_path::Contributions;
+use serde::{Deserialize, Serialize};
+
+use super::ReltEngine;
+use super::run::{Run, below};
+use super::start::Mutation;
+use crate::Steps;
+use crate::engine::Nonfinite;
+use crate::state::{Keep, Reader, StateError, Writer};
+
+/// All of a [`Run`] that does not follow from its number of sweeps, and this number. `L`, `P`, `A` stand for what is
+/// borrowed where it is written and owned where it is read.
+#[derive(Serialize, Deserialize)]
+struct Kept<L, P, A, S> {
+    index: u32,
+    sweeps: u64,
+    draws: Pcg64Dxsm,
+    ladder: L,
+    spare: P,
+    adaptations: A,
+    shares: S,
+    scouted: [u64; 2],
+    nonfinite: Nonfinite,
+}
+
+type Read<const K: usize> = Kept<
+    Ladder<Point<Mutation>, Contributions, K>,
+    Point<Mutation>,
+    Vec<AcceptanceAdaptation<Mutation>>,
+    Shares<K>,
+>;
+
+/// Films and ladders; what annealing and scouts found is found again, and compared.
+impl<const K: usize> Keep for ReltEngine<'_, K> {
+    fn taken(&self) -> Vec<u64> {
+        let runs = self.runs.iter();
+        runs.map(|run| run.sweeps * self.cost()).collect()
+    }
+
+    fn write(&self, out: &mut Writer<'_>) -> io::Result<()> {
+        out.value(&(self.rough.to_vec(), self.pool, self.even))?;
+        for film in &self.films {
+            out.film(film)?;
+        }
+        if let Some(direct) = &self.direct {
+            direct.write(out)?;
+        }
+        (self.runs.iter()).try_for_each(|run| {
+            out.value(&Kept {
+                index: run.index,
+                sweeps: run.sweeps,
+                draws: run.draws.clone(),
+                ladder: &run.ladder,
+                spare: &run.spare,
+                adaptations: run.adaptations.as_slice(),
+                shares: run.shares,
+                scouted: [run.found, run.followed],
+                nonfinite: run.nonfinite,
+            })
+        })
+    }
+
+    fn take_up(&mut self, from: &mut Reader<'_>) -> Result<(), StateError> {
+        let (rough, pool, even): (Vec<Estimate>, Shares<K>, u32) = from.value()?;
+        if rough != self.rough || pool != self.pool || even != self.even {
+            let (b, here) = (pool.whole().value, self.pool.whole().value);
+            return Err(StateError::Other(format!(
+                "annealing found {} replicas and light of {b:e} for the state, {K} and {here:e} here: this program computes other numbers",
+                rough.len()
+            )));
+        }
+        for film in &mut self.films {
+            from.film(film)?;
+        }
+        let passes = self.direct.as_mut().map(|direct| direct.take_up(from));
+        let passes = passes.transpose()?;
+        let (ladders, cost) = (from.ladders(), self.cost());
+        let adapts = self.options.steps == Steps::Adapted;
+        let mut steps = 0;
+        for run in self
+            .runs
+            .iter_mut()
+            .filter(|run| ladders.contains(&run.index))
+        {
+            let kept: Read<K> = from.value()?;
+            run.take_up(kept, &self.family, &self.set, adapts)?;
+            run.even.go_to(run.sweeps * u64::from(self.even), run.index);
+            steps += run.sweeps * cost;
+        }
+        if passes != self.direct.as_ref().map(|direct| direct.due(steps)) {
+            return Err(StateError::damaged(
+                "its lamps do not keep up with its ladders",
+            ));
+        }
+        let steps = self.sweeps() * cost;
+        if let Some(direct) = &mut self.direct {
+            direct.keep_up(steps);
+        }
+        Ok(())
+    }
+}
+
+impl<const K: usize> Run<K> {
+    /// Refuses what no run of this ladder can have written.
+    fn take_up(
+        &mut self,
+        kept: Read<K>,
+        family: &ReplicaFamily<K>,
+        set: &ReplicaSet,
+        adapts: bool,
+    ) -> Result<(), StateError> {
+        let wrong = |what: &str| Err(StateError::damaged(what));
+        let Ok(adaptations) = <[_; K]>::try_from(kept.adaptations) else {
+            return wrong("steps of some replicas are missing");
+        };
+        Reader::count(kept.sweeps.saturating_mul(1 << 16))?;
+        let ladder = &kept.ladder;
+        let same = kept.index == self.index
+            && ladder.turn() == kept.sweeps
+            && ladder.graph().pairs() == self.ladder.graph().pairs()
+            && ladder.schedule() == self.ladder.schedule()
+            && ladder.stepping_stone().below() == below(set);
+        if !same {
+            return wrong("a ladder does not agree with itself");
+        }
+        if !adapts && adaptations != self.adaptations {
+            return wrong("steps have changed that never do");
+        }
+        for (level, replica) in ladder.replicas().iter().enumerate() {
+            let statistics = replica.statistics();
+            let moves = statistics.moves.iter().map(|kind| kind.proposed);
+            let most = moves.chain([statistics.defects]).max();
+            if statistics.steps != kept.sweeps * u64::from(set.repeats()[level])
+                || most > Some(statistics.steps)
+            {
+                return wrong("a replica has other steps than its ladder");
+            }
+            let densities = checked_densities(family, replica.value()).unwrap_or([0.0; K]);
+            if densities.map(f64::to_bits) != replica.densities().map(f64::to_bits) {
+                return wrong("a replica's density is not that of its path");
+            }
+            if *replica.state().mutation() != adaptations[level].mutation() {
+                return wrong("a replica has other steps than it has learnt");
+            }
+        }
+        for count in kept.scouted {
+            Reader::count(count)?;
+        }
+        self.nonfinite = kept.nonfinite.checked()?;
+        [self.found, self.followed] = kept.scouted;
+        self.sweeps = kept.sweeps;
+        self.draws = kept.draws;
+        self.ladder = kept.ladder;
+        self.spare = kept.spare;
+        self.adaptations = adaptations;
+        self.shares = kept.shares;
+        Ok(())
+    }
+}

@@ -1,0 +1,156 @@
+//! Errors of pixels from the spread of parts that are merged.
+
+use kaustik::film::Image;
+use kaustik::scene::Scene;
+use kaustik::{Control, Method, Options, RenderSettings, Rendered, State, merge, whole};
+
+use crate::bits::bits;
+use crate::state::{Keeper, SIDE, a_scene, last_state, read, shares};
+use crate::support::{picture, settings};
+
+/// Weighted mean and its standard error, a number for each channel of each pixel.
+fn spread(parts: &[(Vec<f32>, f64)]) -> Vec<[f64; 2]> {
+    let weight: f64 = parts.iter().map(|(_, w)| w).sum();
+    let of = |at: usize| {
+        let numbers = || parts.iter().map(|(p, w)| (f64::from(p[at]), w));
+        let mean = numbers().map(|(x, w)| x * w).sum::<f64>() / weight;
+        let squares: f64 = numbers().map(|(x, w)| w * (x - mean).powi(2)).sum();
+        let freedom = parts.len() as f64 - 1.0;
+        [mean, (squares / (weight * freedom)).sqrt()]
+    };
+    (0..parts[0].0.len()).map(of).collect()
+}
+
+fn planes(image: &Image) -> Vec<f32> {
+    image.rgb().concat()
+}
+
+fn close(a: f64, b: f64) -> bool {
+    (a - b).abs() <= 1e-5 * a.abs().max(b.abs()).max(1e-6)
+}
+
+fn merged_with_layers(scene: &Scene, states: &[State]) -> Rendered {
+    let settings = RenderSettings {
+        features: true,
+        ..whole(states).expect("parts of one picture")
+    };
+    merge(scene, &settings, states, &mut Keeper::default()).expect("a picture")
+}
+
+/// Mean, error and statistics of merged parts are those of their pictures.
+fn check_spread(what: &str, all: &Rendered, parts: &[(Vec<f32>, f64)]) {
+    let layer = all.image.layer("error").expect("errors");
+    let errors: Vec<f32> = (layer.channels.iter())
+        .flat_map(|channel| channel.samples.clone())
+        .collect();
+    let wanted = spread(parts);
+    assert!(
+        wanted.iter().filter(|[_, error]| *error > 0.0).count() > 300,
+        "{what}"
+    );
+    for (at, [mean, error]) in wanted.into_iter().enumerate() {
+        let found = f64::from(planes(&all.image)[at]);
+        assert!(
+            close(found, mean) || parts.len() == 3,
+            "{what} {at}: {found} {mean}"
+        );
+        assert!(
+            close(f64::from(errors[at]), error),
+            "{what} {at}: {} {error}",
+            errors[at]
+        );
+    }
+    let merged = all.statistics.merged.as_ref().expect("statistics");
+    assert_eq!(merged.parts.len(), parts.len());
+    assert!(
+        merged.luminance_error > Some(0.0) && merged.pixel_error > Some(0.0),
+        "{what}"
+    );
+}
+
+#[test]
+fn renders_of_other_seeds_are_averaged_and_tell_their_error() {
+    let scene = a_scene();
+    for method in [
+        Method::Path,
+        Method::Sppm,
+        Method::PhotonVisibility,
+        Method::Relt,
+    ] {
+        let of = |seed, spp| {
+            let mut settings = settings(method, SIDE, spp);
+            settings.options = Options::default();
+            settings.seed = seed;
+            if method != Method::Path && method != Method::Relt {
+                let set = settings.options.set(method, "photons=1000");
+                set.expect("a setting");
+            }
+            settings
+        };
+        let renders = [of(9, 6), of(2, 3), of(5, 6), of(u64::MAX, 12)];
+        let states: Vec<State> = (renders.iter())
+            .map(|s| read(&last_state(&scene, s)))
+            .collect();
+        let all = merged_with_layers(&scene, &states);
+        let parts: Vec<_> = (renders.iter())
+            .map(|settings| {
+                let done = kaustik::render(&scene, settings, &mut Control::default());
+                let done = done.expect("a render");
+                (planes(&done.image), done.statistics.steps as f64)
+            })
+            .collect();
+        check_spread(method.name(), &all, &parts);
+        let mut others = states.clone();
+        others.rotate_left(2);
+        let again = merged_with_layers(&scene, &others);
+        assert!(
+            bits(&again.image) == bits(&all.image),
+            "{method}: another order"
+        );
+        // Far apart in size they say nothing.
+        let uneven = [states[1].clone(), read(&last_state(&scene, &of(7, 40)))];
+        let uneven = merged_with_layers(&scene, &uneven);
+        assert!(uneven.image.layer("error").is_none(), "{method}");
+        let merged = uneven.statistics.merged.expect("statistics");
+        assert!(
+            merged
+                .unknown
+                .is_some_and(|why| why.contains("more than 4 times"))
+        );
+    }
+}
+
+#[test]
+fn shares_tell_their_error() {
+    let scene = a_scene();
+    for method in [Method::Pssmlt, Method::Light, Method::Mlt, Method::Relt] {
+        let mut settings = settings(method, SIDE, 40);
+        settings.options = Options::default();
+        let bounds = [0, 20, 40, 64];
+        let states = shares(&scene, &settings, &bounds);
+        let all = merged_with_layers(&scene, &states);
+        let parts: Vec<_> = (bounds.windows(2))
+            .map(|pair| {
+                let share = RenderSettings {
+                    ladders: Some(pair[0]..pair[1]),
+                    ..settings.clone()
+                };
+                let done = kaustik::render(&scene, &share, &mut Control::default());
+                let done = done.expect("a render");
+                (planes(&done.image), done.statistics.steps as f64)
+            })
+            .collect();
+        check_spread(method.name(), &all, &parts);
+        // The picture is that of one process all the same.
+        assert!(
+            bits(&all.image) == bits(&picture(&scene, &settings)),
+            "{method}"
+        );
+    }
+    // Bands of the image say nothing of each other.
+    let settings = settings(Method::Bdpt, SIDE, 2);
+    let all = merged_with_layers(&scene, &shares(&scene, &settings, &[0, 30, 64]));
+    assert!(all.image.layer("error").is_none());
+    let merged = all.statistics.merged.expect("statistics");
+    assert!(merged.unknown.is_some_and(|why| why.contains("bands")));
+}
