@@ -44,10 +44,10 @@ mod injected;
 mod kept;
 /// Two commands on one output.
 mod locks;
-/// A scene opens nothing outside its folder.
-mod outside;
 /// What moves while the shutter is open.
 mod motion;
+/// A scene opens nothing outside its folder.
+mod outside;
 /// Photon methods: as the radius shrinks, and against each other.
 mod photon;
 /// Samples and steps of renders, shown once more.

@@ -266,7 +266,7 @@ fn who_cannot_follow_refuses() {
             assert!(result.is_ok(), "{method}");
             continue;
         }
-        let message = result.err().expect("a refusal").to_string();
+        let message = result.expect_err("a refusal").to_string();
         assert!(
             message.contains(method.name()) && message.contains("path, light, bdpt"),
             "{message}"

@@ -48,7 +48,12 @@ fn peak() -> u64 {
     number.and_then(|n| n.parse().ok()).unwrap_or(0)
 }
 
-fn verdict(kind: Kind, file: &Path) -> Result<(), String> {
+/// Loads a file and renders what it holds; a refusal is an error.
+///
+/// # Panics
+///
+/// If a pixel is not finite, and wherever there is a fault to be found.
+pub fn verdict(kind: Kind, file: &Path) -> Result<(), String> {
     match kind {
         Kind::Model => scene(file),
         Kind::Png | Kind::Jpeg | Kind::Webp => textured(file),

@@ -3,20 +3,26 @@ use std::str::FromStr;
 
 /// What is broken, or planted to see that a campaign notices.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Kind {
+pub enum Kind {
     /// Scene files: GLB, and glTF as text.
     Model,
-    /// Textures.
+    /// Textures as PNG,
     Png,
+    /// as JPEG,
     Jpeg,
+    /// and as WebP.
     Webp,
-    /// Environment maps.
+    /// Environment maps as Radiance HDR,
     Hdr,
+    /// and as OpenEXR.
     Exr,
-    /// Faults of our own: a child that panics, aborts, hangs, or takes all memory.
+    /// A fault of our own: a child that panics,
     PlantedPanic,
+    /// aborts,
     PlantedAbort,
+    /// hangs,
     PlantedHang,
+    /// or takes all memory.
     PlantedHunger,
 }
 

@@ -54,24 +54,18 @@ impl Model {
         }
     }
 
-    /// A GLB file.
-    pub(crate) fn glb(&self) -> Vec<u8> {
+    /// The text, with its buffer's length if it does not say one.
+    pub(crate) fn complete(&self) -> Value {
         let mut json = self.json.clone();
         if json["buffers"].is_null() && !self.binary.is_empty() {
             json["buffers"] = json!([{ "byteLength": self.binary.len() }]);
         }
-        let mut bytes = b"glTF\x02\0\0\0\0\0\0\0".to_vec();
-        let text = json.to_string().into_bytes();
-        for (kind, chunk, fill) in [(b"JSON", &text, b' '), (b"BIN\0", &self.binary, 0)] {
-            let length = chunk.len().next_multiple_of(4);
-            bytes.extend((length as u32).to_le_bytes());
-            bytes.extend(kind);
-            bytes.extend(chunk);
-            bytes.resize(bytes.len() + length - chunk.len(), fill);
-        }
-        let length = bytes.len() as u32;
-        bytes[8..12].copy_from_slice(&length.to_le_bytes());
-        bytes
+        json
+    }
+
+    /// A GLB file.
+    pub(crate) fn glb(&self) -> Vec<u8> {
+        joined(self.complete().to_string().as_bytes(), &self.binary)
     }
 
     fn push(&mut self, key: &str, value: Value) -> usize {
@@ -106,6 +100,21 @@ impl Model {
         let accessor = self.accessor(kind, 5126, values.len() / width, &floats(values));
         self.json["meshes"][0]["primitives"][0]["attributes"][name] = json!(accessor);
     }
+}
+
+/// A GLB file of two chunks.
+pub(crate) fn joined(text: &[u8], binary: &[u8]) -> Vec<u8> {
+    let mut bytes = b"glTF\x02\0\0\0\0\0\0\0".to_vec();
+    for (kind, chunk, fill) in [(b"JSON", text, b' '), (b"BIN\0", binary, 0)] {
+        let length = chunk.len().next_multiple_of(4);
+        bytes.extend((length as u32).to_le_bytes());
+        bytes.extend(kind);
+        bytes.extend(chunk);
+        bytes.resize(bytes.len() + length - chunk.len(), fill);
+    }
+    let length = bytes.len() as u32;
+    bytes[8..12].copy_from_slice(&length.to_le_bytes());
+    bytes
 }
 
 fn floats(values: &[f32]) -> Vec<u8> {

@@ -12,6 +12,7 @@ mod formats;
 mod geometry;
 mod hierarchy;
 mod hostile;
+mod linear;
 mod mutate;
 mod surface;
 mod trip;
