@@ -13,8 +13,11 @@ fn motion(random: &mut Random) -> Motion {
     Motion::new(keys.to_vec()).unwrap()
 }
 
+/// What a world that moves is built from.
+type Parts = (Vec<Arc<Mesh>>, Vec<Instance>, Vec<(u32, Motion)>);
+
 /// Some instances that move, some that do not, of two meshes.
-fn parts(random: &mut Random) -> (Vec<Arc<Mesh>>, Vec<Instance>, Vec<(u32, Motion)>) {
+fn parts(random: &mut Random) -> Parts {
     let meshes = vec![Arc::new(random.soup(40)), Arc::new(random.soup(3))];
     let instances = (0..8).map(|index| Instance {
         mesh: index % 2,
