@@ -24,7 +24,7 @@ use crate::engine::{Engine, Nonfinite, STRIDE, add_rays};
 use crate::erpt_pss::{Chains, Paths, PssRedistribution};
 use crate::render::builder_settings;
 use crate::stratified::mix;
-use crate::{Budget, ChainStatistics, Place, RenderError, RenderSettings};
+use crate::{Budget, ChainStatistics, Place, RenderError, RenderSettings, StateError};
 use mark::Mark;
 
 /// The pilot needs only the order of magnitude.
