@@ -30,7 +30,11 @@ fn timed(what: &str, count: usize, file: &File) -> [f64; 2] {
     let bytes = file.glb();
     let before = peak();
     let start = Instant::now();
-    let loaded = load_bytes(&bytes, "large.glb", &LoadOptions::default());
+    let options = LoadOptions {
+        max_memory: Some(8 << 30),
+        ..LoadOptions::default()
+    };
+    let loaded = load_bytes(&bytes, "large.glb", &options);
     let description = loaded.unwrap_or_else(|e| panic!("{e}")).description;
     let read = start.elapsed().as_secs_f64();
     let scene = Scene::new(&description, &SceneOptions::default());
