@@ -1,9 +1,9 @@
 //! Methods of independent samples: path tracing, light tracing, bidirectional path tracing; and of such
 //! samples redistributed by short chains.
 
+mod keep;
 mod mark;
 
-use std::io;
 use std::sync::atomic::AtomicBool;
 
 use kaustik_estimate::Scale;
@@ -21,11 +21,11 @@ use crate::builders::builder;
 use crate::cells::{Cells, Tour};
 use crate::control::is_stopped;
 use crate::engine::{Engine, Nonfinite, STRIDE, add_rays};
-use crate::erpt_pss::{Chains, Kept, Paths, PssRedistribution};
+use crate::erpt_pss::{Chains, Paths, PssRedistribution};
 use crate::render::builder_settings;
 use mark::Mark;
 
-use crate::state::{Keep, Reader, StateError, Writer};
+use crate::state::StateError;
 use crate::stratified::mix;
 use crate::{Budget, ChainStatistics, Place, RenderError, RenderSettings};
 
@@ -113,7 +113,9 @@ impl<'a> IndependentEngine<'a> {
             threshold: settings.options.photon.roughness,
         };
         let cells = Cells::new(settings);
-        Self::new(scene, settings, Box::new(builder), Some(cells))
+        let engine = Self::new(scene, settings, Box::new(builder), Some(cells))?;
+        // An iteration that is broken off takes its passes back.
+        Ok(engine.in_whole_passes())
     }
 
     /// Samples of any builder, each redistributed over the image by short chains.
@@ -236,9 +238,8 @@ impl Engine for IndependentEngine<'_> {
     fn advance(&mut self, plan: &[u64], stop: Option<&AtomicBool>) -> u64 {
         let before = self.steps();
         // A pass that is broken off leaves the picture uneven; where samples touch more than their own pixel nothing could
-        // make it even again, so that it is taken back. Chains that redistribute are not: their passes are finished.
+        // make it even again, so that it is taken back.
         let evenly = self.cells.is_some() && !self.single_pixel;
-        let stop = stop.filter(|_| !evenly || self.redistribution.is_none());
         if evenly && stop.is_some() {
             self.mark();
         }
@@ -357,70 +358,6 @@ impl Engine for IndependentEngine<'_> {
     }
 }
 
-/// Samples follow from their number: the film, and where each stream is.
-impl Keep for IndependentEngine<'_> {
-    fn taken(&self) -> Vec<u64> {
-        self.streams.iter().map(|stream| stream.step).collect()
-    }
-
-    fn write(&self, out: &mut Writer<'_>) -> io::Result<()> {
-        out.film(&self.film)?;
-        let streams = self.streams.iter();
-        let streams: Vec<(u64, Nonfinite, Rays)> =
-            streams.map(|s| (s.step, s.nonfinite, s.rays)).collect();
-        out.value(&streams)?;
-        let Some(redistribution) = &self.redistribution else {
-            return Ok(());
-        };
-        let chains = self.streams.iter().filter_map(|s| s.chains.as_deref());
-        let chains: Vec<Kept> = chains.map(Chains::kept).collect();
-        out.value(&(redistribution.pilot(), chains))
-    }
-
-    fn take_up(&mut self, from: &mut Reader<'_>) -> Result<(), StateError> {
-        from.film(&mut self.film)?;
-        let kept: Vec<(u64, Nonfinite, Rays)> = from.value()?;
-        let ladders = from.ladders();
-        if kept.len() != ladders.len() {
-            return Err(StateError::damaged("a stream of samples is missing"));
-        }
-        let streams = self.streams.iter_mut();
-        let streams = streams.filter(|stream| ladders.contains(&stream.ladder));
-        for (stream, (step, nonfinite, rays)) in streams.zip(kept) {
-            stream.step = Reader::count(step)?;
-            stream.nonfinite = nonfinite.checked()?;
-            (stream.rays.closest, stream.rays.any) =
-                (Reader::count(rays.closest)?, Reader::count(rays.any)?);
-        }
-        self.take_up_chains(from)
-    }
-}
-
-impl IndependentEngine<'_> {
-    /// The chains of the streams that were taken up just now, where the method has any.
-    fn take_up_chains(&mut self, from: &mut Reader<'_>) -> Result<(), StateError> {
-        let Some(redistribution) = &self.redistribution else {
-            return Ok(());
-        };
-        let (pilot, kept): (f64, Vec<Kept>) = from.value()?;
-        let (ladders, here) = (from.ladders(), redistribution.pilot());
-        if pilot.to_bits() != here.to_bits() {
-            return Err(StateError::pilot(pilot, here));
-        }
-        if kept.len() != ladders.len() {
-            return Err(StateError::damaged("a ladder's chains are missing"));
-        }
-        let streams = self.streams.iter_mut();
-        let streams = streams.filter(|stream| ladders.contains(&stream.ladder));
-        for (stream, kept) in streams.zip(kept) {
-            if let Some(chains) = &mut stream.chains {
-                chains.take_up(kept, stream.step)?;
-            }
-        }
-        Ok(())
-    }
-}
-
 /// What a stream works with.
 struct Job<'a> {
     seed: u64,
@@ -439,8 +376,10 @@ impl SampleStream {
             .cells
             .map(|cells| Tour::new(&cells, self.ladder, self.step));
         let seed = mix(job.seed);
+        // The chains of a sample are long, and broken off as well: such a sample is none.
+        let stride = if self.chains.is_some() { 1 } else { STRIDE };
         for done in 0..steps {
-            if done % STRIDE == 0 && is_stopped(job.stop) {
+            if done % stride == 0 && is_stopped(job.stop) {
                 return;
             }
             let mut coordinates = Independent::new(self.generators.at(self.step));
@@ -451,6 +390,9 @@ impl SampleStream {
                     tour.go_on();
                     self.sample(job, &mut coordinates);
                 }
+            }
+            if self.chains.is_some() && is_stopped(job.stop) {
+                return;
             }
             self.step += 1;
         }
@@ -467,6 +409,7 @@ impl SampleStream {
                     builder,
                     film: job.film,
                     scale: job.scale,
+                    stop: job.stop,
                 };
                 chains.run(redistribution, &place, coordinates, self.step)
             }
