@@ -10,8 +10,8 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use kaustik_estimate::{PathTarget, ScalarContribution, Scale};
 use kaustik_film::Film;
 use kaustik_mcmc::{
-    Deposit, Depositor, Mean, Point, PointKernel, Redistribution, RedistributionStatistics, Redistributor,
-    SampleGenerators, Target,
+    Deposit, Depositor, Mean, Point, PointKernel, Redistribution, RedistributionStatistics,
+    Redistributor, SampleGenerators, Target,
 };
 use kaustik_path::{Contributions, PathBuilder};
 use kaustik_pss::Coordinates;
