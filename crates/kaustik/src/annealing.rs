@@ -251,8 +251,9 @@ impl<'a, const K: usize> AnnealingEngine<'a, K> {
             &first,
             self.seed,
             bottom,
-            self.particles,
+            (self.particles, stop),
         );
+        let Some(samples) = samples else { return };
         let mut population =
             Population::from_samples(samples, &self.family, Resampling::Systematic);
         let mut central = generator(self.seed, told(K));
