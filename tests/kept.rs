@@ -416,10 +416,16 @@ fn a_signal_in_a_pilot_leaves_nothing() {
     }
 }
 
-/// A pass of `bdpt` that a signal breaks off is taken back: the state is that of whole passes, or of none, and goes on to the
+/// A pass or iteration that a signal breaks off is taken back: the state is that of whole ones, or of none, and goes on to the
 /// picture of a render that nothing interrupted.
 #[test]
 fn a_broken_pass_is_taken_back() {
+    broken_passes("bdpt", "400", "heuristic=power");
+    broken_passes("erpt", "48", "chains=1");
+    broken_passes("photon-spatial", "64", "photons=20000");
+}
+
+fn broken_passes(method: &str, width: &str, set: &str) {
     let folder = tempfile::tempdir().expect("a folder");
     let file = |name: &str| path(folder.path(), name);
     let (state, whole, through) = (file("s"), file("whole.exr"), file("through.exr"));
@@ -428,11 +434,19 @@ fn a_broken_pass_is_taken_back() {
             "render",
             "builtin:cornell",
             "--method",
-            "bdpt",
+            method,
             "--spp",
             spp,
         ];
-        words.extend(["--width", "400", "--max-depth", "4", "--no-features"]);
+        words.extend([
+            "--width",
+            width,
+            "--max-depth",
+            "4",
+            "--no-features",
+            "--set",
+            set,
+        ]);
         words.extend(more);
         words.into_iter().map(str::to_owned).collect()
     };
@@ -449,9 +463,12 @@ fn a_broken_pass_is_taken_back() {
         if Path::new(&state).exists() {
             states += 1;
             run(&words("3", &["--resume", &state, "-o", &whole]));
-            assert!(picture(&whole) == picture(&through), "after {wait} ms");
+            assert!(
+                picture(&whole) == picture(&through),
+                "{method} after {wait} ms"
+            );
             fs::remove_file(&state).expect("a state");
         }
     }
-    assert!(states > 0);
+    assert!(states > 0, "{method}");
 }

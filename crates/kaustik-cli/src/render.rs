@@ -110,7 +110,7 @@ fn finish(
     let (statistics, outcome) = (rendered.statistics.clone(), rendered.outcome);
     if outcome == Outcome::Stopped && statistics.steps == 0 {
         output::note(
-            "stopped before the first pass over the image was done: no picture was written",
+            "stopped before the first whole pass, iteration or round was done: no picture was written",
         );
     } else {
         note_layers(words, outcome, &rendered);

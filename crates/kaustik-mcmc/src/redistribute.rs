@@ -217,6 +217,12 @@ impl<V> Copy for Deposit<'_, V> {}
 pub trait Depositor<V> {
     /// Takes one deposit.
     fn deposit(&mut self, deposit: Deposit<'_, V>);
+
+    /// Asked before each step: `false` breaks the start's chains off, and its weight is not all
+    /// deposited.
+    fn goes_on(&mut self) -> bool {
+        true
+    }
 }
 
 impl<V, F: FnMut(Deposit<'_, V>)> Depositor<V> for F {
@@ -383,6 +389,9 @@ impl<S: Clone, V: Clone + Default> Redistributor<S, V> {
         };
         let mut place = Place::new(density, (0.0, unit), false);
         for _ in 0..plan.steps {
+            if !depositor.goes_on() {
+                break;
+            }
             let proposal = kernel.propose(state, value, &mut self.proposed, draws);
             let statistics = &mut self.statistics.chain;
             let densities = statistics.judge(&proposal, family, &self.proposed);

@@ -16,6 +16,7 @@ use serde::{Deserialize, Serialize};
 use crate::control::is_stopped;
 use crate::engine::{Engine, add_counters, add_nonfinite};
 use crate::lamps::Lamps;
+use crate::mark::FilmMark;
 use crate::relt::start::{
     MOVES, Mutation, Started, for_so_many_replicas, kernels, mutation, replica_builder, samples,
     start,
@@ -86,6 +87,8 @@ struct AnnealingEngine<'a, const K: usize> {
     of: u32,
     /// Those of this process.
     told: Vec<Told<K>>,
+    /// Where the last round ended.
+    mark: FilmMark,
 }
 
 /// What the rounds of a ladder have told.
@@ -177,6 +180,7 @@ impl<'a, const K: usize> AnnealingEngine<'a, K> {
             lit: started.mean > 0.0,
             of: options.ladders,
             told: settings.ladder_range().map(Told::of).collect(),
+            mark: FilmMark::default(),
         })
     }
 
@@ -208,11 +212,29 @@ impl<'a, const K: usize> AnnealingEngine<'a, K> {
     }
 
     /// One population from the bottom to the top: the next round of the whole that falls to this process.
-    fn round(&mut self) {
+    /// `false`: it was stopped, and nothing of it is left.
+    fn round(&mut self, stop: Option<&AtomicBool>) -> bool {
         let next = (0..self.told.len()).min_by_key(|&at| self.told[at].rounds);
         let Some(at) = next else {
-            return;
+            return true;
         };
+        let before = stop.map(|_| self.told[at].clone());
+        if before.is_some() {
+            self.mark.set(&self.film);
+        }
+        self.climb_all(at, stop);
+        match before {
+            Some(before) if is_stopped(stop) => {
+                self.mark.take_back(&mut self.film);
+                self.told[at] = before;
+                false
+            }
+            _ => true,
+        }
+    }
+
+    /// The next round of one of the ladders; only a part of it if it is stopped.
+    fn climb_all(&mut self, at: usize, stop: Option<&AtomicBool>) {
         let told = self.told[at].next();
         let nonfinite = AtomicU64::new(0);
         let target = PathTarget {
@@ -229,14 +251,18 @@ impl<'a, const K: usize> AnnealingEngine<'a, K> {
             &first,
             self.seed,
             bottom,
-            self.particles,
+            (self.particles, stop),
         );
+        let Some(samples) = samples else { return };
         let mut population =
             Population::from_samples(samples, &self.family, Resampling::Systematic);
         let mut central = generator(self.seed, told(K));
         let mut light = [0.0; K];
         let mut normalisers = [0.0; K];
         for (level, kernel) in kernels.iter().enumerate() {
+            if is_stopped(stop) {
+                return;
+            }
             match population.advance(level, kernel, &mut central) {
                 Ok(stage) => normalisers[level] = stage.normaliser.value,
                 Err(Extinct { .. }) => break,
@@ -246,7 +272,7 @@ impl<'a, const K: usize> AnnealingEngine<'a, K> {
             } else {
                 let generators = SampleGenerators::new(self.seed, told(level));
                 let of = (level, normalisers[level]);
-                self.climb(of, kernel, &generators, &mut population)
+                self.climb(of, (kernel, stop), &generators, &mut population)
             };
             light[level] = gathered.light;
             let levels = &mut self.told[at].levels;
@@ -293,12 +319,15 @@ impl<'a, const K: usize> AnnealingEngine<'a, K> {
     fn climb(
         &self,
         (level, normaliser): (usize, f64),
-        kernel: &LevelKernel<PathTarget<'_>, Mutation>,
+        (kernel, stop): (&LevelKernel<PathTarget<'_>, Mutation>, Option<&AtomicBool>),
         generators: &SampleGenerators,
         population: &mut Population<Point<Mutation>, Contributions, K>,
     ) -> Gathered<K> {
         let climb = |(chunk, particles): (usize, &mut [Particle<K>])| {
             let mut deposit = self.deposit(level, normaliser, MOVES as u64);
+            if is_stopped(stop) {
+                return deposit.gathered;
+            }
             for (at, particle) in particles.iter_mut().enumerate() {
                 let mut draws = generators.at((chunk * CHUNK + at) as u64);
                 for _ in 0..MOVES {
@@ -323,10 +352,9 @@ impl<const K: usize> Engine for AnnealingEngine<'_, K> {
         let rounds = plan.iter().sum::<u64>() / self.cost();
         let before = self.rounds();
         for _ in 0..rounds {
-            if is_stopped(stop) {
+            if is_stopped(stop) || !self.round(stop) {
                 break;
             }
-            self.round();
         }
         let steps = self.rounds() * self.cost();
         if let Some(direct) = &mut self.direct {

@@ -51,5 +51,7 @@ impl std::fmt::Debug for Control<'_> {
 
 /// Has the flag been raised?
 pub(crate) fn is_stopped(stop: Option<&AtomicBool>) -> bool {
+    #[cfg(test)]
+    crate::stops::look(stop);
     stop.is_some_and(|flag| flag.load(Ordering::Relaxed))
 }

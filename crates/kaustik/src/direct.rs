@@ -119,8 +119,10 @@ impl Engine for DirectApart<'_> {
                 *done = due.max(*done);
             }
         }
-        let direct = self.direct.advance(&plans[0], stop);
-        direct + self.chains.advance(&plans[1], stop)
+        let before = self.steps();
+        self.direct.advance(&plans[0], stop);
+        self.chains.advance(&plans[1], stop);
+        self.steps() - before
     }
 
     /// Whole passes.
@@ -207,8 +209,12 @@ impl Keep for DirectApart<'_> {
         self.given.clone()
     }
 
+    /// None before either part has some: one alone is no picture.
     fn steps(&self) -> u64 {
-        self.direct.steps() + self.chains.steps()
+        match [self.direct.steps(), self.chains.steps()] {
+            [0, _] | [_, 0] => 0,
+            [direct, chains] => direct + chains,
+        }
     }
 
     fn write(&self, out: &mut Writer<'_>) -> io::Result<()> {

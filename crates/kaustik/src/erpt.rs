@@ -21,7 +21,9 @@ use kaustik_scene::Scene;
 use rayon::prelude::*;
 
 use crate::cells::Cells;
+use crate::control::is_stopped;
 use crate::engine::{Engine, Nonfinite};
+use crate::mark::FilmMark;
 use crate::render::builder_settings;
 use crate::state::{Keep, Reader, StateError, Writer};
 use crate::{
@@ -45,6 +47,8 @@ pub(crate) struct ErptEngine<'a> {
     pilot: Mean,
     /// What the filters took away, as of the last picture.
     lost: Vec<Lost>,
+    /// Where the last whole pass ended.
+    mark: (Vec<FilmMark>, Vec<stream::Kept>),
 }
 
 impl<'a> ErptEngine<'a> {
@@ -79,6 +83,7 @@ impl<'a> ErptEngine<'a> {
             size,
             pilot,
             lost: Vec::new(),
+            mark: Default::default(),
         })
     }
 
@@ -109,14 +114,34 @@ impl<'a> ErptEngine<'a> {
         Ok((most.unwrap_or(0).max(1) * self.cells.count()) as f64)
     }
 
+    /// Writes down where films and streams are.
+    fn mark(&mut self) {
+        let (films, streams) = &mut self.mark;
+        self.films.mark(films);
+        streams.clear();
+        streams.extend(self.streams.iter().map(Stream::kept));
+    }
+
+    /// Goes back to there.
+    fn take_back(&mut self) {
+        let (films, streams) = &mut self.mark;
+        self.films.take_back(films);
+        for (stream, kept) in self.streams.iter_mut().zip(streams.drain(..)) {
+            stream.go_to(kept);
+        }
+    }
+
     fn lost(&self, on: bool, place: usize) -> Option<f64> {
         on.then(|| self.lost.get(place).map_or(0.0, |lost| lost.share))
     }
 }
 
 impl Engine for ErptEngine<'_> {
-    fn advance(&mut self, plan: &[u64], _: Option<&AtomicBool>) -> u64 {
+    fn advance(&mut self, plan: &[u64], stop: Option<&AtomicBool>) -> u64 {
         let before = self.steps();
+        if stop.is_some() {
+            self.mark();
+        }
         let job = Job {
             space: &self.space,
             options: &self.options,
@@ -125,13 +150,17 @@ impl Engine for ErptEngine<'_> {
             cells: self.cells,
             seed: self.seed,
             pilot: self.pilot.mean(),
+            stop,
         };
-        // Chains leave their pixel: a pass that is broken off could not be made even again.
         self.streams
             .par_iter_mut()
             .zip(plan)
             .with_max_len(1)
             .for_each(|(stream, &steps)| stream.run(&job, steps));
+        // Chains leave their pixel: a pass that is broken off could not be made even again.
+        if is_stopped(stop) && self.steps() < before + plan.iter().sum::<u64>() {
+            self.take_back();
+        }
         self.steps() - before
     }
 

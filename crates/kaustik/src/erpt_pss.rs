@@ -5,18 +5,19 @@
 //! they leave is the light of the sample, spread as the target is: unbiased, without a start-up phase
 //! and without a normaliser.
 
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use kaustik_estimate::{PathTarget, ScalarContribution, Scale};
 use kaustik_film::Film;
 use kaustik_mcmc::{
-    Deposit, Mean, Point, PointKernel, Redistribution, RedistributionStatistics, Redistributor,
-    SampleGenerators, Target,
+    Deposit, Depositor, Mean, Point, PointKernel, Redistribution, RedistributionStatistics,
+    Redistributor, SampleGenerators, Target,
 };
 use kaustik_path::{Contributions, PathBuilder};
 use kaustik_pss::Coordinates;
 use kaustik_scene::Scene;
 
+use crate::control::is_stopped;
 use crate::pssmlt::{PILOT_LADDER, Small, pilot};
 use crate::state::{Reader, StateError};
 use crate::{ChainStatistics, RenderSettings};
@@ -39,6 +40,27 @@ pub(crate) struct Paths<'a> {
     pub(crate) builder: &'a dyn PathBuilder,
     pub(crate) film: &'a Film,
     pub(crate) scale: Scale,
+    /// Breaks chains off.
+    pub(crate) stop: Option<&'a AtomicBool>,
+}
+
+/// Takes deposits until it is told to stop. Chains that are broken off leave their sample's light unspread: it must be
+/// taken back.
+pub(crate) struct UntilStopped<'a, F> {
+    pub(crate) deposit: F,
+    pub(crate) stop: Option<&'a AtomicBool>,
+}
+
+impl<V, F: FnMut(Deposit<'_, V>)> Depositor<V> for UntilStopped<'_, F> {
+    #[inline]
+    fn deposit(&mut self, deposit: Deposit<'_, V>) {
+        (self.deposit)(deposit);
+    }
+
+    #[inline]
+    fn goes_on(&mut self) -> bool {
+        !is_stopped(self.stop)
+    }
 }
 
 /// The chains of one ladder.
@@ -122,9 +144,14 @@ impl Chains {
                 "chains do not agree with their samples",
             ));
         }
+        self.go_to((statistics, weights));
+        Ok(())
+    }
+
+    /// As those are that left this behind.
+    pub(crate) fn go_to(&mut self, (statistics, weights): Kept) {
         self.redistributor = Redistributor::new().with_statistics(statistics);
         self.weights = weights;
-        Ok(())
     }
 
     pub(crate) fn new(settings: &RenderSettings, ladder: u32) -> Self {
@@ -158,10 +185,12 @@ impl Chains {
             None => paths.scale.splat(paths.film, &self.value, 1.0),
             Some(_) if weight <= 0.0 => {} // nothing to spread
             Some(plan) => {
-                let mut deposit = |deposit: Deposit<'_, Contributions>| {
+                let deposit = |deposit: Deposit<'_, Contributions>| {
                     let share = deposit.weight() / deposit.density;
                     paths.scale.splat(paths.film, deposit.value, share);
                 };
+                let stop = paths.stop;
+                let mut deposit = UntilStopped { deposit, stop };
                 self.redistributor.run(
                     plan,
                     (&self.seed, &self.value, weight),

@@ -111,7 +111,9 @@ impl<'a> IndependentEngine<'a> {
             threshold: settings.options.photon.roughness,
         };
         let cells = Cells::new(settings);
-        Self::new(scene, settings, Box::new(builder), Some(cells))
+        let engine = Self::new(scene, settings, Box::new(builder), Some(cells))?;
+        // An iteration that is broken off takes its passes back.
+        Ok(engine.in_whole_passes())
     }
 
     /// Samples of any builder, each redistributed over the image by short chains.
@@ -234,9 +236,8 @@ impl Engine for IndependentEngine<'_> {
     fn advance(&mut self, plan: &[u64], stop: Option<&AtomicBool>) -> u64 {
         let before = self.steps();
         // A pass that is broken off leaves the picture uneven; where samples touch more than their own pixel nothing could
-        // make it even again, so that it is taken back. Chains that redistribute are not: their passes are finished.
+        // make it even again, so that it is taken back.
         let evenly = self.cells.is_some() && !self.single_pixel;
-        let stop = stop.filter(|_| !evenly || self.redistribution.is_none());
         if evenly && stop.is_some() {
             self.mark();
         }
@@ -373,8 +374,10 @@ impl SampleStream {
             .cells
             .map(|cells| Tour::new(&cells, self.ladder, self.step));
         let seed = mix(job.seed);
+        // The chains of a sample are long, and broken off as well: such a sample is none.
+        let stride = if self.chains.is_some() { 1 } else { STRIDE };
         for done in 0..steps {
-            if done % STRIDE == 0 && is_stopped(job.stop) {
+            if done % stride == 0 && is_stopped(job.stop) {
                 return;
             }
             let mut coordinates = Independent::new(self.generators.at(self.step));
@@ -385,6 +388,9 @@ impl SampleStream {
                     tour.go_on();
                     self.sample(job, &mut coordinates);
                 }
+            }
+            if self.chains.is_some() && is_stopped(job.stop) {
+                return;
             }
             self.step += 1;
         }
@@ -401,6 +407,7 @@ impl SampleStream {
                     builder,
                     film: job.film,
                     scale: job.scale,
+                    stop: job.stop,
                 };
                 chains.run(redistribution, &place, coordinates, self.step)
             }

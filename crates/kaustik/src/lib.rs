@@ -39,6 +39,7 @@ mod features;
 mod independent;
 mod key;
 mod lamps;
+mod mark;
 mod merge;
 mod merge_statistics;
 mod method;
@@ -57,6 +58,8 @@ mod settings;
 mod sobol;
 mod state;
 mod statistics;
+#[cfg(test)]
+mod stops;
 mod stratified;
 
 pub use choices::{

@@ -10,6 +10,7 @@ use kaustik_mutate::Path;
 use kaustik_path::ScalarTarget;
 use kaustik_spectrum::Xyz;
 
+use crate::mark::FilmMark;
 use crate::state::{Reader, StateError, Writer};
 use crate::{RenderError, RenderSettings};
 
@@ -79,18 +80,39 @@ impl Films {
         }
     }
 
+    fn all(&self) -> impl Iterator<Item = &Film> {
+        let allowed = self.allowed.iter().map(|(film, _)| film);
+        once(&self.picture).chain(&self.held).chain(allowed)
+    }
+
+    fn all_mut(&mut self) -> impl Iterator<Item = &mut Film> {
+        let allowed = self.allowed.iter_mut().map(|(film, _)| film);
+        once(&mut self.picture).chain(&mut self.held).chain(allowed)
+    }
+
+    /// Writes down what they hold.
+    pub(crate) fn mark(&self, marks: &mut Vec<FilmMark>) {
+        marks.resize_with(self.all().count(), FilmMark::default);
+        for (mark, film) in marks.iter_mut().zip(self.all()) {
+            mark.set(film);
+        }
+    }
+
+    /// Takes them back to it.
+    pub(crate) fn take_back(&mut self, marks: &[FilmMark]) {
+        for (mark, film) in marks.iter().zip(self.all_mut()) {
+            mark.take_back(film);
+        }
+    }
+
     /// Writes all of them.
     pub(crate) fn write(&self, out: &mut Writer<'_>) -> io::Result<()> {
-        let allowed = self.allowed.iter().map(|(film, _)| film);
-        let mut films = once(&self.picture).chain(&self.held).chain(allowed);
-        films.try_for_each(|film| out.film(film))
+        self.all().try_for_each(|film| out.film(film))
     }
 
     /// Fills all of them.
     pub(crate) fn take_up(&mut self, from: &mut Reader<'_>) -> Result<(), StateError> {
-        let allowed = self.allowed.iter_mut().map(|(film, _)| film);
-        let mut films = once(&mut self.picture).chain(&mut self.held).chain(allowed);
-        films.try_for_each(|film| from.film(film))
+        self.all_mut().try_for_each(|film| from.film(film))
     }
 
     /// The picture through the filters, and what each took away. `per_sample` turns sums into means.

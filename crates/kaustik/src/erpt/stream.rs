@@ -1,5 +1,7 @@
 //! The samples and chains of one ladder.
 
+use std::sync::atomic::AtomicBool;
+
 use glam::DVec2;
 use kaustik_mcmc::{
     Deposit, Draws, Independent, Kernel, Mean, Redistribution, RedistributionStatistics,
@@ -14,8 +16,9 @@ use super::films::Films;
 use super::perturbations::Perturbations;
 use super::starts::{Starter, is_spread};
 use crate::cells::{Cells, Tour};
+use crate::control::is_stopped;
 use crate::engine::Nonfinite;
-use crate::erpt_pss::check_redistribution;
+use crate::erpt_pss::{UntilStopped, check_redistribution};
 use crate::state::{Reader, StateError};
 use crate::stratified::mix;
 use crate::{Colours, Energy, Options};
@@ -33,6 +36,8 @@ pub(crate) struct Job<'a> {
     pub(crate) seed: u64,
     /// Light to be spread of a pilot's samples.
     pub(crate) pilot: f64,
+    /// Breaks a pass off.
+    pub(crate) stop: Option<&'a AtomicBool>,
 }
 
 /// One ladder: sample `step` and its chains are made from (seed, ladder, step), and with
@@ -131,11 +136,19 @@ impl Stream {
         if kept.ladder != self.ladder || step % (end - first).max(1) != 0 || sums != [step; 2] {
             return Err(StateError::damaged("a stream does not agree with itself"));
         }
-        self.step = step;
+        self.go_to(Kept {
+            nonfinite: kept.nonfinite.checked()?,
+            ..kept
+        });
+        Ok(())
+    }
+
+    /// As the one was that has left this behind.
+    pub(crate) fn go_to(&mut self, kept: Kept) {
+        self.step = kept.step;
         self.redistributor = Redistributor::new().with_statistics(kept.statistics);
         self.light = kept.light;
-        self.nonfinite = kept.nonfinite.checked()?;
-        Ok(())
+        self.nonfinite = kept.nonfinite;
     }
 
     pub(crate) fn run(&mut self, job: &Job<'_>, steps: u64) {
@@ -147,6 +160,9 @@ impl Stream {
         let mut starter = Starter::new(job.space, job.options);
         let kernel = job.perturbations.kernel();
         for _ in 0..steps {
+            if is_stopped(job.stop) {
+                return;
+            }
             if tour.begins() && job.options.energy == Energy::Passes {
                 self.plan = plan(job.options, self.expected(job));
             }
@@ -171,6 +187,10 @@ impl Stream {
                 spread.start(path, weight);
             });
             let ([some, all], bad) = (spread.sample, spread.bad);
+            // A sample whose chains may have been broken off is none.
+            if is_stopped(job.stop) {
+                return;
+            }
             self.light.spread.push(some);
             self.light.all.push(all);
             let defects = self.redistributor.statistics().chain.defects - before;
@@ -226,7 +246,7 @@ impl<K: Kernel<(), Value = Path>, D: Draws> Spread<'_, K, D> {
         let light = &mut *self.light;
         add(&mut light.seeded, path.colour(), weight);
         let printed = options.deposit == Colours::Printed;
-        let mut deposit = |deposit: Deposit<'_, Path>| {
+        let deposit = |deposit: Deposit<'_, Path>| {
             let of = if printed { path } else { deposit.value };
             let colour = of.colour();
             add(
@@ -236,6 +256,8 @@ impl<K: Kernel<(), Value = Path>, D: Draws> Spread<'_, K, D> {
             );
             films.deposit(&deposit, colour);
         };
+        let stop = self.job.stop;
+        let mut deposit = UntilStopped { deposit, stop };
         self.redistributor.run(
             plan,
             (&(), path, weight),

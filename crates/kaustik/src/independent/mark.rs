@@ -1,47 +1,50 @@
 //! Where whole passes ended: a pass that is broken off is taken back to there.
 
-use kaustik_film::Counters;
 use kaustik_path::Rays;
 
 use super::IndependentEngine;
 use crate::engine::Nonfinite;
+use crate::erpt_pss::{Chains, Kept};
+use crate::mark::FilmMark;
 
-/// The films and streams of an engine as they were. Its memory is used again.
+/// The film and streams of an engine as they were. Its memory is used again.
 #[derive(Default)]
 pub(super) struct Mark {
-    sums: Vec<i64>,
-    counters: Counters,
-    streams: Vec<(u64, Nonfinite, Rays)>,
+    film: FilmMark,
+    streams: Vec<(u64, Nonfinite, Rays, Option<Kept>)>,
 }
 
 impl IndependentEngine<'_> {
     /// Writes down where the engine is.
     pub(super) fn mark(&mut self) {
-        let mut mark = std::mem::take(&mut self.mark);
-        mark.sums.clear();
-        mark.sums.extend(self.film.sums());
-        mark.counters = self.film.counters();
-        mark.streams.clear();
-        let streams = self.streams.iter();
-        mark.streams
-            .extend(streams.map(|s| (s.step, s.nonfinite, s.rays)));
-        self.mark = mark;
-    }
-
-    /// Goes back to where it was then.
-    pub(super) fn take_back(&mut self) {
         let Self {
             mark,
             film,
             streams,
             ..
         } = self;
-        film.clear();
-        // They came from this very film: there are as many, and no sum is past its limit.
-        let restored = film.add_sums(mark.sums.iter().copied(), &mark.counters);
-        debug_assert!(restored.is_ok());
-        for (stream, (step, nonfinite, rays)) in streams.iter_mut().zip(&mark.streams) {
+        mark.film.set(film);
+        mark.streams.clear();
+        mark.streams.extend(streams.iter().map(|s| {
+            let chains = s.chains.as_deref().map(Chains::kept);
+            (s.step, s.nonfinite, s.rays, chains)
+        }));
+    }
+
+    /// Goes back to where it was when it was told to advance last, if it could be stopped then.
+    pub(crate) fn take_back(&mut self) {
+        let Self {
+            mark,
+            film,
+            streams,
+            ..
+        } = self;
+        mark.film.take_back(film);
+        for (stream, (step, nonfinite, rays, kept)) in streams.iter_mut().zip(&mark.streams) {
             (stream.step, stream.nonfinite, stream.rays) = (*step, *nonfinite, *rays);
+            if let (Some(chains), Some(kept)) = (&mut stream.chains, kept) {
+                chains.go_to(kept.clone());
+            }
         }
     }
 }

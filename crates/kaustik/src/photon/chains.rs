@@ -1,15 +1,17 @@
 //! Photons of Markov chains that exchange states (spec: stf-photon.md 3, 7 and 8).
 
 mod keep;
+mod mark;
+mod sums;
 
 use std::io;
+use std::sync::atomic::AtomicBool;
 
 use kaustik_estimate::{PhotonDeposit, PhotonLevels, PhotonTarget, PhotonValue};
 use kaustik_film::{Counters, Film, Image, Layer};
 use kaustik_mcmc::{
     Acceptance, AcceptanceAdaptation, Draws, Ignore, Independent, Ladder, Mean, Metropolis,
-    Pcg64Dxsm, Point, PointKernel, Pool, Power, SampleGenerators, Statistics, SteppingStone,
-    Target, generator,
+    Pcg64Dxsm, Point, PointKernel, Pool, Power, SampleGenerators, Statistics, Target, generator,
 };
 use kaustik_spectrum::{Rgb, Xyz};
 use rayon::prelude::*;
@@ -18,7 +20,8 @@ use super::Tracer;
 use super::maps::Maps;
 use super::stage::Stage;
 use super::targets::{Space, Targets};
-use crate::engine::{Nonfinite, add_counters};
+use crate::control::is_stopped;
+use crate::engine::Nonfinite;
 use crate::photon_options::Normalisation;
 use crate::state::{Reader, StateError, Writer};
 use crate::statistics::{PhotonLevel, PhotonStatistics};
@@ -34,6 +37,8 @@ const WARM_UP: (u64, u64) = (8, 32);
 /// A ladder takes so many sweeps an iteration at least, or there are fewer ladders: means of short chains under targets that have
 /// just changed are off, and many ladders do not mend that.
 const LEAST_SWEEPS: u64 = 4096;
+/// Sweeps between two looks at the stop flag.
+const STRIDE: u64 = 32;
 
 /// Ladders of K chains each: the first draws uniform light paths, the others follow targets.
 pub(super) struct PhotonChains<const K: usize> {
@@ -256,8 +261,9 @@ impl<const K: usize> PhotonChains<K> {
         self.ladders = ladders;
     }
 
-    /// The iteration itself: chains go on from where they were, under targets that have changed.
-    fn run(&mut self, stage: &Stage<'_>) {
+    /// The iteration itself: chains go on from where they were, under targets that have changed. `false`: it was
+    /// stopped.
+    fn run(&mut self, stage: &Stage<'_>, stop: Option<&AtomicBool>) -> bool {
         self.read_anew(stage);
         let mut ladders = std::mem::take(&mut self.ladders);
         let (sweeps, count) = (stage.photons.div_ceil(K as u64), ladders.len() as u64);
@@ -281,7 +287,11 @@ impl<const K: usize> PhotonChains<K> {
             .with_max_len(1)
             .for_each(|(index, chains)| {
                 let Chains { ladder, draws, .. } = chains;
-                for _ in 0..self.options.burn_in {
+                let stopped = |sweep: u64| sweep.is_multiple_of(STRIDE) && is_stopped(stop);
+                for sweep in 0..self.options.burn_in {
+                    if stopped(sweep) {
+                        return;
+                    }
                     ladder.sweep(&kernels, &self.levels, draws, &mut Ignore);
                 }
                 ladder.flush(&mut Ignore);
@@ -293,7 +303,10 @@ impl<const K: usize> PhotonChains<K> {
                 let first = sweeps / 2;
                 for (half, sweeps) in [(0, first), (1, sweeps - first)] {
                     let mut recorder = deposit((half + index) % 2);
-                    for _ in 0..sweeps {
+                    for sweep in 0..sweeps {
+                        if stopped(sweep) {
+                            return;
+                        }
                         ladder.sweep(&kernels, &self.levels, draws, &mut recorder);
                     }
                     ladder.flush(&mut recorder);
@@ -304,91 +317,9 @@ impl<const K: usize> PhotonChains<K> {
                 }
             });
         self.ladders = ladders;
+        // The flag stays up: without it no ladder went home early.
+        !is_stopped(stop)
     }
-
-    /// Normalisers of the iteration, and what turns sums at each level into shares of the picture: `b_l / (b0_l N_l)`.
-    fn normalise(&mut self) -> [f64; K] {
-        let mut stone = SteppingStone::<K>::line();
-        for chains in &self.ladders {
-            stone.merge_as_one(chains.ladder.stepping_stone());
-        }
-        self.normalisers = match &mut self.visible {
-            None => chained(&stone),
-            Some(visible) => {
-                let ratios = stone.ratios();
-                visible.push(ratios[1]);
-                let (share, error) = (visible.mean(), visible.standard_error());
-                let mut above = 1.0;
-                std::array::from_fn(|level| {
-                    if level == 0 {
-                        return [1.0, 0.0];
-                    }
-                    if level > 1 {
-                        above *= ratios[level];
-                    }
-                    [share * above, error * above]
-                })
-            }
-        };
-        std::array::from_fn(|level| {
-            let count: f64 = self.ladders.iter().map(|chains| chains.counts[level]).sum();
-            if count > 0.0 {
-                self.normalisers[level][0] / (self.rough[level] * count)
-            } else {
-                0.0
-            }
-        })
-    }
-
-    /// Adds the films' light to the picture, and makes them black. What waits for visibility's normaliser is added without it.
-    fn collect(&mut self, factors: &[f64; K]) {
-        let share = self.visible.as_ref().map(Mean::mean);
-        for (level, (film, factor)) in self.films.iter_mut().zip(factors).enumerate() {
-            let mut scale = factor * film.quantum().value();
-            let sums = match share {
-                Some(share) if level > 0 => {
-                    scale = if share > 0.0 { scale / share } else { 0.0 };
-                    &mut self.unscaled
-                }
-                _ => &mut self.sums,
-            };
-            let mut raw = film.sums();
-            for sum in sums {
-                for channel in sum {
-                    *channel += raw.next().unwrap_or_default() as f64 * scale;
-                }
-            }
-            drop(raw);
-            self.counters = add_counters(self.counters, film.counters());
-            film.clear();
-        }
-    }
-
-    /// XYZ of each pixel, summed over iterations.
-    fn total(&self) -> Vec<[f64; 3]> {
-        let share = self.visible.as_ref().map_or(0.0, Mean::mean);
-        let mut sums = self.sums.clone();
-        for (sum, unscaled) in sums.iter_mut().zip(&self.unscaled) {
-            for (channel, more) in sum.iter_mut().zip(unscaled) {
-                *channel += share * more;
-            }
-        }
-        sums
-    }
-}
-
-/// Each normaliser from the chain below (spec (10)), with its standard error.
-fn chained<const K: usize>(stone: &SteppingStone<K>) -> [[f64; 2]; K] {
-    let found = stone.normalisers(1.0);
-    std::array::from_fn(|level| {
-        let (value, estimate) = (found.values()[level], &found.estimates()[level]);
-        let error = if value > 0.0 {
-            estimate.relative_error() * value
-        } else {
-            0.0
-        };
-        [value, error]
-    })
 }
 
 /// Large steps for the first level, small ones for all others.
@@ -399,7 +330,8 @@ fn kernels<'t, const K: usize>(
 }
 
 impl<const K: usize> Tracer for PhotonChains<K> {
-    fn trace(&mut self, stage: &Stage<'_>) {
+    fn trace(&mut self, stage: &Stage<'_>, stop: Option<&AtomicBool>) -> bool {
+        let mark = stop.is_some().then(|| self.mark());
         let grown = self.targets.assign(stage);
         for (rough, level) in self.rough.iter_mut().zip(self.levels.0) {
             *rough *= grown[level];
@@ -407,7 +339,12 @@ impl<const K: usize> Tracer for PhotonChains<K> {
         if let Some(maps) = &mut self.maps {
             maps.begin(stage);
         }
-        self.run(stage);
+        if !self.run(stage, stop) {
+            if let Some(mark) = mark {
+                self.take_back(mark);
+            }
+            return false;
+        }
         self.iterations += 1;
         if let Some(maps) = &mut self.maps {
             maps.end(stage);
@@ -424,6 +361,7 @@ impl<const K: usize> Tracer for PhotonChains<K> {
             }
         }
         self.adapt();
+        true
     }
 
     fn write(&self, out: &mut Writer<'_>) -> io::Result<()> {

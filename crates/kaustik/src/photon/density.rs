@@ -30,7 +30,7 @@ pub(super) fn pilot(scene: &Scene, settings: &RenderSettings) -> DensityTarget {
     let mut areas = vec![0.0; columns * rows];
     let generators = SampleGenerators::new(settings.seed, LADDER);
     for pass in 0..PASSES {
-        stage.begin();
+        stage.begin(None);
         let map = stage.map();
         let points = map.points.points();
         let pixel = |index: usize| {

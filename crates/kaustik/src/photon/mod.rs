@@ -1,8 +1,9 @@
 //! Photon methods (spec: stf-photon.md): iterations of new measurement points and light paths that look for them,
 //! and path tracing of what photons cannot carry.
 //!
-//! An iteration is whole or it is not: `--time` and signals end a render between two. All ladders share the points of
-//! an iteration, so that a process runs all of them; independent renders may be averaged instead.
+//! An iteration is whole or it is not: `--time` ends a render between two, and one that is stopped within an iteration
+//! gives it up, as if it had not begun it. All ladders share the points of an iteration, so that a process runs all of
+//! them; independent renders may be averaged instead.
 
 mod chains;
 mod density;
@@ -36,8 +37,9 @@ const SEED: u64 = 0x5E3D_0F1B_9C27_A684;
 
 /// How the light paths of an iteration are drawn, and where what they bring is kept.
 trait Tracer: Send + Sync {
-    /// Traces the light paths of the iteration that the stage has begun.
-    fn trace(&mut self, stage: &Stage<'_>);
+    /// Traces the light paths of the iteration that the stage has begun. `false`: it was stopped before it had traced them
+    /// all, and is as it was before.
+    fn trace(&mut self, stage: &Stage<'_>, stop: Option<&AtomicBool>) -> bool;
 
     /// Writes what there is between two iterations, beyond what is made anew.
     fn write(&self, out: &mut Writer<'_>) -> io::Result<()>;
@@ -75,6 +77,8 @@ pub(crate) struct PhotonEngine<'a> {
     passes: Vec<u64>,
     /// The stage has begun an iteration that was not traced yet.
     ready: bool,
+    /// The picture has layers of the last iteration's points.
+    maps: bool,
 }
 
 /// What traces the light paths of a method.
@@ -107,7 +111,7 @@ fn tracer(stage: &Stage<'_>, settings: &RenderSettings) -> Result<Box<dyn Tracer
 impl<'a> PhotonEngine<'a> {
     pub(crate) fn new(scene: &'a Scene, settings: &RenderSettings) -> Result<Self, RenderError> {
         let mut stage = Stage::new(scene, settings);
-        stage.begin();
+        stage.begin(None);
         let tracer = tracer(&stage, settings)?;
         let mut of_remainder = RenderSettings {
             seed: settings.seed ^ SEED,
@@ -124,6 +128,7 @@ impl<'a> PhotonEngine<'a> {
             tracer,
             remainder,
             ready: true,
+            maps: settings.options.photon.maps,
         })
     }
 
@@ -132,12 +137,31 @@ impl<'a> PhotonEngine<'a> {
         self.stage.iterations - u64::from(self.ready)
     }
 
-    fn iterate(&mut self) {
-        if !std::mem::take(&mut self.ready) {
-            self.stage.begin();
+    /// One iteration. `false`: it was stopped, and all is as it was before.
+    fn iterate(&mut self, stop: Option<&AtomicBool>) -> bool {
+        let (ready, before) = (std::mem::take(&mut self.ready), self.stage.place());
+        let whole = (ready || self.stage.begin(stop)) && self.trace(stop);
+        if !whole {
+            self.ready = ready;
+            if !ready {
+                self.stage.go_back(before, self.maps);
+            }
         }
-        self.tracer.trace(&self.stage);
-        self.remainder.advance(&self.passes, None);
+        whole
+    }
+
+    /// What is left of an iteration once it has points. What photons cannot carry comes first: to take it back is all
+    /// that is to be done where the photons are stopped.
+    fn trace(&mut self, stop: Option<&AtomicBool>) -> bool {
+        let steps = self.passes.iter().sum::<u64>();
+        if self.remainder.advance(&self.passes, stop) < steps {
+            return false;
+        }
+        let whole = self.tracer.trace(&self.stage, stop);
+        if !whole {
+            self.remainder.take_back();
+        }
+        whole
     }
 }
 
@@ -145,8 +169,7 @@ impl Engine for PhotonEngine<'_> {
     fn advance(&mut self, plan: &[u64], stop: Option<&AtomicBool>) -> u64 {
         let steps = plan.iter().sum::<u64>();
         let mut taken = 0;
-        while taken < steps && !is_stopped(stop) {
-            self.iterate();
+        while taken < steps && !is_stopped(stop) && self.iterate(stop) {
             taken += self.stage.photons;
         }
         taken

@@ -1,6 +1,7 @@
 //! Independent photons (Hachisuka and Jensen 2009).
 
 use std::io;
+use std::sync::atomic::AtomicBool;
 
 use kaustik_film::{Counters, Film, Image, develop};
 use kaustik_mcmc::{Independent, SampleGenerators};
@@ -9,7 +10,9 @@ use rayon::prelude::*;
 
 use super::Tracer;
 use super::stage::Stage;
+use crate::control::is_stopped;
 use crate::engine::Nonfinite;
+use crate::mark::FilmMark;
 use crate::state::{Reader, StateError, Writer};
 use crate::{RenderError, RenderSettings};
 
@@ -21,6 +24,8 @@ pub(super) struct IndependentPhotons {
     generators: Vec<SampleGenerators>,
     film: Film,
     nonfinite: Nonfinite,
+    /// Where the last iteration ended.
+    mark: FilmMark,
 }
 
 impl IndependentPhotons {
@@ -33,17 +38,24 @@ impl IndependentPhotons {
                 .collect(),
             film: stage.film(settings)?,
             nonfinite: Nonfinite::default(),
+            mark: FilmMark::default(),
         })
     }
 }
 
 impl Tracer for IndependentPhotons {
-    fn trace(&mut self, stage: &Stage<'_>) {
+    fn trace(&mut self, stage: &Stage<'_>, stop: Option<&AtomicBool>) -> bool {
+        if stop.is_some() {
+            self.mark.set(&self.film);
+        }
         let map = stage.map();
         let before = (stage.iterations - 1) * stage.photons;
         let ladders = self.generators.len() as u64;
         let chunk = |path: &mut PhotonPath, chunk: u64| {
             let mut faults = Nonfinite::default();
+            if is_stopped(stop) {
+                return faults;
+            }
             for number in chunk * CHUNK..((chunk + 1) * CHUNK).min(stage.photons) {
                 let step = before + number;
                 let generators = &self.generators[(step % ladders) as usize];
@@ -59,7 +71,14 @@ impl Tracer for IndependentPhotons {
             .into_par_iter()
             .map_init(PhotonPath::default, chunk)
             .reduce(Nonfinite::default, Nonfinite::and);
-        self.nonfinite = self.nonfinite.and(found);
+        // The flag stays up: without it no chunk was left out.
+        let whole = !is_stopped(stop);
+        if whole {
+            self.nonfinite = self.nonfinite.and(found);
+        } else {
+            self.mark.take_back(&mut self.film);
+        }
+        whole
     }
 
     fn write(&self, out: &mut Writer<'_>) -> io::Result<()> {

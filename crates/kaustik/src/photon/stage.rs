@@ -1,5 +1,7 @@
 //! What an iteration of a photon method stands on: its wavelengths, measurement points, and their lookup.
 
+use std::sync::atomic::AtomicBool;
+
 use glam::{DVec2, Vec3};
 use kaustik_estimate::{PhotonMap, Scale};
 use kaustik_film::{Film, Quantum};
@@ -12,6 +14,7 @@ use kaustik_spectrum::{WavelengthSampling, Wavelengths};
 use rayon::prelude::*;
 
 use crate::cells::Cells;
+use crate::control::is_stopped;
 use crate::render::builder_settings;
 use crate::state::{Reader, StateError};
 use crate::stratified::{Stratified, mix};
@@ -95,15 +98,16 @@ impl<'a> Stage<'a> {
         }
     }
 
-    /// Sees the scene anew: other wavelengths, other points of every pixel, and smaller discs if these shrink.
-    pub(super) fn begin(&mut self) {
+    /// Sees the scene anew: other wavelengths, other points of every pixel, and smaller discs if these shrink. `false`: it was
+    /// stopped, and has no points; it must [go back](Self::go_back).
+    pub(super) fn begin(&mut self, stop: Option<&AtomicBool>) -> bool {
         let index = self.iterations;
         if let (Some(alpha), true) = (self.reduction, index > 0) {
             // spec 1: r_{i+1}^2 = r_i^2 (i + alpha) / (i + 1), i >= 1
             let i = index as f64;
             self.walk.radius *= ((i + alpha) / (i + 1.0)).sqrt();
         }
-        self.see(index);
+        self.see(index, stop)
     }
 
     /// The radius of discs.
@@ -121,27 +125,41 @@ impl<'a> Stage<'a> {
         }
         if iterations > 0 && (iterations, radius.to_bits()) != self.place() {
             self.walk.radius = radius;
-            self.see(iterations - 1);
+            self.see(iterations - 1, None);
         }
         Ok(())
     }
 
-    fn place(&self) -> (u64, u64) {
+    /// Iterations begun, and the bits of the radius.
+    pub(super) fn place(&self) -> (u64, u64) {
         (self.iterations, self.walk.radius.to_bits())
     }
 
-    /// The iteration of this number.
-    fn see(&mut self, index: u64) {
+    /// To where it was before it began the last iteration. The next one has new points: those of the one before it are made
+    /// again only if somebody wants to see them.
+    pub(super) fn go_back(&mut self, (iterations, radius): (u64, u64), points: bool) {
+        self.walk.radius = f64::from_bits(radius);
+        self.iterations = iterations;
+        if points && iterations > 0 {
+            self.see(iterations - 1, None);
+        }
+    }
+
+    /// The iteration of this number; `false` if it was stopped before it was seen.
+    fn see(&mut self, index: u64, stop: Option<&AtomicBool>) -> bool {
         self.iterations = index + 1;
         let turned = self.first_wavelength + GOLDEN * index as f64;
         self.wavelengths = Wavelengths::sample(turned - turned.floor(), self.sampling);
-        self.look(index);
+        if !self.look(index, stop) {
+            return false;
+        }
         let balls = self.points.points().iter();
         self.lookup.rebuild(balls.map(|p| (p.position, p.radius)));
+        true
     }
 
-    /// One walk a cell, put together in the order of the cells.
-    fn look(&mut self, index: u64) {
+    /// One walk a cell, put together in the order of the cells; `false` if it was stopped.
+    fn look(&mut self, index: u64, stop: Option<&AtomicBool>) -> bool {
         let count = self.cells.count();
         self.points.clear();
         self.points.reserve(count as usize);
@@ -150,6 +168,9 @@ impl<'a> Stage<'a> {
             let (this, first) = (&*self, batch / CHUNK);
             parts.par_iter_mut().enumerate().for_each(|(at, part)| {
                 part.clear();
+                if is_stopped(stop) {
+                    return;
+                }
                 let start = (first + at as u64) * CHUNK;
                 for cell in start..(start + CHUNK).min(count) {
                     this.measure(cell, index, part);
@@ -158,8 +179,12 @@ impl<'a> Stage<'a> {
             for part in &parts {
                 self.points.append(part);
             }
+            if is_stopped(stop) {
+                break;
+            }
         }
         self.parts = parts;
+        !is_stopped(stop)
     }
 
     fn measure(&self, cell: u64, index: u64, out: &mut MeasurementPoints) {

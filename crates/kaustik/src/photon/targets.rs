@@ -35,6 +35,9 @@ pub(super) struct Kept {
     of_points: Vec<[f32; 2]>,
 }
 
+/// Means and targets of points before an iteration.
+pub(super) type Mark = ([f64; 2], Option<Vec<[f32; 2]>>);
+
 /// `T_3` and `T_4` of all points, and the regions behind them.
 pub(super) struct Targets<const K: usize> {
     space: Space,
@@ -138,6 +141,20 @@ impl<const K: usize> Targets<K> {
         });
         let [kernel, full] = [0, 1].map(|which| self.means[which] / before[which]);
         [1.0, 1.0, kernel, full]
+    }
+
+    /// What [`assign`](Self::assign) changes and does not make anew; with the targets of points, if these are shown.
+    pub(super) fn mark(&self, shown: bool) -> Mark {
+        let of_points = shown.then(|| self.of_points.clone());
+        (self.means, of_points)
+    }
+
+    /// As it was then.
+    pub(super) fn take_back(&mut self, (means, of_points): Mark) {
+        self.means = means;
+        if let Some(of_points) = of_points {
+            self.of_points = of_points;
+        }
     }
 
     /// What is to be kept between two iterations; with the targets of the last one's points, if these are shown.

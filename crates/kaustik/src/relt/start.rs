@@ -1,7 +1,7 @@
 //! How replicas start: by population annealing (RELT 4.3, Algorithm 2; spec relt.md 7).
 
 use std::array::from_fn;
-use std::sync::atomic::AtomicU64;
+use std::sync::atomic::{AtomicBool, AtomicU64};
 
 use kaustik_estimate::{PathTarget, ReplicaFamily, ReplicaSet, light};
 use kaustik_mcmc::{
@@ -13,6 +13,7 @@ use kaustik_scene::Scene;
 use rayon::prelude::*;
 
 use super::scouts::{Scouts, scouting};
+use crate::control::is_stopped;
 use crate::render::builder_settings;
 use crate::{RenderSettings, Steps};
 
@@ -221,8 +222,9 @@ impl<'a, const K: usize> Climb<'a, K> {
             &first,
             seed,
             bottom,
-            self.particles,
-        );
+            (self.particles, None),
+        )
+        .unwrap_or_default();
         let pool: Vec<_> = (samples.iter())
             .map(|(_, value)| (all_densities(&self.family, value), light(value)))
             .collect();
@@ -377,23 +379,25 @@ fn all_densities<const K: usize>(
     from_fn(|k| known.get(k).copied().unwrap_or_default())
 }
 
-/// Independent samples, each from a generator of its own, in the order of their indices.
+/// Independent samples, each from a generator of its own, in the order of their indices. `None`: stopped.
 pub(crate) fn samples<const K: usize>(
     target: PathTarget<'_>,
     family: &ReplicaFamily<K>,
     mutation: &Mutation,
     seed: u64,
     ladder: u64,
-    count: u64,
-) -> Vec<State> {
+    (count, stop): (u64, Option<&AtomicBool>),
+) -> Option<Vec<State>> {
     let generators = SampleGenerators::new(seed, ladder);
     (0..count as usize)
         .into_par_iter()
         .with_min_len(64)
         .map(|index| {
             let mut draws = generators.at(index as u64);
-            let chain = Metropolis::start(&target, family, 0, *mutation, &mut draws);
-            (chain.state().clone(), chain.value().clone())
+            (!is_stopped(stop)).then(|| {
+                let chain = Metropolis::start(&target, family, 0, *mutation, &mut draws);
+                (chain.state().clone(), chain.value().clone())
+            })
         })
         .collect()
 }

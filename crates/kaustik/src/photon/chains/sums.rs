@@ -1,0 +1,92 @@
+//! What an iteration adds to the picture.
+
+use kaustik_mcmc::{Mean, SteppingStone};
+
+use super::PhotonChains;
+use crate::engine::add_counters;
+
+impl<const K: usize> PhotonChains<K> {
+    /// Normalisers of the iteration, and what turns sums at each level into shares of the picture: `b_l / (b0_l N_l)`.
+    pub(super) fn normalise(&mut self) -> [f64; K] {
+        let mut stone = SteppingStone::<K>::line();
+        for chains in &self.ladders {
+            stone.merge_as_one(chains.ladder.stepping_stone());
+        }
+        self.normalisers = match &mut self.visible {
+            None => chained(&stone),
+            Some(visible) => {
+                let ratios = stone.ratios();
+                visible.push(ratios[1]);
+                let (share, error) = (visible.mean(), visible.standard_error());
+                let mut above = 1.0;
+                std::array::from_fn(|level| {
+                    if level == 0 {
+                        return [1.0, 0.0];
+                    }
+                    if level > 1 {
+                        above *= ratios[level];
+                    }
+                    [share * above, error * above]
+                })
+            }
+        };
+        std::array::from_fn(|level| {
+            let count: f64 = self.ladders.iter().map(|chains| chains.counts[level]).sum();
+            if count > 0.0 {
+                self.normalisers[level][0] / (self.rough[level] * count)
+            } else {
+                0.0
+            }
+        })
+    }
+
+    /// Adds the films' light to the picture, and makes them black. What waits for visibility's normaliser is added without it.
+    pub(super) fn collect(&mut self, factors: &[f64; K]) {
+        let share = self.visible.as_ref().map(Mean::mean);
+        for (level, (film, factor)) in self.films.iter_mut().zip(factors).enumerate() {
+            let mut scale = factor * film.quantum().value();
+            let sums = match share {
+                Some(share) if level > 0 => {
+                    scale = if share > 0.0 { scale / share } else { 0.0 };
+                    &mut self.unscaled
+                }
+                _ => &mut self.sums,
+            };
+            let mut raw = film.sums();
+            for sum in sums {
+                for channel in sum {
+                    *channel += raw.next().unwrap_or_default() as f64 * scale;
+                }
+            }
+            drop(raw);
+            self.counters = add_counters(self.counters, film.counters());
+            film.clear();
+        }
+    }
+
+    /// XYZ of each pixel, summed over iterations.
+    pub(super) fn total(&self) -> Vec<[f64; 3]> {
+        let share = self.visible.as_ref().map_or(0.0, Mean::mean);
+        let mut sums = self.sums.clone();
+        for (sum, unscaled) in sums.iter_mut().zip(&self.unscaled) {
+            for (channel, more) in sum.iter_mut().zip(unscaled) {
+                *channel += share * more;
+            }
+        }
+        sums
+    }
+}
+
+/// Each normaliser from the chain below (spec (10)), with its standard error.
+fn chained<const K: usize>(stone: &SteppingStone<K>) -> [[f64; 2]; K] {
+    let found = stone.normalisers(1.0);
+    std::array::from_fn(|level| {
+        let (value, estimate) = (found.values()[level], &found.estimates()[level]);
+        let error = if value > 0.0 {
+            estimate.relative_error() * value
+        } else {
+            0.0
+        };
+        [value, error]
+    })
+}
