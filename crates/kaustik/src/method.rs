@@ -156,6 +156,7 @@ impl Method {
                 | Self::Mmlt
                 | Self::Relt
                 | Self::ErptPss
+                | Self::Mlt
         )
     }
 

@@ -32,15 +32,16 @@ pub fn replay(
             expected: format!("one of 0 to {}", ladders.saturating_sub(1)),
         });
     }
+    let shares = settings.method.has_shares();
     let settings = RenderSettings {
-        ladders: Some(place.ladder..place.ladder + 1),
+        ladders: shares.then(|| place.ladder..place.ladder + 1),
         ..settings.clone()
     };
     check(scene, &settings)?;
     let pool = threads(&settings)?;
     let mut engine = pool.install(|| engine(scene, &settings))?;
     // On this thread: events are told on the one where they happen.
-    let events = engine.replay(place.step);
+    let events = engine.replay(place);
     events.ok_or_else(|| unreplayable(settings.method))
 }
 
