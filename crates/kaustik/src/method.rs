@@ -157,6 +157,7 @@ impl Method {
                 | Self::Relt
                 | Self::ErptPss
                 | Self::Mlt
+                | Self::Erpt
         )
     }
 
