@@ -158,6 +158,7 @@ impl Method {
                 | Self::ErptPss
                 | Self::Mlt
                 | Self::Erpt
+                | Self::Sppm
         )
     }
 

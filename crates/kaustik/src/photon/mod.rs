@@ -15,6 +15,7 @@ use std::io;
 use std::sync::atomic::AtomicBool;
 
 use kaustik_film::{Counters, Image, Layer};
+use kaustik_path::Event;
 use kaustik_scene::Scene;
 
 use crate::control::is_stopped;
@@ -38,6 +39,12 @@ const SEED: u64 = 0x5E3D_0F1B_9C27_A684;
 trait Tracer: Send + Sync {
     /// Traces the light paths of the iteration that the stage has begun.
     fn trace(&mut self, stage: &Stage<'_>);
+
+    /// Tells what happens in the light path of this number, of a tracer and a stage that have just been made.
+    /// `None`: light paths of this method are not made one by one.
+    fn replay(&mut self, _: &mut Stage<'_>, _step: u64) -> Option<Vec<Event>> {
+        None
+    }
 
     /// Writes what there is between two iterations, beyond what is made anew.
     fn write(&self, out: &mut Writer<'_>) -> io::Result<()>;
@@ -194,6 +201,17 @@ impl Engine for PhotonEngine<'_> {
     fn nonfinite(&self) -> (u64, Vec<Place>) {
         let photons = Nonfinite::all(std::iter::once((0, self.tracer.nonfinite())));
         add_nonfinite(photons, Some(self.remainder.nonfinite()))
+    }
+
+    /// Light paths are counted on the account of the first ladder, as they are in [`nonfinite`](Engine::nonfinite); with the
+    /// sample at this place of what photons cannot carry.
+    fn replay(&mut self, place: Place) -> Option<Vec<Event>> {
+        let mut events = match place.ladder {
+            0 => self.tracer.replay(&mut self.stage, place.step)?,
+            _ => Vec::new(),
+        };
+        events.extend(self.remainder.replay(place)?);
+        Some(events)
     }
 
     fn film_counters(&self) -> Counters {

@@ -98,12 +98,26 @@ impl<'a> Stage<'a> {
     /// Sees the scene anew: other wavelengths, other points of every pixel, and smaller discs if these shrink.
     pub(super) fn begin(&mut self) {
         let index = self.iterations;
+        self.shrink(index);
+        self.see(index);
+    }
+
+    /// Sees it as in the iteration of this number, which is not before the last that was begun.
+    pub(super) fn begin_at(&mut self, iteration: u64) {
+        if iteration < self.iterations {
+            return;
+        }
+        (self.iterations..=iteration).for_each(|index| self.shrink(index));
+        self.see(iteration);
+    }
+
+    /// Discs of the iteration of this number, from those before it.
+    fn shrink(&mut self, index: u64) {
         if let (Some(alpha), true) = (self.reduction, index > 0) {
             // spec 1: r_{i+1}^2 = r_i^2 (i + alpha) / (i + 1), i >= 1
             let i = index as f64;
             self.walk.radius *= ((i + alpha) / (i + 1.0)).sqrt();
         }
-        self.see(index);
     }
 
     /// The radius of discs.
