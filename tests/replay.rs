@@ -267,7 +267,7 @@ fn all_light_paths_replayed_are_the_picture() {
                         fell += 1;
                         add(&photons, SIDE, raster, xyz, 1.0);
                     }
-                    Event::Photon { met: count, .. } if wanted => met += count,
+                    Event::Photon { met: count, .. } if wanted => met += u64::from(count),
                     Event::Splat { raster, xyz, .. } if step < due => {
                         add(&samples, SIDE, raster, xyz, 1.0);
                     }
@@ -455,7 +455,7 @@ fn any_sample_is_shown() {
         "bdpt of builtin:cornell, step 7:5:2",
         "camera walk from",
         "light walk from",
-        "material",
+        ", material 0 'white', instance",
         "scatters toward",
         "strategy s = ",
         "1 evaluations",

@@ -7,6 +7,7 @@ use std::process::ExitCode;
 use glam::DVec3;
 use kaustik::film::{check_writable, write_file};
 use kaustik::path::{Event, Role, Side, Stand};
+use kaustik::scene::Scene;
 use kaustik::scene::gltf::{Line, lines};
 use kaustik::spectrum::Spectrum;
 use kaustik::{Place, RenderSettings, Source, State, replay};
@@ -34,7 +35,7 @@ pub(crate) fn run(words: &ReplayWords) -> Result<ExitCode, Failure> {
     let events = replay(&scene, &settings, place).map_err(|error| failure(&error))?;
     let RenderSettings { method, seed, .. } = settings;
     let what = format!("{method} of {}, step {seed}:{ladder}:{step}", source.scene);
-    output::print(&told(&what, &events));
+    output::print(&told(&what, &events, &scene));
     if let Some(path) = &words.gltf {
         let notes = json!({ "kaustik": what });
         let text = lines(&drawn(&events), &notes);
@@ -74,14 +75,14 @@ fn asked(words: &ReplayWords) -> Result<(RenderSettings, Source, Size), Failure>
 }
 
 /// The text: a line for each event, indented by walk; what is not finite is marked.
-fn told(what: &str, events: &[Event]) -> String {
+fn told(what: &str, events: &[Event], scene: &Scene) -> String {
     let mut text = format!("{what}\n");
     let mut evaluations = 0;
     for event in events {
         if *event == Event::Begin {
             evaluations += 1;
         }
-        let _ = write!(text, "{}", line(event, evaluations));
+        let _ = write!(text, "{}", line(event, evaluations, scene));
         if !event.is_finite() {
             text += "   <- not finite";
         } else if matches!(
@@ -114,7 +115,7 @@ fn told(what: &str, events: &[Event]) -> String {
     text
 }
 
-fn line(event: &Event, evaluation: u32) -> String {
+fn line(event: &Event, evaluation: u32, scene: &Scene) -> String {
     match *event {
         Event::Begin => format!("evaluation {evaluation}"),
         Event::Start {
@@ -140,11 +141,12 @@ fn line(event: &Event, evaluation: u32) -> String {
             distance,
             throughput,
         } => format!(
-            "    {} vertex {edge} at {} after {distance:.6}: normal {}, shading normal {}, material {material}, instance {instance}, triangle {triangle}, throughput {}",
+            "    {} vertex {edge} at {} after {distance:.6}: normal {}, shading normal {}, {}, instance {instance}, triangle {triangle}, throughput {}",
             name(side),
             point(position),
             point(normal),
             point(shading),
+            named(material, scene),
             spectrum(throughput)
         ),
         Event::Escape {
@@ -201,7 +203,7 @@ fn line(event: &Event, evaluation: u32) -> String {
         Event::Path { .. }
         | Event::PathVertex { .. }
         | Event::Proposal { .. }
-        | Event::Decision { .. } => of_chain(event),
+        | Event::Decision { .. } => of_chain(event, scene),
         Event::Photon {
             position,
             direction,
@@ -237,7 +239,7 @@ fn line(event: &Event, evaluation: u32) -> String {
 }
 
 /// What chains of whole paths do.
-fn of_chain(event: &Event) -> String {
+fn of_chain(event: &Event, scene: &Scene) -> String {
     match *event {
         Event::Path {
             role,
@@ -270,9 +272,10 @@ fn of_chain(event: &Event) -> String {
             text += &point(position);
             if let Some(material) = material {
                 text += &format!(
-                    ", normal {}, shading normal {}, material {material}",
+                    ", normal {}, shading normal {}, {}",
                     point(normal),
-                    point(shading)
+                    point(shading),
+                    named(material, scene)
                 );
             }
             for (is, word) in [(specular, ", Dirac"), (transmitted, ", transmitted")] {
@@ -295,6 +298,14 @@ fn of_chain(event: &Event) -> String {
         }
         _ => String::new(),
     }
+}
+
+/// A material by its index in the file, and its name if it has one.
+fn named(material: u32, scene: &Scene) -> String {
+    let name = scene.material_name(material);
+    name.map_or(format!("material {material}"), |name| {
+        format!("material {material} '{name}'")
+    })
 }
 
 fn stands(stand: Stand) -> &'static str {

@@ -7,7 +7,8 @@ use crate::render::{check, engine, threads};
 use crate::{Method, Place, RenderError, RenderSettings};
 
 /// What happened in one step of a render: of a sample or mutation all that its path builder did, of `relt` in the sweep
-/// of that step, of `erpt-pss` in the sample and its chains; with `direct=apart` in the steps of that number
+/// of that step, of `erpt-pss` and `erpt` in the sample and its chains, of `sppm` in the light path (all of them count as
+/// ladder 0) and in the sample of what photons cannot carry; with `direct=apart` in the steps of that number
 /// of both parts.
 ///
 /// The step is that of the render with these settings, to the bit, whatever its budget and share of the ladders. Independent
@@ -48,9 +49,20 @@ pub fn replay(
 fn unreplayable(method: Method) -> RenderError {
     let known = Method::ALL.into_iter().filter(|m| m.is_replayable());
     let names: Vec<_> = known.map(Method::name).collect();
+    let why = match method {
+        Method::Annealing => {
+            "a round of annealing moves all its particles together; relt, which starts by the same annealing, shows its sweeps"
+        }
+        _ => {
+            "chains of photons learn from each other in every iteration; sppm shows light paths among the same points"
+        }
+    };
     RenderError::Setting {
         what: "the method",
         found: method.to_string(),
-        expected: format!("one whose steps can be replayed: {}", names.join(", ")),
+        expected: format!(
+            "one whose steps can be replayed: {} ({why})",
+            names.join(", ")
+        ),
     }
 }
