@@ -6,7 +6,8 @@ use std::process::ExitCode;
 
 use glam::DVec3;
 use kaustik::film::{check_writable, write_file};
-use kaustik::path::{Event, Side};
+use kaustik::path::{Event, Role, Side, Stand};
+use kaustik::scene::Scene;
 use kaustik::scene::gltf::{Line, lines};
 use kaustik::spectrum::Spectrum;
 use kaustik::{Place, RenderSettings, Source, State, replay};
@@ -34,7 +35,7 @@ pub(crate) fn run(words: &ReplayWords) -> Result<ExitCode, Failure> {
     let events = replay(&scene, &settings, place).map_err(|error| failure(&error))?;
     let RenderSettings { method, seed, .. } = settings;
     let what = format!("{method} of {}, step {seed}:{ladder}:{step}", source.scene);
-    output::print(&told(&what, &events));
+    output::print(&told(&what, &events, &scene));
     if let Some(path) = &words.gltf {
         let notes = json!({ "kaustik": what });
         let text = lines(&drawn(&events), &notes);
@@ -74,29 +75,38 @@ fn asked(words: &ReplayWords) -> Result<(RenderSettings, Source, Size), Failure>
 }
 
 /// The text: a line for each event, indented by walk; what is not finite is marked.
-fn told(what: &str, events: &[Event]) -> String {
+fn told(what: &str, events: &[Event], scene: &Scene) -> String {
     let mut text = format!("{what}\n");
     let mut evaluations = 0;
     for event in events {
         if *event == Event::Begin {
             evaluations += 1;
         }
-        let _ = write!(text, "{}", line(event, evaluations));
+        let _ = write!(text, "{}", line(event, evaluations, scene));
         if !event.is_finite() {
             text += "   <- not finite";
-        } else if matches!(event, Event::Splat { kept: false, .. }) {
+        } else if matches!(
+            event,
+            Event::Splat { kept: false, .. } | Event::Deposit { kept: false, .. }
+        ) {
             text += "   <- negative, left out";
         }
         text.push('\n');
     }
     let faults = events.iter().filter(|event| !event.is_finite()).count();
-    let splats = events
-        .iter()
-        .filter(|event| matches!(event, Event::Splat { .. }));
+    let count = |of: fn(&Event) -> bool| events.iter().filter(|&event| of(event)).count();
+    let others = [
+        (count(|e| matches!(e, Event::Splat { .. })), "splats"),
+        (count(|e| matches!(e, Event::Path { .. })), "paths"),
+        (count(|e| matches!(e, Event::Proposal { .. })), "proposals"),
+        (count(|e| matches!(e, Event::Photon { .. })), "photons"),
+        (count(|e| matches!(e, Event::Deposit { .. })), "deposits"),
+    ];
+    let others = others.into_iter().filter(|(count, _)| *count > 0);
+    let others: String = others.map(|(n, what)| format!(", {n} {what}")).collect();
     let _ = writeln!(
         text,
-        "{evaluations} evaluations, {} splats; {}",
-        splats.count(),
+        "{evaluations} evaluations{others}; {}",
         match faults {
             0 => "everything is finite".to_owned(),
             n => format!("{n} lines have numbers that are not finite"),
@@ -105,7 +115,7 @@ fn told(what: &str, events: &[Event]) -> String {
     text
 }
 
-fn line(event: &Event, evaluation: u32) -> String {
+fn line(event: &Event, evaluation: u32, scene: &Scene) -> String {
     match *event {
         Event::Begin => format!("evaluation {evaluation}"),
         Event::Start {
@@ -131,11 +141,12 @@ fn line(event: &Event, evaluation: u32) -> String {
             distance,
             throughput,
         } => format!(
-            "    {} vertex {edge} at {} after {distance:.6}: normal {}, shading normal {}, material {material}, instance {instance}, triangle {triangle}, throughput {}",
+            "    {} vertex {edge} at {} after {distance:.6}: normal {}, shading normal {}, {}, instance {instance}, triangle {triangle}, throughput {}",
             name(side),
             point(position),
             point(normal),
             point(shading),
+            named(material, scene),
             spectrum(throughput)
         ),
         Event::Escape {
@@ -189,6 +200,29 @@ fn line(event: &Event, evaluation: u32) -> String {
         Event::Light { class, value } => {
             format!("      brings light of class {class:?}: {}", spectrum(value))
         }
+        Event::Path { .. }
+        | Event::PathVertex { .. }
+        | Event::Proposal { .. }
+        | Event::Decision { .. } => of_chain(event, scene),
+        Event::Photon {
+            position,
+            direction,
+            power,
+            edges,
+            met,
+        } => format!(
+            "      photon {edges} at {} from {}: power {}, counts at {met} points",
+            point(position),
+            point(direction),
+            spectrum(power)
+        ),
+        Event::Deposit { raster, xyz, kept } => format!(
+            "  {} at raster ({:.6}, {:.6}): XYZ {:?}",
+            if kept { "deposit" } else { "left out" },
+            raster.x,
+            raster.y,
+            xyz.0
+        ),
         Event::Splat {
             raster,
             xyz,
@@ -201,6 +235,85 @@ fn line(event: &Event, evaluation: u32) -> String {
             raster.y,
             xyz.0
         ),
+    }
+}
+
+/// What chains of whole paths do.
+fn of_chain(event: &Event, scene: &Scene) -> String {
+    match *event {
+        Event::Path {
+            role,
+            raster,
+            density,
+            colour,
+        } => format!(
+            "{} at raster ({:.6}, {:.6}): density {density:.6e}, colour {:?}",
+            match role {
+                Role::Sampled(weight) => format!("sampled path of weight {weight:.6e}"),
+                Role::Current => "current path".to_owned(),
+                Role::Proposed => "proposed path".to_owned(),
+            },
+            raster.x,
+            raster.y,
+            colour.0
+        ),
+        Event::PathVertex {
+            index,
+            stand,
+            position,
+            normal,
+            shading,
+            material,
+            specular,
+            transmitted,
+            value,
+        } => {
+            let mut text = format!("    vertex {index}: {} ", stands(stand));
+            text += &point(position);
+            if let Some(material) = material {
+                text += &format!(
+                    ", normal {}, shading normal {}, {}",
+                    point(normal),
+                    point(shading),
+                    named(material, scene)
+                );
+            }
+            for (is, word) in [(specular, ", Dirac"), (transmitted, ", transmitted")] {
+                text += if is { word } else { "" };
+            }
+            format!("{text}, value {}", spectrum(value))
+        }
+        Event::Proposal {
+            kernel,
+            ratio,
+            acceptance,
+        } => {
+            let nothing = if ratio > 0.0 { "" } else { " finds no path," };
+            format!(
+                "  mutation '{kernel}':{nothing} densities back over there {ratio:.6e}, accepted with {acceptance:.6}"
+            )
+        }
+        Event::Decision { accepted } => {
+            format!("  {}", if accepted { "accepted" } else { "rejected" })
+        }
+        _ => String::new(),
+    }
+}
+
+/// A material by its index in the file, and its name if it has one.
+fn named(material: u32, scene: &Scene) -> String {
+    let name = scene.material_name(material);
+    name.map_or(format!("material {material}"), |name| {
+        format!("material {material} '{name}'")
+    })
+}
+
+fn stands(stand: Stand) -> &'static str {
+    match stand {
+        Stand::Emitter => "emitter at",
+        Stand::Distant => "emitter infinitely far away toward",
+        Stand::Surface => "surface at",
+        Stand::Lens => "lens at",
     }
 }
 
@@ -220,12 +333,15 @@ fn spectrum(value: Spectrum) -> String {
     format!("[{}]", lanes.join(", "))
 }
 
-/// Walks and connections as lines: blue from the camera, orange from the light, green for what was joined.
+/// Walks and connections as lines: blue from the camera, orange from the light, green for what was joined; whole paths blue where
+/// the chain is, green where it may go, orange those that were sampled.
 fn drawn(events: &[Event]) -> Vec<Line> {
     let mut all: Vec<Line> = Vec::new();
     // An edge into nothing is drawn as long as the one before it.
     let mut length = 1.0;
     let mut walk = 0;
+    // Where light comes from that has no place.
+    let mut away = None;
     for event in events {
         match *event {
             Event::Start { side, position, .. } => {
@@ -265,6 +381,32 @@ fn drawn(events: &[Event]) -> Vec<Line> {
                 color: [0.1, 0.8, 0.2],
                 points: points.map(|p| p.as_vec3()).to_vec(),
             }),
+            Event::Path { role, .. } => {
+                away = None;
+                all.push(Line {
+                    name: format!("{role:?} path {}", all.len()),
+                    color: match role {
+                        Role::Sampled(_) => [1.0, 0.4, 0.0],
+                        Role::Current => [0.1, 0.3, 1.0],
+                        Role::Proposed => [0.1, 0.8, 0.2],
+                    },
+                    points: Vec::new(),
+                });
+            }
+            Event::PathVertex {
+                stand, position, ..
+            } => {
+                let Some(line) = all.last_mut() else { continue };
+                match (stand, away.take()) {
+                    // Drawn when it is known from where.
+                    (Stand::Distant, _) => away = Some(position),
+                    (_, Some(toward)) => {
+                        let end = (position + toward).as_vec3();
+                        line.points.extend([end, position.as_vec3()]);
+                    }
+                    (_, None) => line.points.push(position.as_vec3()),
+                }
+            }
             _ => {}
         }
     }

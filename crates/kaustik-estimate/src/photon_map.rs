@@ -1,7 +1,7 @@
 //! Where photons and measurement points meet.
 
 use kaustik_film::Film;
-use kaustik_path::{Lookup, MeasurementPoints, Photon, PhotonPath};
+use kaustik_path::{Event, Lookup, MeasurementPoints, Photon, PhotonPath, note};
 use kaustik_spectrum::Wavelengths;
 
 use crate::Scale;
@@ -45,6 +45,11 @@ impl PhotonMap<'_> {
     ) -> bool {
         let xyz = self.points.contribution(point, photon, self.wavelengths);
         let sum = xyz.sum();
+        note(|| Event::Deposit {
+            raster: self.points.points()[point].raster,
+            xyz: xyz * weight as f32,
+            kept: sum.is_finite() && xyz.0.iter().all(|&v| v >= 0.0),
+        });
         if !(sum.is_finite() && xyz.0.iter().all(|&v| v >= 0.0)) {
             return false;
         }
@@ -61,10 +66,25 @@ impl PhotonMap<'_> {
     pub fn deposit(&self, film: &Film, scale: Scale, path: &PhotonPath, weight: f64) -> u64 {
         let mut faults = u64::from(path.nonfinite());
         for photon in path.photons() {
+            note(|| self.told(photon));
             self.meetings(photon, |point| {
                 faults += u64::from(!self.splat(film, scale, photon, point, weight));
             });
         }
         faults
+    }
+
+    /// For whoever looks at the photon.
+    #[cold]
+    fn told(&self, photon: &Photon) -> Event {
+        let mut met = 0;
+        self.meetings(photon, |_| met += 1);
+        Event::Photon {
+            position: photon.position.as_dvec3(),
+            direction: photon.wi,
+            power: photon.power,
+            edges: photon.edges,
+            met,
+        }
     }
 }

@@ -54,6 +54,7 @@ mod path;
 mod printed;
 mod seed;
 mod space;
+mod told;
 mod tracer;
 mod vertex;
 mod walk;
@@ -71,6 +72,7 @@ pub use path::WrittenPath;
 pub use printed::RuleFive;
 pub use seed::Seeds;
 pub use space::PathSpace;
+pub use told::Told;
 pub use tracer::Tracer;
 pub use wavelength::WavelengthMutation;
 

@@ -2,6 +2,7 @@
 
 use kaustik_bsdf::Lobe;
 use kaustik_mcmc::Draws;
+use kaustik_path::Role;
 use kaustik_scene::EmitterPoint;
 use kaustik_spectrum::Wavelengths;
 
@@ -173,6 +174,9 @@ impl<'a> Seeds<'a> {
         }
         let odds = self.eye_odds[t - 1] * s.checked_sub(1).map_or(1.0, |s| self.light_odds[s]);
         let weight = joined.density / (space.all_ways(joined, 0, n) * odds);
+        if !weight.is_finite() {
+            space.tell(joined, Role::Sampled(weight));
+        }
         let before = *sum;
         *sum += weight;
         if weight.is_finite() && draws.index(&[before, weight]) == 1 {

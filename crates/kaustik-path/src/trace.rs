@@ -29,6 +29,30 @@ impl Side {
     }
 }
 
+/// What a whole path is to its chain.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Role {
+    /// An independent sample; with the weight that it brings along.
+    Sampled(f64),
+    /// Where the chain is.
+    Current,
+    /// Where it may go.
+    Proposed,
+}
+
+/// What a vertex is to a whole path.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stand {
+    /// A point that emits.
+    Emitter,
+    /// An emitter infinitely far away: its position is the unit direction toward it.
+    Distant,
+    /// Where light is scattered.
+    Surface,
+    /// The point on the lens.
+    Lens,
+}
+
 /// A part of the building of a path. Positions and unit directions in the world; vertices of a walk are counted by the
 /// edge that leads to them, from 1; throughputs and values at the wavelengths of the path.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -124,7 +148,75 @@ pub enum Event {
         /// Weighted, visibility and absorption included.
         value: Spectrum,
     },
+    /// A whole path of a method that moves paths; its vertices follow.
+    Path {
+        /// What it is to its chain.
+        role: Role,
+        /// Where it falls: the unit square over the whole image.
+        raster: DVec2,
+        /// The chain's density, in the measure of `kaustik-mutate`.
+        density: f64,
+        /// Scaled so that its scalar is 1.
+        colour: Xyz,
+    },
+    /// A vertex of a whole path, counted from 0 at the emitter.
+    PathVertex {
+        /// Its number.
+        index: u32,
+        /// What it is to the path.
+        stand: Stand,
+        /// Where.
+        position: DVec3,
+        /// Geometric normal of the surface's front; zero where there is no surface.
+        normal: DVec3,
+        /// Shading normal, on the same side; zero where there is no surface.
+        shading: DVec3,
+        /// Index of the material, where there is a surface.
+        material: Option<u32>,
+        /// Scatters into a Dirac direction.
+        specular: bool,
+        /// ... through the surface.
+        transmitted: bool,
+        /// Scattering function, share of a Dirac direction, or what is emitted; 1 at the lens.
+        value: Spectrum,
+    },
+    /// A chain of whole paths has proposed one.
+    Proposal {
+        /// What made it.
+        kernel: &'static str,
+        /// The chance of proposing the way back over that of the way there; 0: there is no path to be proposed.
+        ratio: f64,
+        /// The probability with which it is accepted.
+        acceptance: f64,
+    },
+    /// The chain has decided.
+    Decision {
+        /// Has it gone there?
+        accepted: bool,
+    },
+    /// A walk from the light leaves a photon.
+    Photon {
+        /// Where.
+        position: DVec3,
+        /// Toward where it came from.
+        direction: DVec3,
+        /// Flux over density.
+        power: Spectrum,
+        /// Edges from the light.
+        edges: u32,
+        /// Measurement points that it counts at.
+        met: u32,
+    },
     /// Light falls on the image.
+    Deposit {
+        /// Where: the unit square over the whole image.
+        raster: DVec2,
+        /// How much, all weights included, in the unit of the method's film.
+        xyz: Xyz,
+        /// `false`: left out, because it is not finite or negative.
+        kept: bool,
+    },
+    /// Light falls on the image, as a path builder says it.
     Splat {
         /// Where: the unit square over the whole image, x to the right, y down.
         raster: DVec2,
@@ -141,7 +233,39 @@ impl Event {
     /// Are all of its numbers finite?
     pub fn is_finite(&self) -> bool {
         match self {
-            Self::Begin => true,
+            Self::Begin | Self::Decision { .. } => true,
+            Self::Path {
+                role,
+                raster,
+                density,
+                colour,
+            } => {
+                let weight = match role {
+                    Role::Sampled(weight) => weight.is_finite(),
+                    Role::Current | Role::Proposed => true,
+                };
+                weight && raster.is_finite() && density.is_finite() && is_finite(colour)
+            }
+            Self::PathVertex {
+                position,
+                normal,
+                shading,
+                value,
+                ..
+            } => {
+                let vectors = [position, normal, shading].map(|v| v.is_finite());
+                vectors == [true; 3] && value.is_finite()
+            }
+            Self::Proposal {
+                ratio, acceptance, ..
+            } => ratio.is_finite() && acceptance.is_finite(),
+            Self::Photon {
+                position,
+                direction,
+                power,
+                ..
+            } => position.is_finite() && direction.is_finite() && power.is_finite(),
+            Self::Deposit { raster, xyz, .. } => raster.is_finite() && is_finite(xyz),
             Self::Start {
                 position,
                 direction,
@@ -177,11 +301,13 @@ impl Event {
                 points && weight.is_finite() && value.is_finite()
             }
             Self::Light { value, .. } => value.is_finite(),
-            Self::Splat { raster, xyz, .. } => {
-                raster.is_finite() && xyz.0.iter().all(|v| v.is_finite())
-            }
+            Self::Splat { raster, xyz, .. } => raster.is_finite() && is_finite(xyz),
         }
     }
+}
+
+fn is_finite(colour: &Xyz) -> bool {
+    colour.0.iter().all(|v| v.is_finite())
 }
 
 /// More events than any path worth looking at has; what comes after them is not written down.
@@ -201,10 +327,16 @@ pub fn trace<T>(work: impl FnOnce() -> T) -> (T, Vec<Event>) {
     (result, EVENTS.take())
 }
 
+/// Does anybody listen on this thread?
+#[inline(always)]
+pub fn is_listening() -> bool {
+    LISTENING.get()
+}
+
 /// Tells whoever listens.
 #[inline(always)]
-pub(crate) fn note(event: impl FnOnce() -> Event) {
-    if LISTENING.get() {
+pub fn note(event: impl FnOnce() -> Event) {
+    if is_listening() {
         write(event());
     }
 }

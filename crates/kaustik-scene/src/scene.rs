@@ -35,6 +35,7 @@ pub struct Scene {
     camera_motion: Option<Arc<Motion>>,
     moves: bool,
     notices: Arc<[String]>,
+    material_names: Arc<[String]>,
     center: DVec3,
     radius: f64,
     image_size: [u32; 2],
@@ -75,8 +76,15 @@ impl Scene {
             camera_motion: self.camera_motion.clone(),
             moves: self.moves,
             notices: Arc::clone(&self.notices),
+            material_names: Arc::clone(&self.material_names),
             ..*self
         }
+    }
+
+    /// The name of the material of this index, as a [`Vertex`] has it; `None` where it has none.
+    pub fn material_name(&self, index: u32) -> Option<&str> {
+        let name = self.material_names.get(index as usize)?;
+        (!name.is_empty()).then_some(name)
     }
 
     /// The camera.

@@ -183,9 +183,9 @@ impl Engine for DirectApart<'_> {
     }
 
     /// A step of this number of both parts: they count their own.
-    fn replay(&mut self, step: u64) -> Option<Vec<Event>> {
-        let mut events = self.chains.replay(step)?;
-        events.extend(self.direct.replay(step)?);
+    fn replay(&mut self, place: Place) -> Option<Vec<Event>> {
+        let mut events = self.chains.replay(place)?;
+        events.extend(self.direct.replay(place)?);
         Some(events)
     }
 

@@ -72,10 +72,10 @@ pub(crate) trait Engine: Keep {
     /// Contributions left out because they were not finite, and where the first of each ladder arose.
     fn nonfinite(&self) -> (u64, Vec<Place>);
 
-    /// Takes the step of this number of the first ladder, and those before it where they follow on each other, and tells
-    /// what happened in it. For an engine that has taken none and will not be used again. `None`: steps of this
-    /// method are not taken one by one.
-    fn replay(&mut self, _step: u64) -> Option<Vec<Event>> {
+    /// Takes the step at this place, and those before it where they follow on each other, and tells
+    /// what happened in it. For an engine that has taken none and will not be used again; of a method that
+    /// [has shares](crate::Method::has_shares), for one of that ladder alone. `None`: steps of this method are not taken one by one.
+    fn replay(&mut self, _place: Place) -> Option<Vec<Event>> {
         None
     }
 

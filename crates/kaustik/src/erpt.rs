@@ -17,6 +17,7 @@ use glam::DVec2;
 use kaustik_film::{Counters, Image, Layer};
 use kaustik_mcmc::{Mean, RedistributionStatistics};
 use kaustik_mutate::PathSpace;
+use kaustik_path::Event;
 use kaustik_scene::Scene;
 use rayon::prelude::*;
 
@@ -235,6 +236,24 @@ impl Engine for ErptEngine<'_> {
     fn nonfinite(&self) -> (u64, Vec<Place>) {
         let ladders = self.streams.iter();
         Nonfinite::all(ladders.map(|stream| (stream.ladder, stream.nonfinite)))
+    }
+
+    /// The sample with its chains; none of a ladder without pixels.
+    fn replay(&mut self, Place { ladder, step }: Place) -> Option<Vec<Event>> {
+        if self.grain(ladder) == 0 {
+            return Some(Vec::new());
+        }
+        let job = Job {
+            space: &self.space,
+            options: &self.options,
+            perturbations: Perturbations::new(&self.space, &self.options, self.size),
+            films: &self.films,
+            cells: self.cells,
+            seed: self.seed,
+            pilot: self.pilot.mean(),
+            stop: None,
+        };
+        Some(self.streams.first_mut()?.replay(&job, step))
     }
 
     fn film_counters(&self) -> Counters {

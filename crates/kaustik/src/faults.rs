@@ -266,7 +266,9 @@ fn a_replay_finds_the_fault_where_it_was_reported() {
                 ..settings.clone()
             };
             let faults = |step: u64| {
-                let events = engine(&scene, &one, Fault::Spoilt).0.replay(step);
+                let events = engine(&scene, &one, Fault::Spoilt)
+                    .0
+                    .replay(Place { step, ..*place });
                 let events = events.expect("events");
                 let left_out = |event: &&Event| matches!(event, Event::Splat { kept: false, .. });
                 events.iter().filter(left_out).count()

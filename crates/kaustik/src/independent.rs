@@ -314,7 +314,7 @@ impl Engine for IndependentEngine<'_> {
     }
 
     /// Samples follow from their number alone.
-    fn replay(&mut self, step: u64) -> Option<Vec<Event>> {
+    fn replay(&mut self, Place { ladder, step }: Place) -> Option<Vec<Event>> {
         let Self {
             seed,
             scene,
@@ -336,7 +336,7 @@ impl Engine for IndependentEngine<'_> {
             stop: None,
             redistribution: redistribution.as_ref(),
         };
-        let stream = streams.first_mut()?;
+        let stream = streams.iter_mut().find(|s| s.ladder == ladder)?;
         stream.step = step;
         Some(trace(|| stream.run(&job, 1)).1)
     }

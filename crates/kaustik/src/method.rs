@@ -144,8 +144,8 @@ impl Method {
         )
     }
 
-    /// Can [`replay`](fn@crate::replay) show a step of it? Where steps are taken together or paths are no points of the
-    /// primary sample space, it cannot.
+    /// Can [`replay`](fn@crate::replay) show a step of it? Where particles of a round or chains of an iteration
+    /// move together, it cannot.
     pub fn is_replayable(self) -> bool {
         matches!(
             self,
@@ -156,6 +156,9 @@ impl Method {
                 | Self::Mmlt
                 | Self::Relt
                 | Self::ErptPss
+                | Self::Mlt
+                | Self::Erpt
+                | Self::Sppm
         )
     }
 

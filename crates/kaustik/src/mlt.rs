@@ -17,8 +17,9 @@ use kaustik_mcmc::{
 };
 use kaustik_mutate::{
     BidirectionalMutation, CausticPerturbation, EveryPerturbation, LensMutation, LensPerturbation,
-    Path, PathSpace, Radii, Run, Seeds, WavelengthMutation, WrittenPath,
+    Path, PathSpace, Radii, Run, Seeds, Told, WavelengthMutation, WrittenPath,
 };
+use kaustik_path::{Event, Role, trace};
 use kaustik_scene::Scene;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -153,7 +154,11 @@ impl<'a> MltEngine<'a> {
             wavelengths,
             every,
         );
-        let kernel = Mixture::<_, _, KINDS>::new(kernels, suits);
+        let kernel = Told {
+            kernel: Mixture::<_, _, KINDS>::new(kernels, suits),
+            space,
+            names: &Mutations::NAMES,
+        };
         let mut record = |visit: Visit<'_, Path, 1>| self.deposit(&visit);
         let running = self.options.normaliser == Normaliser::Running;
         let (mut seeds, mut path) = (Seeds::new(space), Path::default());
@@ -164,6 +169,9 @@ impl<'a> MltEngine<'a> {
             let step = chain.metropolis.statistics().steps;
             if running && step % EACH == 0 {
                 let weight = seeds.sample(&mut path, &mut chain.fresh);
+                if weight > 0.0 {
+                    space.tell(&path, Role::Sampled(weight));
+                }
                 chain.see(weight, step);
             }
             (chain.metropolis).step(&kernel, &density, &mut chain.draws, &mut record);
@@ -326,6 +334,17 @@ impl Engine for MltEngine<'_> {
         let fresh = Nonfinite::all(chains.map(|chain| (chain.ladder, chain.nonfinite)));
         let own = add_nonfinite(proposed, Some(fresh));
         add_nonfinite(own, self.lamps.as_ref().map(Lamps::nonfinite))
+    }
+
+    /// The chain goes on to the step from its start; lamps have no part in it.
+    fn replay(&mut self, Place { step, .. }: Place) -> Option<Vec<Event>> {
+        let mut chains = std::mem::take(&mut self.chains);
+        let Some(chain) = chains.first_mut() else {
+            // The pool saw no light: nothing is tried.
+            return Some(Vec::new());
+        };
+        self.drive(chain, step, None);
+        Some(trace(|| self.drive(chain, 1, None)).1)
     }
 
     fn film_counters(&self) -> Counters {

@@ -356,7 +356,7 @@ impl Engine for PssmltEngine<'_> {
     }
 
     /// The chain goes on to the step from its start; lamps have no part in it.
-    fn replay(&mut self, step: u64) -> Option<Vec<Event>> {
+    fn replay(&mut self, Place { step, .. }: Place) -> Option<Vec<Event>> {
         let mut chains = std::mem::take(&mut self.chains);
         let chain = chains.first_mut()?;
         self.drive(chain, step, None);

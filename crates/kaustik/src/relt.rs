@@ -432,7 +432,7 @@ impl<const K: usize> Engine for ReltEngine<'_, K> {
     }
 
     /// All that is evaluated in the sweep of this step.
-    fn replay(&mut self, step: u64) -> Option<Vec<Event>> {
+    fn replay(&mut self, Place { step, .. }: Place) -> Option<Vec<Event>> {
         let mut runs = std::mem::take(&mut self.runs);
         let run = runs.first_mut()?;
         self.drive(run, step / self.cost(), None);

@@ -7,7 +7,8 @@ use crate::render::{check, engine, threads};
 use crate::{Method, Place, RenderError, RenderSettings};
 
 /// What happened in one step of a render: of a sample or mutation all that its path builder did, of `relt` in the sweep
-/// of that step, of `erpt-pss` in the sample and its chains; with `direct=apart` in the steps of that number
+/// of that step, of `erpt-pss` and `erpt` in the sample and its chains, of `sppm` in the light path (all of them count as
+/// ladder 0) and in the sample of what photons cannot carry; with `direct=apart` in the steps of that number
 /// of both parts.
 ///
 /// The step is that of the render with these settings, to the bit, whatever its budget and share of the ladders. Independent
@@ -32,24 +33,36 @@ pub fn replay(
             expected: format!("one of 0 to {}", ladders.saturating_sub(1)),
         });
     }
+    let shares = settings.method.has_shares();
     let settings = RenderSettings {
-        ladders: Some(place.ladder..place.ladder + 1),
+        ladders: shares.then(|| place.ladder..place.ladder + 1),
         ..settings.clone()
     };
     check(scene, &settings)?;
     let pool = threads(&settings)?;
     let mut engine = pool.install(|| engine(scene, &settings))?;
     // On this thread: events are told on the one where they happen.
-    let events = engine.replay(place.step);
+    let events = engine.replay(place);
     events.ok_or_else(|| unreplayable(settings.method))
 }
 
 fn unreplayable(method: Method) -> RenderError {
     let known = Method::ALL.into_iter().filter(|m| m.is_replayable());
     let names: Vec<_> = known.map(Method::name).collect();
+    let why = match method {
+        Method::Annealing => {
+            "a round of annealing moves all its particles together; relt, which starts by the same annealing, shows its sweeps"
+        }
+        _ => {
+            "chains of photons learn from each other in every iteration; sppm shows light paths among the same points"
+        }
+    };
     RenderError::Setting {
         what: "the method",
         found: method.to_string(),
-        expected: format!("one whose steps can be replayed: {}", names.join(", ")),
+        expected: format!(
+            "one whose steps can be replayed: {} ({why})",
+            names.join(", ")
+        ),
     }
 }

@@ -133,6 +133,9 @@ impl Scene {
             camera_motion,
             moves,
             notices: notices.into(),
+            material_names: (description.materials.iter())
+                .map(|material| material.name.clone())
+                .collect(),
             center,
             radius,
             image_size: [options.width, options.height],

@@ -7,7 +7,7 @@ use glam::DVec2;
 use kaustik_film::{Film, Image, Layer, Quantum, develop, develop_xyz};
 use kaustik_mcmc::Deposit;
 use kaustik_mutate::Path;
-use kaustik_path::ScalarTarget;
+use kaustik_path::{Event, ScalarTarget, note};
 use kaustik_spectrum::Xyz;
 
 use crate::mark::FilmMark;
@@ -62,6 +62,7 @@ impl Films {
     /// Light that is left where it was sampled.
     pub(crate) fn leave(&self, path: &Path, weight: f64) {
         let at = path.raster() * self.size;
+        tell(path, path.colour(), weight);
         (self.picture).splat_weighted(at.x, at.y, path.colour(), weight);
         if let Some((allowed, _)) = &self.allowed {
             allowed.splat_weighted(at.x, at.y, UNIT, weight);
@@ -71,6 +72,7 @@ impl Films {
     /// A chain's deposit in a colour whose scalar is 1.
     pub(crate) fn deposit(&self, deposit: &Deposit<'_, Path>, colour: Xyz) {
         let at = deposit.value.raster() * self.size;
+        tell(deposit.value, colour, deposit.weight());
         (self.picture).splat_weighted(at.x, at.y, colour, deposit.weight());
         if let Some(held) = self.held.as_ref().filter(|_| deposit.held > 0.0) {
             held.splat_weighted(at.x, at.y, colour, deposit.held);
@@ -168,6 +170,16 @@ impl Films {
         let pixels = x.iter().zip(y).zip(z);
         Ok(pixels.map(|((&x, &y), &z)| of(Xyz([x, y, z]))).collect())
     }
+}
+
+/// Tells whoever listens what falls on the picture.
+#[inline]
+fn tell(path: &Path, colour: Xyz, weight: f64) {
+    note(|| Event::Deposit {
+        raster: path.raster(),
+        xyz: colour * weight as f32,
+        kept: true,
+    });
 }
 
 /// A scalar on a film of colours.

@@ -7,13 +7,14 @@ use kaustik_mcmc::{
     Deposit, Draws, Independent, Kernel, Mean, Redistribution, RedistributionStatistics,
     Redistributor, SampleGenerators,
 };
-use kaustik_mutate::{Path, PathSpace};
+use kaustik_mutate::{Path, PathSpace, Told};
+use kaustik_path::{Event, Role, trace};
 use kaustik_pss::{Coordinates, Stream as Axis};
 use kaustik_spectrum::Xyz;
 use serde::{Deserialize, Serialize};
 
 use super::films::Films;
-use super::perturbations::Perturbations;
+use super::perturbations::{NAMES, Perturbations};
 use super::starts::{Starter, is_spread};
 use crate::cells::{Cells, Tour};
 use crate::control::is_stopped;
@@ -158,7 +159,11 @@ impl Stream {
         let mut tour = Tour::new(&job.cells, self.ladder, self.step);
         let seed = mix(job.seed);
         let mut starter = Starter::new(job.space, job.options);
-        let kernel = job.perturbations.kernel();
+        let kernel = Told {
+            kernel: job.perturbations.kernel(),
+            space: job.space,
+            names: &NAMES,
+        };
         for _ in 0..steps {
             if is_stopped(job.stop) {
                 return;
@@ -199,6 +204,16 @@ impl Stream {
         }
     }
 
+    /// Tells what happens in the sample of this number. With [`Energy::Passes`] how many chains it has follows from the samples
+    /// before, which are taken first.
+    pub(crate) fn replay(&mut self, job: &Job<'_>, step: u64) -> Vec<Event> {
+        match job.options.energy {
+            Energy::Pilot => self.step = step,
+            Energy::Passes => self.run(job, step),
+        }
+        trace(|| self.run(job, 1)).1
+    }
+
     /// Light of a sample by all passes so far; the pilot counts as one of them.
     fn expected(&self, job: &Job<'_>) -> f64 {
         let [first, end] = job.cells.of_ladder(self.ladder);
@@ -225,6 +240,7 @@ struct Spread<'a, K, D> {
 impl<K: Kernel<(), Value = Path>, D: Draws> Spread<'_, K, D> {
     /// One of the sample's paths with its weight.
     fn start(&mut self, path: &Path, weight: f64) {
+        self.job.space.tell(path, Role::Sampled(weight));
         if !weight.is_finite() {
             self.bad += 1;
             return;

@@ -16,6 +16,7 @@ use std::io;
 use std::sync::atomic::AtomicBool;
 
 use kaustik_film::{Counters, Image, Layer};
+use kaustik_path::Event;
 use kaustik_scene::Scene;
 
 use crate::control::is_stopped;
@@ -40,6 +41,12 @@ trait Tracer: Send + Sync {
     /// Traces the light paths of the iteration that the stage has begun. `false`: it was stopped before it had traced them
     /// all, and is as it was before.
     fn trace(&mut self, stage: &Stage<'_>, stop: Option<&AtomicBool>) -> bool;
+
+    /// Tells what happens in the light path of this number, of a tracer and a stage that have just been made.
+    /// `None`: light paths of this method are not made one by one.
+    fn replay(&mut self, _: &mut Stage<'_>, _step: u64) -> Option<Vec<Event>> {
+        None
+    }
 
     /// Writes what there is between two iterations, beyond what is made anew.
     fn write(&self, out: &mut Writer<'_>) -> io::Result<()>;
@@ -217,6 +224,17 @@ impl Engine for PhotonEngine<'_> {
     fn nonfinite(&self) -> (u64, Vec<Place>) {
         let photons = Nonfinite::all(std::iter::once((0, self.tracer.nonfinite())));
         add_nonfinite(photons, Some(self.remainder.nonfinite()))
+    }
+
+    /// Light paths are counted on the account of the first ladder, as they are in [`nonfinite`](Engine::nonfinite); with the
+    /// sample at this place of what photons cannot carry.
+    fn replay(&mut self, place: Place) -> Option<Vec<Event>> {
+        let mut events = match place.ladder {
+            0 => self.tracer.replay(&mut self.stage, place.step)?,
+            _ => Vec::new(),
+        };
+        events.extend(self.remainder.replay(place)?);
+        Some(events)
     }
 
     fn film_counters(&self) -> Counters {

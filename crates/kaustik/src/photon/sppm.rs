@@ -5,7 +5,7 @@ use std::sync::atomic::AtomicBool;
 
 use kaustik_film::{Counters, Film, Image, develop};
 use kaustik_mcmc::{Independent, SampleGenerators};
-use kaustik_path::PhotonPath;
+use kaustik_path::{Event, PhotonPath, trace};
 use rayon::prelude::*;
 
 use super::Tracer;
@@ -41,6 +41,16 @@ impl IndependentPhotons {
             mark: FilmMark::default(),
         })
     }
+
+    /// The light path of this number, and what it brings to the points of its iteration. Returns how much was left out.
+    #[inline]
+    fn light_path(&self, stage: &Stage<'_>, step: u64, path: &mut PhotonPath) -> u64 {
+        let ladders = self.generators.len() as u64;
+        let generators = &self.generators[(step % ladders) as usize];
+        let mut u = Independent::new(generators.at(step / ladders));
+        (stage.tracing).build(stage.scene, stage.wavelengths(), &mut u, path);
+        (stage.map()).deposit(&self.film, stage.scale, path, 1.0)
+    }
 }
 
 impl Tracer for IndependentPhotons {
@@ -48,9 +58,7 @@ impl Tracer for IndependentPhotons {
         if stop.is_some() {
             self.mark.set(&self.film);
         }
-        let map = stage.map();
         let before = (stage.iterations - 1) * stage.photons;
-        let ladders = self.generators.len() as u64;
         let chunk = |path: &mut PhotonPath, chunk: u64| {
             let mut faults = Nonfinite::default();
             if is_stopped(stop) {
@@ -58,11 +66,7 @@ impl Tracer for IndependentPhotons {
             }
             for number in chunk * CHUNK..((chunk + 1) * CHUNK).min(stage.photons) {
                 let step = before + number;
-                let generators = &self.generators[(step % ladders) as usize];
-                let mut u = Independent::new(generators.at(step / ladders));
-                (stage.tracing).build(stage.scene, stage.wavelengths(), &mut u, path);
-                let found = map.deposit(&self.film, stage.scale, path, 1.0);
-                faults.count(found, step);
+                faults.count(self.light_path(stage, step, path), step);
             }
             faults
         };
@@ -79,6 +83,13 @@ impl Tracer for IndependentPhotons {
             self.mark.take_back(&mut self.film);
         }
         whole
+    }
+
+    /// Iteration and light path follow from the number.
+    fn replay(&mut self, stage: &mut Stage<'_>, step: u64) -> Option<Vec<Event>> {
+        stage.begin_at(step / stage.photons);
+        let mut path = PhotonPath::default();
+        Some(trace(|| self.light_path(stage, step, &mut path)).1)
     }
 
     fn write(&self, out: &mut Writer<'_>) -> io::Result<()> {

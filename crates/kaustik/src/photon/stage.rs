@@ -102,12 +102,26 @@ impl<'a> Stage<'a> {
     /// stopped, and has no points; it must [go back](Self::go_back).
     pub(super) fn begin(&mut self, stop: Option<&AtomicBool>) -> bool {
         let index = self.iterations;
+        self.shrink(index);
+        self.see(index, stop)
+    }
+
+    /// Sees it as in the iteration of this number, which is not before the last that was begun.
+    pub(super) fn begin_at(&mut self, iteration: u64) {
+        if iteration < self.iterations {
+            return;
+        }
+        (self.iterations..=iteration).for_each(|index| self.shrink(index));
+        self.see(iteration, None);
+    }
+
+    /// Discs of the iteration of this number, from those before it.
+    fn shrink(&mut self, index: u64) {
         if let (Some(alpha), true) = (self.reduction, index > 0) {
             // spec 1: r_{i+1}^2 = r_i^2 (i + alpha) / (i + 1), i >= 1
             let i = index as f64;
             self.walk.radius *= ((i + alpha) / (i + 1.0)).sqrt();
         }
-        self.see(index, stop)
     }
 
     /// The radius of discs.

@@ -1,0 +1,119 @@
+//! Paths and what chains do with them, told to whoever listens ([`kaustik_path::trace`]).
+
+use glam::DVec3;
+use kaustik_mcmc::{Draws, Kernel, Move, acceptance};
+use kaustik_path::{Event, Role, Stand, is_listening, note};
+use kaustik_scene::EmitterPoint;
+use kaustik_spectrum::Spectrum;
+
+use crate::vertex::Place;
+use crate::{Path, PathSpace};
+
+/// A kernel that tells what it proposes and what becomes of it. In a render nobody listens, and a proposal costs a few looks at
+/// one flag of the thread.
+#[derive(Clone, Copy, Debug)]
+pub struct Told<'a, N> {
+    /// Makes the proposals.
+    pub kernel: N,
+    /// Where paths run.
+    pub space: &'a PathSpace<'a>,
+    /// A name for each kind of move.
+    pub names: &'static [&'static str],
+}
+
+impl<N: Kernel<(), Value = Path>> Kernel<()> for Told<'_, N> {
+    type Value = Path;
+
+    #[inline]
+    fn propose<D: Draws + ?Sized>(
+        &self,
+        state: &mut (),
+        current: &Path,
+        proposed: &mut Path,
+        draws: &mut D,
+    ) -> Move {
+        let made = self.kernel.propose(state, current, proposed, draws);
+        if is_listening() {
+            self.space.tell(current, Role::Current);
+            // Of a move that leads nowhere there is no path.
+            let density = if made.ratio > 0.0 {
+                self.space.tell(proposed, Role::Proposed);
+                proposed.density()
+            } else {
+                0.0
+            };
+            note(|| Event::Proposal {
+                kernel: self.names.get(made.kind).copied().unwrap_or_default(),
+                ratio: made.ratio,
+                acceptance: acceptance(current.density(), density, made.ratio),
+            });
+        }
+        made
+    }
+
+    #[inline]
+    fn accept_move(&self, state: &mut (), proposal: &Move) {
+        note(|| Event::Decision { accepted: true });
+        self.kernel.accept_move(state, proposal);
+    }
+
+    #[inline]
+    fn reject_move(&self, state: &mut (), proposal: &Move) {
+        note(|| Event::Decision { accepted: false });
+        self.kernel.reject_move(state, proposal);
+    }
+}
+
+impl PathSpace<'_> {
+    /// Tells of a path, vertex by vertex from the emitter to the lens.
+    pub fn tell(&self, path: &Path, role: Role) {
+        if !is_listening() {
+            return;
+        }
+        note(|| Event::Path {
+            role,
+            raster: path.raster(),
+            density: path.density(),
+            colour: path.colour(),
+        });
+        for index in 0..path.len() {
+            note(|| self.told(path, index));
+        }
+    }
+
+    fn told(&self, path: &Path, index: usize) -> Event {
+        let at = path.at(index);
+        let toward = || path.at(index + 1).toward_light;
+        let (stand, position) = match at.place {
+            Place::Surface => (Stand::Surface, at.vertex.position),
+            Place::Lens => (Stand::Lens, at.vertex.position),
+            Place::Emitter(EmitterPoint::Surface) => (Stand::Emitter, at.vertex.position),
+            Place::Emitter(EmitterPoint::Environment(toward)) => (Stand::Distant, toward),
+            Place::Emitter(EmitterPoint::Punctual(lamp)) => {
+                match self.scene.punctual_position(lamp) {
+                    Some(position) => (Stand::Emitter, position),
+                    None => (Stand::Distant, toward()),
+                }
+            }
+        };
+        let on_surface = matches!(
+            at.place,
+            Place::Surface | Place::Emitter(EmitterPoint::Surface)
+        );
+        let normal = |normal| if on_surface { normal } else { DVec3::ZERO };
+        Event::PathVertex {
+            index: index as u32,
+            stand,
+            position,
+            normal: normal(at.vertex.normal),
+            shading: normal(at.vertex.frame.z),
+            material: on_surface.then_some(at.vertex.material),
+            specular: at.specular,
+            transmitted: at.specular && at.transmitted,
+            value: match stand {
+                Stand::Lens => Spectrum::ONE,
+                _ => at.value,
+            },
+        }
+    }
+}
