@@ -422,7 +422,7 @@ fn a_signal_in_a_pilot_leaves_nothing() {
 fn a_broken_pass_is_taken_back() {
     broken_passes("bdpt", "400", "heuristic=power");
     broken_passes("erpt", "48", "chains=1");
-    broken_passes("photon-spatial", "64", "photons=20000");
+    broken_passes("photon-spatial", "64", "photons=200000");
 }
 
 fn broken_passes(method: &str, width: &str, set: &str) {
@@ -454,12 +454,14 @@ fn broken_passes(method: &str, width: &str, set: &str) {
     run(&words("3", &["-o", &through]));
     let mut states = 0;
     for wait in [60, 300, 1500] {
-        let part = words(ENDLESS, &["--checkpoint", &state, "--threads", "1"]);
+        // As many passes as of the whole: a fast machine takes no more, and may be done before the signal.
+        let part = words("3", &["--checkpoint", &state, "--threads", "1"]);
         let child = begin(&part.iter().map(String::as_str).collect::<Vec<_>>());
         std::thread::sleep(Duration::from_millis(wait));
         signal(&child, "INT");
         let output = child.wait_with_output().expect("it ends");
-        assert_eq!(output.status.code(), Some(130), "{}", told(&output));
+        let status = output.status.code();
+        assert!(matches!(status, Some(0 | 130)), "{}", told(&output));
         if Path::new(&state).exists() {
             states += 1;
             run(&words("3", &["--resume", &state, "-o", &whole]));
