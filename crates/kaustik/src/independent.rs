@@ -174,6 +174,21 @@ impl<'a> IndependentEngine<'a> {
         })
     }
 
+    /// What all streams have in common, and the streams.
+    fn parts<'s>(&'s mut self, stop: Option<&'s AtomicBool>) -> (Job<'s>, &'s mut [SampleStream]) {
+        let job = Job {
+            seed: self.seed,
+            scene: self.scene,
+            builder: self.builder.as_ref(),
+            film: &self.film,
+            scale: self.scale,
+            cells: self.cells,
+            stop,
+            redistribution: self.redistribution.as_ref(),
+        };
+        (job, &mut self.streams)
+    }
+
     /// Samples of all streams.
     pub(crate) fn steps(&self) -> u64 {
         self.streams.iter().map(|stream| stream.step).sum()
@@ -241,27 +256,7 @@ impl Engine for IndependentEngine<'_> {
         if evenly && stop.is_some() {
             self.mark();
         }
-        let Self {
-            seed,
-            scene,
-            builder,
-            film,
-            streams,
-            scale,
-            cells,
-            redistribution,
-            ..
-        } = self;
-        let job = Job {
-            seed: *seed,
-            scene,
-            builder: builder.as_ref(),
-            film,
-            scale: *scale,
-            cells: *cells,
-            stop,
-            redistribution: redistribution.as_ref(),
-        };
+        let (job, streams) = self.parts(stop);
         streams
             .par_iter_mut()
             .zip(plan)
@@ -315,27 +310,7 @@ impl Engine for IndependentEngine<'_> {
 
     /// Samples follow from their number alone.
     fn replay(&mut self, Place { ladder, step }: Place) -> Option<Vec<Event>> {
-        let Self {
-            seed,
-            scene,
-            builder,
-            film,
-            streams,
-            scale,
-            cells,
-            redistribution,
-            ..
-        } = self;
-        let job = Job {
-            seed: *seed,
-            scene,
-            builder: builder.as_ref(),
-            film,
-            scale: *scale,
-            cells: *cells,
-            stop: None,
-            redistribution: redistribution.as_ref(),
-        };
+        let (job, streams) = self.parts(None);
         let stream = streams.iter_mut().find(|s| s.ladder == ladder)?;
         stream.step = step;
         Some(trace(|| stream.run(&job, 1)).1)
