@@ -10,7 +10,7 @@ use std::process::{Command, Output, Stdio};
 
 use kaustik::State;
 
-use crate::words::{kaustik, path};
+use crate::words::{files, kaustik, path};
 
 /// Words of a render whose files take several writes.
 fn words<'a>(method: &'a str, spp: &'a str, more: &[&'a str]) -> Vec<&'a str> {
@@ -182,18 +182,7 @@ fn pixels(bytes: &[u8]) -> Vec<u32> {
 
 /// Does this folder hold these files, with nothing beside them?
 fn only(folder: &Path, names: &[&str]) {
-    let there = fs::read_dir(folder).expect("a folder");
-    let mut there: Vec<String> = there
-        .map(|entry| {
-            entry
-                .expect("an entry")
-                .file_name()
-                .to_string_lossy()
-                .into_owned()
-        })
-        .collect();
-    there.sort();
-    assert_eq!(there, names);
+    assert_eq!(files(folder), names);
 }
 
 /// Each call that writes a picture or a state fails once: status 1 and a reason, the old file to the byte, nothing beside it.

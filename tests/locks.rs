@@ -6,7 +6,7 @@ use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
-use crate::words::{kaustik, path, refused};
+use crate::words::{files, kaustik, path, refused};
 
 /// A render that does not end by itself, once it holds its locks.
 fn at_work(words: &[&str], lock: &str) -> Child {
@@ -46,21 +46,6 @@ fn small<'a>(words: &[&'a str]) -> Vec<&'a str> {
     all.extend(["--spp", "1"]);
     all.extend(words);
     all
-}
-
-fn files(folder: &Path) -> Vec<String> {
-    let names = fs::read_dir(folder).expect("a folder");
-    let mut names: Vec<String> = names
-        .map(|entry| {
-            entry
-                .expect("an entry")
-                .file_name()
-                .to_string_lossy()
-                .into_owned()
-        })
-        .collect();
-    names.sort();
-    names
 }
 
 #[test]

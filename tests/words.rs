@@ -24,6 +24,22 @@ pub(crate) fn refused(words: &[&str], expected: &[&str]) {
     assert!(output.stdout.is_empty());
 }
 
+/// The names in a folder, sorted.
+pub(crate) fn files(folder: &Path) -> Vec<String> {
+    let names = std::fs::read_dir(folder).expect("a folder");
+    let mut names: Vec<String> = names
+        .map(|entry| {
+            entry
+                .expect("an entry")
+                .file_name()
+                .to_string_lossy()
+                .into_owned()
+        })
+        .collect();
+    names.sort();
+    names
+}
+
 pub(crate) fn path(folder: &Path, name: &str) -> String {
     folder.join(name).to_str().expect("a plain path").to_owned()
 }
