@@ -11,7 +11,7 @@ use kaustik::{
     render_watched, resume,
 };
 
-use crate::arguments::RenderWords;
+use crate::arguments::{OutputWords, RenderWords};
 use crate::checkpoint::Checkpoints;
 use crate::lock::Locks;
 use crate::picture::{self, remark};
@@ -56,12 +56,24 @@ fn state(words: &RenderWords) -> Result<Option<State>, Failure> {
     })?))
 }
 
-/// Loads the scene of a render; `size` as far as it is known.
+/// Loads the scene of a render, on its threads; `size` as far as it is known.
 pub(crate) fn load(
-    outputs: &crate::arguments::OutputWords,
+    outputs: &OutputWords,
     source: &Source,
     max_memory: Option<u64>,
     settings: &RenderSettings,
+    size: (Option<u32>, Option<u32>),
+) -> Result<Scene, Failure> {
+    let compensation = settings.options.compensation;
+    let load = || load_here(outputs, source, max_memory, compensation, size);
+    kaustik::on_threads(settings.threads, load).map_err(|error| failure(&error))?
+}
+
+fn load_here(
+    outputs: &OutputWords,
+    source: &Source,
+    max_memory: Option<u64>,
+    compensation: bool,
     size: (Option<u32>, Option<u32>),
 ) -> Result<Scene, Failure> {
     let input = input::load(&source.scene, max_memory, source.variant.as_deref())?;
@@ -75,7 +87,7 @@ pub(crate) fn load(
         height,
         camera: source.camera.clone(),
         environment: environment.transpose()?,
-        compensation: settings.options.compensation,
+        compensation,
     };
     let scene = Scene::new(&input.description, &options)
         .map_err(|error| Failure::Input(format!("{}: {error}", source.scene)))?;

@@ -182,6 +182,18 @@ pub(crate) fn finite<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f64, 
     Ok(x)
 }
 
+/// What is left over of whole numbers, in [0, 1), if anything is carried.
+pub(crate) fn left_over<'de, D: Deserializer<'de>>(
+    deserializer: D,
+) -> Result<Option<f64>, D::Error> {
+    let share: Option<f64> = Option::deserialize(deserializer)?;
+    check(
+        share.is_none_or(|share| (0.0..1.0).contains(&share)),
+        "a number that is carried is not in [0, 1)",
+    )?;
+    Ok(share)
+}
+
 /// What has been counted, with room to count on and to be merged.
 pub(crate) fn count<'de, D: Deserializer<'de>>(deserializer: D) -> Result<u64, D::Error> {
     let count = u64::deserialize(deserializer)?;

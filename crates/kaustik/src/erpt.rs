@@ -73,7 +73,7 @@ impl<'a> ErptEngine<'a> {
             pilot.push(light[0]);
             all.push(light[1]);
         }
-        let stream = |ladder| Stream::new(settings.seed, ladder, &options, pilot.mean());
+        let stream = |ladder| Stream::new(settings, ladder, pilot.mean());
         Ok(Self {
             films: Films::new(settings, all.mean())?,
             cells: Cells::new(settings),

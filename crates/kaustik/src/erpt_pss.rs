@@ -17,6 +17,7 @@ use kaustik_path::{Contributions, PathBuilder};
 use kaustik_pss::Coordinates;
 use kaustik_scene::Scene;
 
+use crate::carried::Carried;
 use crate::control::is_stopped;
 use crate::pssmlt::{PILOT_LADDER, Small, pilot};
 use crate::state::{Reader, StateError};
@@ -69,6 +70,7 @@ pub(crate) struct Chains {
     seed: Point<Small>,
     value: Contributions,
     redistributor: Redistributor<Point<Small>, Contributions>,
+    carried: Carried,
     weights: Mean,
 }
 
@@ -127,31 +129,33 @@ impl PssRedistribution {
 }
 
 /// What chains of a ladder leave behind.
-pub(crate) type Kept = (RedistributionStatistics, Mean);
+pub(crate) type Kept = (RedistributionStatistics, Mean, Carried);
 
 impl Chains {
     /// Between two samples nothing else counts.
     pub(crate) fn kept(&self) -> Kept {
-        (self.redistributor.statistics().clone(), self.weights)
+        let statistics = self.redistributor.statistics().clone();
+        (statistics, self.weights, self.carried.clone())
     }
 
     /// Refuses what chains from so many samples cannot have left.
     pub(crate) fn take_up(&mut self, kept: Kept, samples: u64) -> Result<(), StateError> {
-        let (statistics, weights) = kept;
+        let (statistics, weights, carried) = kept;
         check_redistribution(&statistics)?;
         if weights.count() != samples || statistics.starts + statistics.bad_starts > samples {
             return Err(StateError::damaged(
                 "chains do not agree with their samples",
             ));
         }
-        self.go_to((statistics, weights));
+        self.go_to((statistics, weights, self.carried.checked(carried)?));
         Ok(())
     }
 
     /// As those are that left this behind.
-    pub(crate) fn go_to(&mut self, (statistics, weights): Kept) {
+    pub(crate) fn go_to(&mut self, (statistics, weights, carried): Kept) {
         self.redistributor = Redistributor::new().with_statistics(statistics);
         self.weights = weights;
+        self.carried = carried;
     }
 
     pub(crate) fn new(settings: &RenderSettings, ladder: u32) -> Self {
@@ -160,6 +164,7 @@ impl Chains {
             seed: Point::new(Small::new(settings.options.small_step)),
             value: Contributions::default(),
             redistributor: Redistributor::new(),
+            carried: Carried::new(settings, ladder),
             weights: Mean::new(),
         }
     }
@@ -191,6 +196,8 @@ impl Chains {
                 };
                 let stop = paths.stop;
                 let mut deposit = UntilStopped { deposit, stop };
+                let share = self.carried.at(step);
+                self.redistributor.carry(share.as_deref().copied());
                 self.redistributor.run(
                     plan,
                     (&self.seed, &self.value, weight),
@@ -199,6 +206,9 @@ impl Chains {
                     &mut self.generators.at(step),
                     &mut deposit,
                 );
+                if let (Some(share), Some(left)) = (share, self.redistributor.carried()) {
+                    *share = left;
+                }
             }
         }
         nonfinite.load(Ordering::Relaxed)

@@ -308,10 +308,17 @@ impl Engine for IndependentEngine<'_> {
         )
     }
 
-    /// Samples follow from their number alone.
+    /// Samples follow from their number alone; how many chains one has, from those of its cell before it.
     fn replay(&mut self, Place { ladder, step }: Place) -> Option<Vec<Event>> {
+        let pass = self.grain(ladder).max(1);
         let (job, streams) = self.parts(None);
         let stream = streams.iter_mut().find(|s| s.ladder == ladder)?;
+        if stream.chains.is_some() {
+            for earlier in (step % pass..step).step_by(pass as usize) {
+                stream.step = earlier;
+                stream.run(&job, 1);
+            }
+        }
         stream.step = step;
         Some(trace(|| stream.run(&job, 1)).1)
     }

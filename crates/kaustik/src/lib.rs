@@ -24,6 +24,7 @@
 
 mod annealing;
 mod builders;
+mod carried;
 mod cells;
 mod choices;
 mod control;
@@ -61,6 +62,7 @@ mod statistics;
 #[cfg(test)]
 mod stops;
 mod stratified;
+mod threads;
 
 pub use choices::{
     Builder, Caustics, Colours, Direct, Energy, EvenSamples, Jitter, Normaliser, SmallStep, Starts,
@@ -85,6 +87,7 @@ pub use statistics::{
     ChainStatistics, DirectStatistics, MutationStatistics, PhotonLevel, PhotonStatistics, Place,
     RayStatistics, RenderStatistics,
 };
+pub use threads::on_threads;
 
 pub use kaustik_estimate::Mis;
 

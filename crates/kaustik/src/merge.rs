@@ -6,8 +6,9 @@ use kaustik_scene::Scene;
 use crate::direct;
 use crate::engine::Engine;
 use crate::merge_statistics::{MergeStatistics, MergedPart, Parts};
-use crate::render::{Unwatched, Work, check, engine, threads};
+use crate::render::{Unwatched, Work, check, engine};
 use crate::state::take_up;
+use crate::threads::pool;
 use crate::{Method, Outcome, RenderError, RenderSettings, Rendered, State, StateError, Watch};
 
 /// Parts count as comparable if the largest has at most so many times the samples of the smallest.
@@ -144,7 +145,7 @@ struct Merged<'a> {
 impl<'a> Merged<'a> {
     /// Makes the engine of the whole; tells of what it is before anything is taken up.
     fn new(scene: &'a Scene, settings: &'a RenderSettings) -> Result<Self, RenderError> {
-        let pool = threads(settings)?;
+        let pool = pool(settings.threads)?;
         let work = Work::new(scene, settings);
         let engine = pool.install(|| engine(scene, settings))?;
         Ok(Self { work, engine, pool })

@@ -17,6 +17,7 @@ use crate::photon::PhotonEngine;
 use crate::pssmlt::PssmltEngine;
 use crate::relt;
 use crate::state::{Header, take_up};
+use crate::threads::pool;
 use crate::{
     Budget, Control, Method, Progress, RayStatistics, RenderError, RenderSettings,
     RenderStatistics, Snapshot, State, StateError, annealing, features,
@@ -140,7 +141,7 @@ fn render_from(
     if let Some(state) = state {
         state.check(scene, settings)?;
     }
-    let pool = threads(settings)?;
+    let pool = pool(settings.threads)?;
     let mut work = Work::new(scene, settings);
     let mut engine = pool.install(|| engine(scene, settings))?;
     if let Some(state) = state {
@@ -150,14 +151,6 @@ fn render_from(
     watch.begins();
     let outcome = work.run(engine.as_mut(), &pool, control, watch)?;
     work.finish(engine, &pool, outcome)
-}
-
-/// The threads of a render.
-pub(crate) fn threads(settings: &RenderSettings) -> Result<rayon::ThreadPool, RenderError> {
-    rayon::ThreadPoolBuilder::new()
-        .num_threads(settings.threads)
-        .build()
-        .map_err(|error| RenderError::Threads(error.to_string()))
 }
 
 pub(crate) fn check(scene: &Scene, settings: &RenderSettings) -> Result<(), RenderError> {

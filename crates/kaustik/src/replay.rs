@@ -3,7 +3,8 @@
 use kaustik_path::Event;
 use kaustik_scene::Scene;
 
-use crate::render::{check, engine, threads};
+use crate::render::{check, engine};
+use crate::threads::pool;
 use crate::{Method, Place, RenderError, RenderSettings};
 
 /// What happened in one step of a render: of a sample or mutation all that its path builder did, of `relt` in the sweep
@@ -39,7 +40,7 @@ pub fn replay(
         ..settings.clone()
     };
     check(scene, &settings)?;
-    let pool = threads(&settings)?;
+    let pool = pool(settings.threads)?;
     let mut engine = pool.install(|| engine(scene, &settings))?;
     // On this thread: events are told on the one where they happen.
     let events = engine.replay(place);

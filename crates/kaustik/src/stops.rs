@@ -7,8 +7,9 @@ use kaustik_film::Filter;
 use kaustik_scene::{Scene, SceneOptions, builtin};
 
 use crate::engine::Engine;
-use crate::render::{engine, threads};
+use crate::render::engine;
 use crate::state::{Header, Source};
+use crate::threads::pool;
 use crate::{
     Budget, Control, Direct, Energy, Method, Outcome, Progress, RenderSettings, Snapshot, State,
     Watch, render, render_watched, resume,
@@ -139,7 +140,7 @@ fn seen(scene: &Scene, settings: &RenderSettings, engine: &mut (dyn Engine + '_)
 fn what_is_broken_off_is_taken_back() {
     let scene = scene();
     for (what, settings) in cases() {
-        let pool = threads(&settings).expect("threads");
+        let pool = pool(settings.threads).expect("threads");
         pool.install(|| {
             let new = || engine(&scene, &settings).expect("an engine");
             let see = |engine: &mut dyn Engine| seen(&scene, &settings, engine);

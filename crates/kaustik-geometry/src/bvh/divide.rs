@@ -10,6 +10,8 @@ use obvhs::aabb::Aabb as Bounds;
 use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::node::Bvh2Node;
 use obvhs::ploc::{PlocBuilder, PlocSearchDistance, SortPrecision};
+#[cfg(feature = "parallel")]
+use rayon::join;
 
 /// So many boxes are clustered.
 const FEW: usize = 512;
@@ -18,43 +20,38 @@ const BINS: usize = 16;
 /// From this level on parts are equal, however small a part the heuristic would like to cut off.
 const LEVELS_OF_CHOICE: usize = 40;
 
-/// A tree whose leaves hold a box each.
+/// Parts of so many boxes are parted by one thread.
+const MANY: usize = 1 << 13;
+
+/// A tree whose leaves hold a box each. The same bits on any number of threads.
 pub(crate) fn divide(boxes: &[Bounds]) -> Bvh2 {
-    let mut divider = Divider {
-        boxes,
-        tree: Bvh2::default(),
-        clusters: PlocBuilder::with_capacity(FEW),
-    };
+    let mut tree = Bvh2::default();
     if boxes.is_empty() {
-        return divider.tree;
+        return tree;
     }
     let mut order: Vec<u32> = (0..boxes.len() as u32).collect();
-    divider.tree.nodes.reserve(2 * boxes.len());
-    divider.tree.primitive_indices.reserve(boxes.len());
-    divider.tree.nodes.push(Bvh2Node::default());
-    let mut open = vec![(0, order.as_mut_slice(), 0)];
-    while let Some((slot, part, level)) = open.pop() {
-        if part.len() <= FEW {
-            divider.cluster(slot, part, level);
-            continue;
-        }
-        let middle = if level < LEVELS_OF_CHOICE {
-            divider.cheapest(part)
-        } else {
-            None
-        };
-        let middle = middle.unwrap_or_else(|| divider.halves(part));
-        let first = divider.tree.nodes.len();
-        divider.tree.nodes.extend([Bvh2Node::default(); 2]);
-        let bounds = divider.bounds(part);
-        divider.tree.nodes[slot] = Bvh2Node::new(bounds, 0, first as u32);
-        let (low, high) = part.split_at_mut(middle);
-        open.push((first + 1, high, level + 1));
-        open.push((first, low, level + 1));
-    }
-    level_by_level(&mut divider.tree.nodes);
-    divider.tree.children_are_ordered_after_parents = true;
-    divider.tree
+    tree.nodes = vec![Bvh2Node::default(); 2 * boxes.len() - 1];
+    tree.primitive_indices = vec![0; boxes.len()];
+    let below = Below {
+        nodes: &mut tree.nodes[1..],
+        first_node: 1,
+        primitives: &mut tree.primitive_indices,
+        first_primitive: 0,
+        level: 0,
+    };
+    let mut clusters = PlocBuilder::with_capacity(FEW);
+    let (root, depth) = Divider { boxes }.part(&mut order, below, &mut clusters);
+    tree.nodes[0] = root;
+    tree.max_depth = depth;
+    level_by_level(&mut tree.nodes);
+    tree.children_are_ordered_after_parents = true;
+    tree
+}
+
+/// Does both, one after the other.
+#[cfg(not(feature = "parallel"))]
+fn join<A, B>(first: impl FnOnce() -> A, second: impl FnOnce() -> B) -> (A, B) {
+    (first(), second())
 }
 
 /// Orders nodes from the top, as whoever improves the tree takes the first ones to be the large ones.
@@ -75,8 +72,43 @@ fn level_by_level(nodes: &mut Vec<Bvh2Node>) {
 
 struct Divider<'a> {
     boxes: &'a [Bounds],
-    tree: Bvh2,
-    clusters: PlocBuilder,
+}
+
+/// Where what is below a node goes: n boxes have 2 n - 2 nodes below their root.
+struct Below<'a> {
+    nodes: &'a mut [Bvh2Node],
+    /// Place of the first of these in the tree.
+    first_node: usize,
+    primitives: &'a mut [u32],
+    first_primitive: usize,
+    /// Of the node itself.
+    level: usize,
+}
+
+impl<'a> Below<'a> {
+    /// The two children, and what is below each if the first has so many boxes.
+    fn split(self, boxes: usize) -> (&'a mut [Bvh2Node], [Below<'a>; 2]) {
+        let (children, nodes) = self.nodes.split_at_mut(2);
+        let below_low = 2 * boxes - 2;
+        let (low, high) = nodes.split_at_mut(below_low);
+        let (low_primitives, high_primitives) = self.primitives.split_at_mut(boxes);
+        let (first_node, level) = (self.first_node + 2, self.level + 1);
+        let low = Below {
+            nodes: low,
+            first_node,
+            primitives: low_primitives,
+            first_primitive: self.first_primitive,
+            level,
+        };
+        let high = Below {
+            nodes: high,
+            first_node: first_node + below_low,
+            primitives: high_primitives,
+            first_primitive: self.first_primitive + boxes,
+            level,
+        };
+        (children, [low, high])
+    }
 }
 
 /// Boxes in a slice.
@@ -110,6 +142,40 @@ impl Bin {
 }
 
 impl Divider<'_> {
+    /// Makes the tree of a part; returns its root and the greatest depth.
+    fn part(
+        &self,
+        part: &mut [u32],
+        below: Below<'_>,
+        clusters: &mut PlocBuilder,
+    ) -> (Bvh2Node, usize) {
+        if part.len() <= FEW {
+            return self.cluster(part, below, clusters);
+        }
+        let middle = if below.level < LEVELS_OF_CHOICE {
+            self.cheapest(part)
+        } else {
+            None
+        };
+        let middle = middle.unwrap_or_else(|| self.halves(part));
+        let first = below.first_node as u32;
+        let many = part.len() > MANY;
+        let (low, high) = part.split_at_mut(middle);
+        let (children, [below_low, below_high]) = below.split(middle);
+        let ((low, low_depth), (high, high_depth)) = if many {
+            join(
+                || self.part(low, below_low, clusters),
+                || self.part(high, below_high, &mut PlocBuilder::with_capacity(FEW)),
+            )
+        } else {
+            let low = self.part(low, below_low, clusters);
+            (low, self.part(high, below_high, clusters))
+        };
+        let root = Bvh2Node::new(low.aabb().union(high.aabb()), 0, first);
+        children.copy_from_slice(&[low, high]);
+        (root, low_depth.max(high_depth))
+    }
+
     fn bounds(&self, part: &[u32]) -> Bounds {
         let boxes = part.iter().map(|&i| &self.boxes[i as usize]);
         boxes.fold(Bounds::INVALID, |all, b| all.union(b))
@@ -179,7 +245,19 @@ impl Divider<'_> {
     }
 
     /// Locally ordered clustering of a few boxes, scaled to sizes whose products `f32` can hold.
-    fn cluster(&mut self, slot: usize, part: &[u32], level: usize) {
+    fn cluster(
+        &self,
+        part: &[u32],
+        below: Below<'_>,
+        clusters: &mut PlocBuilder,
+    ) -> (Bvh2Node, usize) {
+        let Below {
+            nodes,
+            first_node,
+            primitives,
+            first_primitive,
+            level,
+        } = below;
         let all = self.bounds(part);
         let centre = (all.min + all.max) * 0.5;
         let scale = inverse_power(Vec3::from(all.diagonal()).max_element());
@@ -188,36 +266,36 @@ impl Divider<'_> {
             .map(|&i| &self.boxes[i as usize])
             .map(|b| Bounds::new((b.min - centre) * scale, (b.max - centre) * scale))
             .collect();
-        let found = self.clusters.build(
+        let found = clusters.build(
             PlocSearchDistance::Medium,
             &scaled,
             (0..part.len() as u32).collect(),
             SortPrecision::U64,
             3,
         );
-        let tree = &mut self.tree;
-        tree.max_depth = tree.max_depth.max(level + found.max_depth);
-        // The root goes where its place is kept, all others follow at the end.
-        let (first, primitives) = (tree.nodes.len(), tree.primitive_indices.len() as u32);
-        let place = |node: usize| if node == 0 { slot } else { first + node - 1 };
-        tree.nodes
-            .resize(first + found.nodes.len() - 1, Bvh2Node::default());
+        let mut root = Bvh2Node::default();
         for (index, node) in found.nodes.iter().enumerate().rev() {
-            tree.nodes[place(index)] = if node.is_leaf() {
-                let primitive = found.primitive_indices[node.first_index as usize];
-                let bounds = self.boxes[part[primitive as usize] as usize];
-                Bvh2Node::new(bounds, node.prim_count, primitives + node.first_index)
+            let first = node.first_index as usize;
+            let node = if node.is_leaf() {
+                let primitive = part[found.primitive_indices[first] as usize];
+                let bounds = self.boxes[primitive as usize];
+                let at = first_primitive + first;
+                Bvh2Node::new(bounds, node.prim_count, at as u32)
             } else {
-                let children = place(node.first_index as usize);
-                let bounds = tree.nodes[children]
-                    .aabb()
-                    .union(tree.nodes[children + 1].aabb());
-                Bvh2Node::new(bounds, 0, children as u32)
+                // children come after their parents, and the root is not below itself
+                let [low, high] = [first - 1, first].map(|child| nodes[child].aabb());
+                let at = first_node + first - 1;
+                Bvh2Node::new(low.union(high), 0, at as u32)
             };
+            match index.checked_sub(1) {
+                Some(place) => nodes[place] = node,
+                None => root = node,
+            }
         }
-        let indices = found.primitive_indices.iter();
-        tree.primitive_indices
-            .extend(indices.map(|&i| part[i as usize]));
+        for (place, &i) in primitives.iter_mut().zip(&found.primitive_indices) {
+            *place = part[i as usize];
+        }
+        (root, level + found.max_depth)
     }
 }
 

@@ -4,7 +4,7 @@ use proptest::prelude::*;
 
 use super::*;
 use crate::testing::{Enumerator, GridStep, Law, assert_deposits};
-use crate::{Move, Point, PointKernel, Step, Target, target};
+use crate::{Mean, Move, Point, PointKernel, Step, Target, target};
 use kaustik_pss::{Coordinates, Stream};
 
 /// One step up or down a ring; where the chain is and where it was.
@@ -366,4 +366,61 @@ fn lazy_points_are_redistributed_without_bias() {
             );
         }
     }
+}
+
+/// Numbers of chains of starts of these weights, rounded together from this share.
+fn chains_together(share: f64, weights: &[f64], unit: f64) -> Vec<u32> {
+    let plan = Redistribution::new(1, unit).unwrap();
+    let mut redistributor = Redistributor::new();
+    redistributor.carry(Some(share));
+    let mut draws = crate::generator(1, 0);
+    let mut nothing = |_: Deposit<'_, usize>| {};
+    let mut run = |&weight: &f64| {
+        let start = (&[0; 2], &0, weight);
+        redistributor.run(
+            &plan,
+            start,
+            &Ring(STATES),
+            &|_: &usize| [1.0],
+            &mut draws,
+            &mut nothing,
+        )
+    };
+    weights.iter().map(&mut run).collect()
+}
+
+proptest! {
+    /// Every run of starts has as many chains as it should, to one; and each start the right number in the mean over the
+    /// share (stratified: to one part in as many shares as there are, for each of the two ends of its interval).
+    #[test]
+    fn starts_that_are_rounded_together(weights in prop::collection::vec(0.0..3.0f64, 1..30), unit in 0.2..5.0f64) {
+        const SHARES: usize = 200;
+        let mut sums = vec![0.0; weights.len()];
+        for i in 0..SHARES {
+            let chains = chains_together((i as f64 + 0.5) / SHARES as f64, &weights, unit);
+            let (mut due, mut taken) = (0.0, 0.0);
+            for ((sum, weight), n) in sums.iter_mut().zip(&weights).zip(chains) {
+                (*sum, due, taken) = (*sum + f64::from(n), due + weight / unit, taken + f64::from(n));
+                prop_assert!((due - taken).abs() < 1.0 + 1e-9, "{due} {taken}");
+            }
+        }
+        for (sum, weight) in sums.iter().zip(&weights) {
+            let mean = sum / SHARES as f64;
+            prop_assert!((mean - weight / unit).abs() < 2.0 / SHARES as f64, "{mean} {}", weight / unit);
+        }
+    }
+}
+
+#[test]
+fn what_is_no_share_is_not_carried() {
+    let mut redistributor = Redistributor::<[usize; 2], usize>::new();
+    for share in [f64::NAN, 1.0, -0.1, f64::INFINITY] {
+        redistributor.carry(Some(share));
+        assert_eq!(redistributor.carried(), None);
+    }
+    redistributor.carry(Some(0.25));
+    assert_eq!(
+        redistributor.carried().map(f64::to_bits),
+        Some(0.25_f64.to_bits())
+    );
 }

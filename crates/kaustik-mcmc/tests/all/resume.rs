@@ -269,6 +269,12 @@ fn redistribution_resumes_between_starts() {
         told
     };
     assert_resumes_but(make, step, written); // without the memory of proposals
+    let make = || {
+        let mut spreading = make();
+        spreading.0.carry(Some(0.3));
+        spreading
+    };
+    assert_resumes_but(make, step, written);
 }
 
 #[test]

@@ -3,7 +3,7 @@
 use std::io;
 use std::sync::Arc;
 
-use image::{DynamicImage, ImageDecoder as _, ImageFormat, ImageReader, Limits};
+use image::{DynamicImage, ImageDecoder, ImageError, ImageFormat, ImageReader, Limits};
 
 use super::json::{Cursor, shorten};
 use super::reader::Reader;
@@ -20,30 +20,66 @@ pub(super) struct Images {
     pub(super) index: Vec<Option<usize>>,
 }
 
+/// So many images are decoded at a time.
+#[cfg(feature = "parallel")]
+const BATCH: usize = 16;
+#[cfg(not(feature = "parallel"))]
+const BATCH: usize = 1;
+
 /// Reads all images of the file. One in a format that is not read (KTX2) is left out;
 /// whether that matters is seen where a texture uses it.
 pub(super) fn load(reader: &mut Reader<'_>) -> Result<Images> {
     let mut images = Images::default();
+    let mut waiting = Vec::new();
     for place in reader.root.list("images")? {
-        let (bytes, uri) = source(reader, &place)?;
-        let Some(format) = format_of(&bytes) else {
-            let found = "neither PNG, JPEG nor WebP; it is left out";
-            reader.warnings.push(place.pointer(), found);
+        let next = match Encoded::find(reader, place) {
+            Ok(next) => next,
+            Err(error) => {
+                // what is wrong with those before it is told first
+                images.take(reader, &mut waiting)?;
+                return Err(error);
+            }
+        };
+        let Some(next) = next else {
             images.index.push(None);
             continue;
         };
-        let name = match place.text("name")? {
-            "" => uri,
-            name => name,
-        };
-        let mut image = decode(reader, &place, name, bytes, format)?;
-        if is_generated(reader, &place)? {
-            image.encoded = Vec::new();
+        images.index.push(Some(images.list.len() + waiting.len()));
+        let mut room = next.reserve(reader);
+        if room.is_err() {
+            // those that wait hold memory to work in: it may be what is missing
+            images.take(reader, &mut waiting)?;
+            room = next.reserve(reader);
         }
-        images.index.push(Some(images.list.len()));
-        images.list.push(Arc::new(image));
+        waiting.push((next, room?));
+        if waiting.len() == BATCH {
+            images.take(reader, &mut waiting)?;
+        }
     }
+    images.take(reader, &mut waiting)?;
     Ok(images)
+}
+
+impl Images {
+    /// Decodes all that wait, and takes them up in their order.
+    fn take(
+        &mut self,
+        reader: &mut Reader<'_>,
+        waiting: &mut Vec<(Encoded<'_>, Room)>,
+    ) -> Result<()> {
+        let jobs = waiting.iter().map(|(encoded, room)| encoded.job(room));
+        let decoded = all_pixels(jobs.collect());
+        for ((encoded, room), pixels) in waiting.drain(..).zip(decoded) {
+            reader.budget.give(room.scratch);
+            let place = encoded.place.clone();
+            let mut image = encoded.finish(&room, pixels)?;
+            if is_generated(reader, &place)? {
+                image.encoded = Vec::new();
+            }
+            self.list.push(Arc::new(image));
+        }
+        Ok(())
+    }
 }
 
 /// The bytes of an image and its uri (empty if it has none, or holds the data itself).
@@ -105,7 +141,143 @@ fn plausible(format: ImageFormat, bytes: usize) -> u64 {
     least + per_byte * (bytes as u64 + 64)
 }
 
-/// Decodes to four bytes a pixel. The decoder gets strict limits.
+/// An image of the file, not decoded yet.
+struct Encoded<'a> {
+    place: Cursor<'a>,
+    name: String,
+    bytes: Arc<Vec<u8>>,
+    format: ImageFormat,
+}
+
+/// What an image takes, as far as its header tells.
+struct Room {
+    size: [u32; 2],
+    /// Bytes while it is decoded.
+    scratch: u64,
+    limits: Limits,
+}
+
+/// What decoding needs, and no more: it may go to another thread.
+struct Job<'b> {
+    bytes: &'b [u8],
+    format: ImageFormat,
+    limits: Limits,
+}
+
+impl<'a> Encoded<'a> {
+    /// The image at a place; `None`, with a warning, if its format is not read.
+    fn find(reader: &mut Reader<'a>, place: Cursor<'a>) -> Result<Option<Self>> {
+        let (bytes, uri) = source(reader, &place)?;
+        let Some(format) = format_of(&bytes) else {
+            let found = "neither PNG, JPEG nor WebP; it is left out";
+            reader.warnings.push(place.pointer(), found);
+            return Ok(None);
+        };
+        let name = match place.text("name")? {
+            "" => uri,
+            name => name,
+        };
+        Ok(Some(Self {
+            name: name.to_owned(),
+            place,
+            bytes,
+            format,
+        }))
+    }
+
+    /// Reads the header and takes the memory from the budget. The decoder gets strict limits.
+    fn reserve(&self, reader: &mut Reader<'_>) -> Result<Room> {
+        let (place, bytes) = (&self.place, self.bytes.len());
+        let side = reader.options.max_image_side;
+        let limits = limits(side, reader.budget.left());
+        let job = Job {
+            bytes: &self.bytes,
+            format: self.format,
+            limits: limits.clone(),
+        };
+        let decoder = job.decoder().map_err(|e| self.broken(&e))?;
+        let (width, height) = decoder.dimensions();
+        let pixels = u64::from(width) * u64::from(height);
+        if width > side || height > side || pixels > plausible(self.format, bytes) {
+            let found = format!("an image of {width} x {height} in {bytes} bytes");
+            let expected = format!("sides up to {side} and data for them");
+            return Err(place.error(ErrorKind::Image, found, expected));
+        }
+        // the decoder's own pixels (WebP's planes beside them), the converted ones, and the file kept
+        // for export
+        let planes = if self.format == ImageFormat::WebP {
+            2
+        } else {
+            1
+        };
+        let scratch = decoder.total_bytes().saturating_mul(planes);
+        let kept = 4 * pixels + bytes as u64 + self.name.len() as u64;
+        let all = scratch.saturating_add(kept);
+        reader.budget.take(&place.pointer(), all)?;
+        Ok(Room {
+            size: [width, height],
+            scratch,
+            limits,
+        })
+    }
+
+    fn job(&self, room: &Room) -> Job<'_> {
+        Job {
+            bytes: &self.bytes,
+            format: self.format,
+            limits: room.limits.clone(),
+        }
+    }
+
+    fn finish(self, room: &Room, pixels: Decoded) -> Result<ImageData> {
+        let pixels = pixels.map_err(|e| self.broken(&e))?;
+        let [width, height] = room.size;
+        Ok(ImageData {
+            name: self.name,
+            width,
+            height,
+            pixels: Pixels::Rgba8(pixels),
+            encoded: Arc::unwrap_or_clone(self.bytes),
+        })
+    }
+
+    fn broken(&self, error: &ImageError) -> LoadError {
+        let error = shorten(&error.to_string());
+        let found = format!("image data that does not decode ({error})");
+        let expected = format!("a well-formed {:?} file", self.format);
+        self.place.error(ErrorKind::Image, found, expected)
+    }
+}
+
+/// Four bytes a pixel, or why there are none.
+type Decoded = std::result::Result<Vec<u8>, ImageError>;
+
+impl<'b> Job<'b> {
+    fn decoder(self) -> std::result::Result<impl ImageDecoder + 'b, ImageError> {
+        let mut input = ImageReader::with_format(io::Cursor::new(self.bytes), self.format);
+        input.limits(self.limits);
+        input.into_decoder()
+    }
+
+    fn pixels(self) -> Decoded {
+        let decoded = DynamicImage::from_decoder(self.decoder()?)?;
+        Ok(decoded.into_rgba8().into_raw())
+    }
+}
+
+#[cfg(feature = "parallel")]
+fn all_pixels(jobs: Vec<Job<'_>>) -> Vec<Decoded> {
+    use rayon::prelude::*;
+
+    jobs.into_par_iter().map(Job::pixels).collect()
+}
+
+#[cfg(not(feature = "parallel"))]
+fn all_pixels(jobs: Vec<Job<'_>>) -> Vec<Decoded> {
+    jobs.into_iter().map(Job::pixels).collect()
+}
+
+/// Decodes an image that is none of `/images` to four bytes a pixel.
 pub(super) fn decode(
     reader: &mut Reader<'_>,
     place: &Cursor<'_>,
@@ -113,45 +285,16 @@ pub(super) fn decode(
     bytes: Arc<Vec<u8>>,
     format: ImageFormat,
 ) -> Result<ImageData> {
-    let fail = |e: &dyn std::fmt::Display| {
-        let found = format!(
-            "image data that does not decode ({})",
-            shorten(&e.to_string())
-        );
-        place.error(
-            ErrorKind::Image,
-            found,
-            format!("a well-formed {format:?} file"),
-        )
-    };
-    let side = reader.options.max_image_side;
-    let mut input = ImageReader::with_format(io::Cursor::new(bytes.as_slice()), format);
-    input.limits(limits(side, reader.budget.left()));
-    let decoder = input.into_decoder().map_err(|e| fail(&e))?;
-    let (width, height) = decoder.dimensions();
-    let pixels = u64::from(width) * u64::from(height);
-    if width > side || height > side || pixels > plausible(format, bytes.len()) {
-        let found = format!("an image of {width} x {height} in {} bytes", bytes.len());
-        let expected = format!("sides up to {side} and data for them");
-        return Err(place.error(ErrorKind::Image, found, expected));
-    }
-    // the decoder's own pixels (WebP's planes beside them), the converted ones, and the file kept
-    // for export
-    let planes = if format == ImageFormat::WebP { 2 } else { 1 };
-    let scratch = decoder.total_bytes().saturating_mul(planes);
-    let kept = 4 * pixels + bytes.len() as u64 + name.len() as u64;
-    reader
-        .budget
-        .take(&place.pointer(), scratch.saturating_add(kept))?;
-    let decoded = DynamicImage::from_decoder(decoder).map_err(|e| fail(&e))?;
-    reader.budget.give(scratch);
-    Ok(ImageData {
+    let encoded = Encoded {
+        place: place.clone(),
         name: name.to_owned(),
-        width,
-        height,
-        pixels: Pixels::Rgba8(decoded.into_rgba8().into_raw()),
-        encoded: Arc::unwrap_or_clone(bytes),
-    })
+        bytes,
+        format,
+    };
+    let room = encoded.reserve(reader)?;
+    let pixels = encoded.job(&room).pixels();
+    reader.budget.give(room.scratch);
+    encoded.finish(&room, pixels)
 }
 
 /// Did the exporter make the file from pixels that had none (`extras.kaustik.generated`)?

@@ -16,13 +16,14 @@ use serde::{Deserialize, Serialize};
 use super::films::Films;
 use super::perturbations::{NAMES, Perturbations};
 use super::starts::{Starter, is_spread};
+use crate::carried::Carried;
 use crate::cells::{Cells, Tour};
 use crate::control::is_stopped;
 use crate::engine::Nonfinite;
 use crate::erpt_pss::{UntilStopped, check_redistribution};
 use crate::state::{Reader, StateError};
 use crate::stratified::mix;
-use crate::{Colours, Energy, Options};
+use crate::{Colours, Energy, Options, RenderSettings};
 
 /// The decisions of a ladder's chains come from streams beside those of its samples.
 const CHAIN_LADDERS: u64 = 1 << 32;
@@ -50,6 +51,7 @@ pub(crate) struct Stream {
     chains: SampleGenerators,
     plan: Option<Redistribution>,
     pub(crate) redistributor: Redistributor<(), Path>,
+    carried: Carried,
     pub(crate) light: Light,
     pub(crate) nonfinite: Nonfinite,
 }
@@ -62,6 +64,7 @@ pub(crate) struct Kept {
     statistics: RedistributionStatistics,
     light: Light,
     nonfinite: Nonfinite,
+    carried: Carried,
 }
 
 /// Sums of light over samples.
@@ -105,14 +108,16 @@ fn plan(options: &Options, mean: f64) -> Option<Redistribution> {
 }
 
 impl Stream {
-    pub(crate) fn new(seed: u64, ladder: u32, options: &Options, pilot: f64) -> Self {
+    pub(crate) fn new(settings: &RenderSettings, ladder: u32, pilot: f64) -> Self {
+        let seed = settings.seed;
         Self {
             ladder,
             step: 0,
             samples: SampleGenerators::new(seed, u64::from(ladder)),
             chains: SampleGenerators::new(seed, CHAIN_LADDERS + u64::from(ladder)),
-            plan: plan(options, pilot),
+            plan: plan(&settings.options, pilot),
             redistributor: Redistributor::new(),
+            carried: Carried::new(settings, ladder),
             light: Light::default(),
             nonfinite: Nonfinite::default(),
         }
@@ -125,6 +130,7 @@ impl Stream {
             statistics: self.redistributor.statistics().clone(),
             light: self.light,
             nonfinite: self.nonfinite,
+            carried: self.carried.clone(),
         }
     }
 
@@ -139,6 +145,7 @@ impl Stream {
         }
         self.go_to(Kept {
             nonfinite: kept.nonfinite.checked()?,
+            carried: self.carried.checked(kept.carried)?,
             ..kept
         });
         Ok(())
@@ -146,6 +153,7 @@ impl Stream {
 
     /// As the one was that has left this behind.
     pub(crate) fn go_to(&mut self, kept: Kept) {
+        self.carried = kept.carried;
         self.step = kept.step;
         self.redistributor = Redistributor::new().with_statistics(kept.statistics);
         self.light = kept.light;
@@ -177,6 +185,8 @@ impl Stream {
             let [x, y] = at.get2(Axis::Camera, 0);
             let start = (DVec2::new(x, y), at.get(Axis::Wavelength, 0));
             tour.go_on();
+            let share = self.carried.at(self.step);
+            self.redistributor.carry(share.as_deref().copied());
             let mut spread = Spread {
                 job,
                 kernel: &kernel,
@@ -192,6 +202,9 @@ impl Stream {
                 spread.start(path, weight);
             });
             let ([some, all], bad) = (spread.sample, spread.bad);
+            if let (Some(share), Some(left)) = (share, self.redistributor.carried()) {
+                *share = left;
+            }
             // A sample whose chains may have been broken off is none.
             if is_stopped(job.stop) {
                 return;
@@ -204,14 +217,25 @@ impl Stream {
         }
     }
 
-    /// Tells what happens in the sample of this number. With [`Energy::Passes`] how many chains it has follows from the samples
-    /// before, which are taken first.
+    /// Tells what happens in the sample of this number. How many chains it has follows from the samples of its cell before it,
+    /// with [`Energy::Passes`] from all samples before it: these are taken first.
     pub(crate) fn replay(&mut self, job: &Job<'_>, step: u64) -> Vec<Event> {
         match job.options.energy {
-            Energy::Pilot => self.step = step,
+            Energy::Pilot => self.carry_to(job, step),
             Energy::Passes => self.run(job, step),
         }
         trace(|| self.run(job, 1)).1
+    }
+
+    /// To before this sample, by way of those of its cell alone.
+    fn carry_to(&mut self, job: &Job<'_>, step: u64) {
+        let [first, end] = job.cells.of_ladder(self.ladder);
+        let count = end - first;
+        for earlier in (step % count..step).step_by(count as usize) {
+            self.step = earlier;
+            self.run(job, 1);
+        }
+        self.step = step;
     }
 
     /// Light of a sample by all passes so far; the pilot counts as one of them.
