@@ -53,7 +53,7 @@ pub struct Rest {
 }
 
 /// What a joint carries.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Load {
     /// Index into [`Description::instances`](super::Description::instances).
     Instance(usize),

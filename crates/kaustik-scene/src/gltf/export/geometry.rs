@@ -49,11 +49,8 @@ fn primitive(writer: &mut Writer, mesh: &Mesh) -> Value {
         mesh.positions.iter().fold([start; 3], fold)
     };
     if !mesh.positions.is_empty() {
-        let bounds = (
-            corner(f32::INFINITY, f32::min),
-            corner(f32::NEG_INFINITY, f32::max),
-        );
-        writer.bound(positions, bounds);
+        let least = corner(f32::INFINITY, f32::min);
+        writer.bound(positions, &least, &corner(f32::NEG_INFINITY, f32::max));
     }
     attributes = attributes.with("POSITION", positions);
     if !mesh.normals.is_empty() {

@@ -1,64 +1,61 @@
 use serde_json::{Value, json};
 
-use super::geometry::{MeshIndex, matrix};
+use super::geometry::MeshIndex;
+use super::nodes::Nodes;
 use super::writer::{Object, Writer, extras, number, numbers};
-use super::{ExportError, image};
+use super::{ExportError, animation, image};
 use crate::Description;
-use crate::description::{CameraDescription, LightDescription, LightKind, Projection};
+use crate::description::{CameraDescription, LightDescription, LightKind, Load, Projection};
 
-/// Writes one root node for each instance, camera and light, in this order, and the scene
-/// that holds them.
+/// Writes a node for each instance, camera and light, below those that move them, and the scene that holds them.
 pub(super) fn scene(
     writer: &mut Writer,
     description: &Description,
     meshes: &MeshIndex,
 ) -> Result<(), ExportError> {
-    let mut nodes: Vec<Value> = Vec::new();
-    for (i, instance) in description.instances.iter().enumerate() {
-        let mesh = meshes.get(&(instance.mesh, instance.material));
-        let mesh = *mesh.ok_or_else(|| ExportError::Unsupported {
-            place: format!("instances[{i}] (\"{}\")", instance.name),
-            found: format!("mesh {}", instance.mesh),
-            expected: format!("one of the {} meshes", description.meshes.len()),
-        })?;
-        let node = Object::default()
-            .named(&instance.name)
-            .with("mesh", mesh)
-            .maybe("matrix", matrix(&instance.transform));
-        nodes.push(node.into());
-    }
-    cameras(writer, &description.cameras, &mut nodes);
-    lights(writer, &description.lights, &mut nodes);
+    let nodes = Nodes::new(description, |load| leaf(description, meshes, load))?;
+    let cameras = description.cameras.iter().map(camera);
+    writer.set("cameras", cameras.collect());
+    lights(writer, &description.lights);
+    animation::animation(writer, &description.animation, nodes.joints());
     let mut ours = Object::default();
     if let Some(environment) = &description.environment {
         ours = ours.with("environment", image::environment(writer, environment)?);
     }
-    let indices: Vec<usize> = (0..nodes.len()).collect();
+    let roots = nodes.roots();
     let scene = Object::default()
         .named(&description.name)
-        .maybe("nodes", (!nodes.is_empty()).then_some(indices))
+        .maybe("nodes", (!roots.is_empty()).then_some(roots))
         .maybe("extras", extras(ours));
-    writer.set("nodes", nodes);
+    writer.set("nodes", nodes.finish());
     writer.set("scenes", vec![scene.into()]);
     writer.set_value("scene", 0.into());
     Ok(())
 }
 
-fn cameras(writer: &mut Writer, cameras: &[CameraDescription], nodes: &mut Vec<Value>) {
-    let mut list = Vec::new();
-    for camera in cameras {
-        let node = Object::default()
-            .named(&camera.name)
-            .with("camera", list.len())
-            .maybe("matrix", matrix(&camera.transform));
-        nodes.push(node.into());
-        list.push(kind(camera));
-    }
-    writer.set("cameras", list);
+/// The node of something, but for its place.
+fn leaf(d: &Description, meshes: &MeshIndex, load: Load) -> Result<Object, ExportError> {
+    let node = Object::default();
+    Ok(match load {
+        Load::Instance(i) => {
+            let instance = &d.instances[i];
+            let mesh = meshes.get(&(instance.mesh, instance.material));
+            let mesh = *mesh.ok_or_else(|| ExportError::Unsupported {
+                place: format!("instances[{i}] (\"{}\")", instance.name),
+                found: format!("mesh {}", instance.mesh),
+                expected: format!("one of the {} meshes", d.meshes.len()),
+            })?;
+            node.named(&instance.name).with("mesh", mesh)
+        }
+        Load::Camera(i) => node.named(&d.cameras[i].name).with("camera", i),
+        Load::Light(i) => node
+            .named(&d.lights[i].name)
+            .with("extensions", json!({ LIGHTS: { "light": i } })),
+    })
 }
 
 /// glTF wants clipping planes; nothing here uses them.
-fn kind(camera: &CameraDescription) -> Value {
+fn camera(camera: &CameraDescription) -> Value {
     let (kind, members) = match camera.projection {
         Projection::Perspective { yfov, aspect_ratio } => (
             "perspective",
@@ -92,22 +89,15 @@ fn kind(camera: &CameraDescription) -> Value {
         .into()
 }
 
-fn lights(writer: &mut Writer, lights: &[LightDescription], nodes: &mut Vec<Value>) {
+const LIGHTS: &str = "KHR_lights_punctual";
+
+fn lights(writer: &mut Writer, lights: &[LightDescription]) {
     if lights.is_empty() {
         return;
     }
-    const NAME: &str = "KHR_lights_punctual";
-    let mut list = Vec::new();
-    for light in lights {
-        let node = Object::default()
-            .named(&light.name)
-            .with("extensions", json!({ NAME: { "light": list.len() } }))
-            .maybe("matrix", matrix(&light.transform));
-        nodes.push(node.into());
-        list.push(punctual(light));
-    }
-    writer.uses(NAME);
-    writer.set_value("extensions", json!({ NAME: { "lights": list } }));
+    let list: Vec<Value> = lights.iter().map(punctual).collect();
+    writer.uses(LIGHTS);
+    writer.set_value("extensions", json!({ LIGHTS: { "lights": list } }));
 }
 
 fn punctual(light: &LightDescription) -> Value {

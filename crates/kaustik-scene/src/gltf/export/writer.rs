@@ -67,10 +67,10 @@ impl Writer {
         self.accessor(kind, 5126, count, values.flatten().map(f32::to_le_bytes))
     }
 
-    /// Adds the least and the greatest corner to an accessor, as positions need them.
-    pub(super) fn bound(&mut self, accessor: usize, (least, most): ([f32; 3], [f32; 3])) {
-        self.accessors[accessor]["min"] = numbers(&least);
-        self.accessors[accessor]["max"] = numbers(&most);
+    /// Adds the least and the greatest element to an accessor, as positions and times need them.
+    pub(super) fn bound(&mut self, accessor: usize, least: &[f32], most: &[f32]) {
+        self.accessors[accessor]["min"] = numbers(least);
+        self.accessors[accessor]["max"] = numbers(most);
     }
 
     /// The JSON of the whole document and its binary chunk. `uri` says where the chunk is to

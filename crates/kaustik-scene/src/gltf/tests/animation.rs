@@ -293,3 +293,93 @@ fn moving_nodes_below_too_many_others() {
     assert_eq!(error.kind(), ErrorKind::Hierarchy);
     assert_eq!(error.place(), "/nodes/142");
 }
+
+/// A scene of every kind of motion: joints below joints with still nodes in between, before and after what stands still; the
+/// first camera carried, the second not; splines, steps and lines; all three kinds of values.
+fn busy() -> File {
+    let mut file = file();
+    let moving = [0.0, 0.0, 0.0, 0.6, 0.0, 0.8, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0];
+    file.accessor("VEC4", 5126, 3, &floats(&moving)); // 4
+    let spline: Vec<f32> = (0..18).map(|i| i as f32 * 0.1).collect();
+    file.accessor("VEC3", 5126, 6, &floats(&spline)); // 5
+    file.accessor("SCALAR", 5126, 3, &floats(&[-1.0, 0.5, 4.0])); // 6
+    file.accessor("VEC4", 5126, 3, &floats(&moving)); // 7
+    file.json["nodes"] = json!([
+        { "mesh": 0, "name": "still" },
+        { "children": [2, 3], "name": "still above", "rotation": [0.6, 0, 0, 0.8], "translation": [1, 2, 3] },
+        { "children": [4, 5], "name": "outer", "scale": [1, 2, 1] },
+        { "mesh": 0, "name": "still below", "translation": [0.1, 0.2, 0.3] },
+        { "camera": 0, "name": "carried camera", "translation": [0, 0, 0.7] },
+        { "children": [6, 7, 10], "name": "between", "rotation": [0, 0.1, 0, 0.9] },
+        { "mesh": 0, "name": "carried" },
+        { "children": [8], "name": "inner" },
+        { "mesh": 0, "name": "innermost", "translation": [3, 0, 0] },
+        { "mesh": 0, "camera": 1, "name": "last" },
+        { "mesh": 0, "name": "carried after" }
+    ]);
+    file.json["scenes"] = json!([{ "nodes": [0, 1, 9] }]);
+    let camera = file.json["cameras"][0].clone();
+    file.json["cameras"] = json!([camera, camera]);
+    file.json["animations"] = json!([{
+        "channels": [
+            { "sampler": 0, "target": { "node": 2, "path": "translation" } },
+            { "sampler": 1, "target": { "node": 7, "path": "rotation" } },
+            { "sampler": 2, "target": { "node": 7, "path": "scale" } }
+        ],
+        "samplers": [
+            { "input": 2, "output": 3, "interpolation": "STEP" },
+            { "input": 6, "output": 7 },
+            { "input": 2, "output": 5, "interpolation": "CUBICSPLINE" }
+        ]
+    }]);
+    file
+}
+
+#[test]
+fn what_moves_comes_back() {
+    for file in [file(), busy()] {
+        let loaded = load(&file).expect("a sound file");
+        let d = loaded.description;
+        assert!(!d.animation.is_empty());
+        let bytes = crate::gltf::export_bytes(&d).unwrap_or_else(|e| panic!("{e}"));
+        let again = crate::gltf::load_bytes(&bytes, "again", &LoadOptions::default());
+        let again = again.expect("an exported file").description;
+        // Of single precision now, and so to the bit.
+        let once_more = crate::gltf::export_bytes(&again).expect("an export");
+        assert_eq!(once_more, bytes);
+        let names = |d: &crate::Description| {
+            let instances = d.instances.iter().map(|i| i.name.clone());
+            let joints = d.animation.joints.iter().map(|j| j.name.clone());
+            instances.chain(joints).collect::<Vec<_>>()
+        };
+        assert_eq!(names(&again), names(&d));
+        let scenes =
+            [&d, &again].map(|d| Scene::new(d, &SceneOptions::default()).expect("a scene"));
+        for time in [0.0, 0.3, 0.99] {
+            for instance in 0..d.instances.len() {
+                let corners = |scene: &Scene| scene.at(time).world().triangle(instance as u32, 0);
+                let [a, b] = [corners(&scenes[0]), corners(&scenes[1])];
+                for (a, b) in a.into_iter().zip(b) {
+                    assert!(a.distance(b) < 1e-5 * (1.0 + a.length()), "{time} {a} {b}");
+                }
+            }
+        }
+    }
+}
+
+/// A description that no file has: what a joint carries is missing, or stands in another order than any tree has.
+#[test]
+fn what_cannot_come_back_is_refused() {
+    let sound = load(&busy()).expect("a sound file").description;
+    let mut missing = sound.clone();
+    missing.animation.carried[0].load = Load::Instance(99);
+    let mut tangled = sound.clone();
+    for carried in &mut tangled.animation.carried {
+        if carried.load == Load::Instance(1) {
+            carried.load = Load::Instance(4);
+        }
+    }
+    for wrong in [missing, tangled] {
+        assert!(crate::gltf::export_bytes(&wrong).is_err());
+    }
+}
