@@ -9,11 +9,11 @@ use crate::factor::Factor;
 use crate::factor::planted::without;
 use crate::{
     BidirectionalMutation, CausticPerturbation, EveryPerturbation, LensMutation, LensPerturbation,
-    Path, PathSpace, Radii, Run, Seeds, WavelengthMutation,
+    Path, PathSpace, Radii, Run, Seeds, TimeMutation, WavelengthMutation,
 };
 
 /// How many test functions there are.
-pub(super) const H: usize = 20;
+pub(super) const H: usize = 23;
 /// Longest path.
 pub(super) const EDGES: u32 = 5;
 
@@ -46,6 +46,9 @@ pub(super) fn functions(path: &Path) -> [f64; H] {
         red + 0.5 * green,
         blue,
         first[0] * last[0],
+        path.time(),
+        is(path.time() < 0.3),
+        path.time() * first[0],
     ]
 }
 
@@ -123,11 +126,32 @@ pub(super) const WAVELENGTHS: Kind = (
     },
 );
 
+pub(super) const TIME: Kind = (
+    "time",
+    |space, x| TimeMutation { space }.suits(x),
+    |space, x, y, rng| TimeMutation { space }.propose(&mut (), x, y, rng).ratio,
+);
+
 pub(super) const EVERY: Kind = (
     "every",
     |space, x| every(space).suits(x),
     |space, x, y, rng| every(space).propose(&mut (), x, y, rng).ratio,
 );
+
+/// Kernels that look at the scene where the space stands, as it is when the shutter opens, whatever the time of the path.
+pub(super) const BLIND: [Kind; 3] = [
+    ("lens, blind", LENS.1, |space, x, y, rng| {
+        let made = lens(space, Run::Single).perturb(x, y, rng);
+        made.unwrap_or(0.0)
+    }),
+    ("caustic, blind", CAUSTIC.1, |space, x, y, rng| {
+        caustic(space).perturb(x, y, rng).unwrap_or(0.0)
+    }),
+    ("bidirectional, blind", BIDIRECTIONAL.1, |space, x, y, rng| {
+        let made = BidirectionalMutation { space }.mutate(x, y, rng);
+        made.unwrap_or(0.0)
+    }),
+];
 
 /// Starts from independent paths, steps, and hands `judge` the pieces.
 pub(super) fn with_pieces<R>(
