@@ -258,9 +258,8 @@ fn photon_methods_show_the_mean_of_still_pictures() {
     let still = |seed| sum_of_stills(seed, &photons(Method::Sppm, 1));
     let stills = tiles_of(SEEDS.map(still));
     let mut more = None;
-    let blurred = |scene: &_, method, seeds| {
-        sums(tiles_of_seeds(scene, &photons(method, ITERATIONS), seeds))
-    };
+    let blurred =
+        |scene: &_, method, seeds| sums(tiles_of_seeds(scene, &photons(method, ITERATIONS), seeds));
     let scene = compile(&between(0.0, 1.0), SIDE);
     for method in [
         Method::Sppm,

@@ -112,11 +112,7 @@ impl<'a> Seeds<'a> {
     }
 
     /// Tells whether the last vertex is an emitter infinitely far away.
-    fn walk_from_eye<D: Draws + ?Sized>(
-        &mut self,
-        space: &PathSpace<'_>,
-        draws: &mut D,
-    ) -> bool {
+    fn walk_from_eye<D: Draws + ?Sized>(&mut self, space: &PathSpace<'_>, draws: &mut D) -> bool {
         // Slot 0 stays free: what is written there is an emitter, and here it is not known yet.
         let last = self.most() + 1;
         self.eye_odds.clear();

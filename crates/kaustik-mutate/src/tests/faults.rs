@@ -6,8 +6,8 @@ use kaustik_mcmc::generator;
 use kaustik_mcmc::testing::PairedTest;
 
 use super::kinds::{
-    BIDIRECTIONAL, BLIND, CAUSTIC, EVERY, Kind, LENS, MULTICHAIN, SUBPATH, TIME, WAVELENGTHS, changes,
-    with_pieces,
+    BIDIRECTIONAL, BLIND, CAUSTIC, EVERY, Kind, LENS, MULTICHAIN, SUBPATH, TIME, WAVELENGTHS,
+    changes, with_pieces,
 };
 use super::stage::scene;
 use crate::factor::Factor::{self, *};
@@ -177,7 +177,15 @@ fn a_kernel_at_another_time_is_found() {
 /// What a kernel asks for in any scene is in the table, or is known to cancel.
 #[test]
 fn every_factor_is_tried() {
-    let scenes = ["gallery", "varnish", "leaning-glass", "lens", "veil", "moving"].map(scene);
+    let scenes = [
+        "gallery",
+        "varnish",
+        "leaning-glass",
+        "lens",
+        "veil",
+        "moving",
+    ]
+    .map(scene);
     for (kind, faults) in FAULTS {
         let mut found = BTreeSet::new();
         for scene in &scenes {

@@ -147,10 +147,14 @@ pub(super) const BLIND: [Kind; 3] = [
     ("caustic, blind", CAUSTIC.1, |space, x, y, rng| {
         caustic(space).perturb(x, y, rng).unwrap_or(0.0)
     }),
-    ("bidirectional, blind", BIDIRECTIONAL.1, |space, x, y, rng| {
-        let made = BidirectionalMutation { space }.mutate(x, y, rng);
-        made.unwrap_or(0.0)
-    }),
+    (
+        "bidirectional, blind",
+        BIDIRECTIONAL.1,
+        |space, x, y, rng| {
+            let made = BidirectionalMutation { space }.mutate(x, y, rng);
+            made.unwrap_or(0.0)
+        },
+    ),
 ];
 
 /// Starts from independent paths, steps, and hands `judge` the pieces.

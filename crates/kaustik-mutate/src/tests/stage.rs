@@ -8,7 +8,8 @@ use glam::{Affine3A, DVec3, Mat3A, Quat, Vec3, Vec3A};
 use kaustik_geometry::Mesh;
 use kaustik_scene::description::{
     AlphaMode, CameraDescription, EnvironmentDescription, InstanceDescription, Lens,
-    LightDescription, LightKind, Load, MaterialDescription, Projection, Specular, Transmission, Volume,
+    LightDescription, LightKind, Load, MaterialDescription, Projection, Specular, Transmission,
+    Volume,
 };
 use kaustik_scene::{Description, Scene, SceneOptions};
 use moving::{QUARTER, STRAIGHT};
@@ -375,9 +376,12 @@ pub(crate) fn scene(name: &str) -> Scene {
         }
         "moving-point" => {
             let goes = [([-1.0, 0.0, 0.3], [1.0; 3]), ([0.6, -0.4, 0.0], [1.0; 3])];
-            room()
-                .light(LightKind::Point, above, down)
-                .moving(Load::Light(0), DVec3::new(1.0, 2.0, 0.5), goes, STRAIGHT)
+            room().light(LightKind::Point, above, down).moving(
+                Load::Light(0),
+                DVec3::new(1.0, 2.0, 0.5),
+                goes,
+                STRAIGHT,
+            )
         }
         "glossy" => plate(metal(0.4)),
         "mirror" => plate(metal(0.0)),

@@ -4,8 +4,8 @@ use std::sync::atomic::AtomicBool;
 
 use glam::DVec2;
 use kaustik_mcmc::{
-    Deposit, Draws, Independent, Mean, Redistribution, RedistributionStatistics,
-    Redistributor, SampleGenerators,
+    Deposit, Draws, Independent, Mean, Redistribution, RedistributionStatistics, Redistributor,
+    SampleGenerators,
 };
 use kaustik_mutate::{Path, PathSpace, Told};
 use kaustik_path::{Event, Role, trace};
