@@ -33,7 +33,11 @@ impl Stage {
             close: 1.0,
         });
         let AnimationDescription { joints, carried } = &mut self.description.animation;
-        let offset = DAffine3::from_translation(-about);
+        // Meshes are where the scene has them, lights at the origin of their nodes.
+        let offset = match load {
+            Load::Instance(_) => DAffine3::from_translation(-about),
+            _ => DAffine3::IDENTITY,
+        };
         carried.push(Carried {
             load,
             joint: joints.len(),
