@@ -11,7 +11,9 @@ use kaustik::{Method, RenderSettings};
 
 use crate::bits::bits;
 use crate::state::{last_state, resumed};
-use crate::support::{Tile, Verdict, agree, compile, picture, settings, tiles_of, tiles_of_seeds};
+use crate::support::{
+    Tile, Verdict, agree, compile, means, picture, settings, tiles_of, tiles_of_seeds,
+};
 
 const SIDE: u32 = 16;
 const SEEDS: std::ops::Range<u64> = 0..8;
@@ -281,6 +283,47 @@ fn photon_methods_show_the_mean_of_still_pictures() {
     let half = compile(&between(0.0, 0.5), SIDE);
     let found = verdict(&stills, &blurred(&half, Method::Sppm, SEEDS));
     assert!(!found.rejected.is_empty(), "{found:?}");
+}
+
+/// The room whose lamp is there for a part of the time, and then above the ceiling, where nobody sees its light.
+fn switched() -> Description {
+    let mut description = builtin::load("cornell").expect("a built-in scene");
+    let mut instances = description.instances.iter();
+    let lamp = instances.position(|instance| instance.name == "lamp");
+    let lamp = lamp.expect("the lamp of the Cornell box");
+    let mut jumps = joint(DVec3::ZERO);
+    let places = [[0.0; 3], [0.0, 9.0, 0.0]];
+    jumps.translation = channel(Interpolation::Step, &[0.0, 0.3], &places);
+    description.animation.joints.push(jumps);
+    description.animation.carried.push(Carried {
+        load: Load::Instance(lamp),
+        joint: 0,
+        offset: DAffine3::IDENTITY,
+    });
+    let (open, close) = (0.0, 1.0);
+    description.cameras[0].shutter = Some(Shutter { open, close });
+    description
+}
+
+/// Chains of photons are scaled by what of the light is visible, in each iteration by that of its own instant; those that
+/// were left in the dark find the light again.
+#[test]
+fn light_that_comes_and_goes_is_as_bright_by_chains() {
+    let scene = compile(&switched(), SIDE);
+    let of = |method| {
+        let image = picture(&scene, &photons(method, 20));
+        means(&image).iter().sum::<f64>()
+    };
+    // Of the same seed all have the same instants.
+    let independent = of(Method::Sppm);
+    for method in [
+        Method::PhotonVisibility,
+        Method::PhotonDensity,
+        Method::PhotonSpatial,
+    ] {
+        let ratio = of(method) / independent;
+        assert!((ratio - 1.0).abs() < 0.04, "{method}: {ratio}");
+    }
 }
 
 /// The same bits for any number of threads, motion or not.

@@ -20,7 +20,8 @@ pub(super) const EDGES: u32 = 5;
 /// What each part of a path shows.
 pub(super) fn functions(path: &Path) -> [f64; H] {
     let n = path.edges();
-    let [x, y] = path.raster().to_array();
+    // What a kernel keeps is worked out again: rounding is no change.
+    let [x, y] = path.raster().to_array().map(|u| (u * 1e9).round() * 1e-9);
     let (first, last) = (path.position(1.min(n)), path.position(n - 1));
     let specular = (1..n).filter(|&i| path.is_specular(i)).count() as f64;
     let is = |yes: bool| f64::from(u8::from(yes));
