@@ -22,7 +22,7 @@ macro_rules! kernels {
                 draws: &mut D,
             ) -> Move {
                 let found = self.space.at(current.time, |space| {
-                    // A field would do, but lives of its own kind would not.
+                    // The same kernel, for as long as that space is there.
                     let mut here: $mutation<'_> = *self;
                     here.space = space;
                     here.$propose(current, proposed, draws)
