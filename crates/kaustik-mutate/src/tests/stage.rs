@@ -376,12 +376,11 @@ pub(crate) fn scene(name: &str) -> Scene {
         }
         "moving-point" => {
             let goes = [([-1.0, 0.0, 0.3], [1.0; 3]), ([0.6, -0.4, 0.0], [1.0; 3])];
-            room().light(LightKind::Point, above, down).moving(
-                Load::Light(0),
-                DVec3::new(1.0, 2.0, 0.5),
-                goes,
-                STRAIGHT,
-            )
+            let at = DVec3::new(1.0, 2.0, 0.5);
+            room()
+                .light(LightKind::Point, above, down)
+                .moving(Load::Light(0), at, goes, STRAIGHT)
+                .looking()
         }
         "glossy" => plate(metal(0.4)),
         "mirror" => plate(metal(0.0)),
