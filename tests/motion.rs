@@ -7,9 +7,13 @@ use kaustik::scene::description::{
     Load, Rest, Shutter,
 };
 use kaustik::scene::{Description, builtin};
-use kaustik::{Control, Method, RenderSettings, render};
+use kaustik::{Method, RenderSettings};
 
-use crate::support::{Tile, Verdict, agree, compile, picture, settings, tiles_of, tiles_of_seeds};
+use crate::bits::bits;
+use crate::state::{last_state, resumed};
+use crate::support::{
+    Tile, Verdict, agree, compile, means, picture, settings, tiles_of, tiles_of_seeds,
+};
 
 const SIDE: u32 = 16;
 const SEEDS: std::ops::Range<u64> = 0..8;
@@ -17,8 +21,8 @@ const AGAIN: std::ops::Range<u64> = 100..124;
 /// Still pictures in place of an interval.
 const STILLS: u64 = 32;
 
-/// Methods that follow what moves, with samples a pixel that make their tiles certain to some per cent.
-const FOLLOWERS: [(Method, u64); 7] = [
+/// Methods whose mean is that of path tracing, with samples a pixel that make their tiles certain to some per cent.
+const EXACT: [(Method, u64); 9] = [
     (Method::Path, 128),
     (Method::Light, 256),
     (Method::Bdpt, 128),
@@ -26,7 +30,14 @@ const FOLLOWERS: [(Method, u64); 7] = [
     (Method::Mmlt, 1024),
     (Method::Relt, 256),
     (Method::ErptPss, 64),
+    (Method::Mlt, 1024),
+    (Method::Erpt, 64),
 ];
+
+/// Iterations of photon methods, as many as there are still pictures, and light paths of each: chains need some to
+/// forget where the light was.
+const ITERATIONS: u64 = STILLS;
+const PHOTONS: u64 = 16_000;
 
 /// A node that stands still at this place.
 fn joint(at: DVec3) -> Joint {
@@ -163,6 +174,11 @@ fn between(open: f32, close: f32) -> Description {
 
 /// The mean of still pictures at times that are spread evenly, each seed with times of its own.
 fn mean_of_stills(seed: u64) -> Image {
+    sum_of_stills(seed, &settings(Method::Path, SIDE, 8))
+}
+
+/// The sum of so many, rendered so.
+fn sum_of_stills(seed: u64, each: &RenderSettings) -> Image {
     let offset = (seed as f32 * 0.618_034).fract();
     let mut sum: Option<Image> = None;
     for still in 0..STILLS {
@@ -171,7 +187,7 @@ fn mean_of_stills(seed: u64) -> Image {
         assert!(!scene.moves());
         let settings = RenderSettings {
             seed: seed * STILLS + still + 1_000,
-            ..settings(Method::Path, SIDE, 8)
+            ..each.clone()
         };
         let image = picture(&scene, &settings);
         match &mut sum {
@@ -212,7 +228,7 @@ fn verdict(a: &[Tile], b: &[Tile]) -> Verdict {
 fn every_method_shows_the_mean_of_still_pictures() {
     let stills = tiles_of(SEEDS.map(mean_of_stills));
     let mut more = None;
-    for (method, spp) in FOLLOWERS {
+    for (method, spp) in EXACT {
         let found = verdict(&stills, &blurred(method, spp, SEEDS));
         if found.rejected.is_empty() {
             assert!(found.uncertain.is_empty(), "{method}: {found:?}");
@@ -230,6 +246,86 @@ fn every_method_shows_the_mean_of_still_pictures() {
     assert!(!found.rejected.is_empty(), "{found:?}");
 }
 
+/// Of these the picture is blurred by the photons' discs as well: that of a moving scene is the mean of pictures that
+/// `sppm` makes of still ones.
+fn photons(method: Method, iterations: u64) -> RenderSettings {
+    let mut settings = settings(method, SIDE, iterations);
+    settings.options.photon.photons = PHOTONS;
+    settings.options.photon.burn_in = 64;
+    settings
+}
+
+#[test]
+fn photon_methods_show_the_mean_of_still_pictures() {
+    let still = |seed| sum_of_stills(seed, &photons(Method::Sppm, 1));
+    let stills = tiles_of(SEEDS.map(still));
+    let mut more = None;
+    let blurred =
+        |scene: &_, method, seeds| sums(tiles_of_seeds(scene, &photons(method, ITERATIONS), seeds));
+    let scene = compile(&between(0.0, 1.0), SIDE);
+    for method in [
+        Method::Sppm,
+        Method::PhotonVisibility,
+        Method::PhotonDensity,
+        Method::PhotonSpatial,
+        Method::PhotonImage,
+    ] {
+        let found = verdict(&stills, &blurred(&scene, method, SEEDS));
+        println!("{method}: {found:?}");
+        if found.rejected.is_empty() {
+            assert!(found.uncertain.is_empty(), "{method}: {found:?}");
+            continue;
+        }
+        let more = more.get_or_insert_with(|| tiles_of(AGAIN.map(still)));
+        let found = verdict(more, &blurred(&scene, method, AGAIN));
+        assert!(found.rejected.is_empty(), "{method}: {found:?}");
+    }
+    let half = compile(&between(0.0, 0.5), SIDE);
+    let found = verdict(&stills, &blurred(&half, Method::Sppm, SEEDS));
+    assert!(!found.rejected.is_empty(), "{found:?}");
+}
+
+/// The room whose lamp is there for a part of the time, and then above the ceiling, where nobody sees its light.
+fn switched() -> Description {
+    let mut description = builtin::load("cornell").expect("a built-in scene");
+    let mut instances = description.instances.iter();
+    let lamp = instances.position(|instance| instance.name == "lamp");
+    let lamp = lamp.expect("the lamp of the Cornell box");
+    let mut jumps = joint(DVec3::ZERO);
+    let places = [[0.0; 3], [0.0, 9.0, 0.0]];
+    jumps.translation = channel(Interpolation::Step, &[0.0, 0.3], &places);
+    description.animation.joints.push(jumps);
+    description.animation.carried.push(Carried {
+        load: Load::Instance(lamp),
+        joint: 0,
+        offset: DAffine3::IDENTITY,
+    });
+    let (open, close) = (0.0, 1.0);
+    description.cameras[0].shutter = Some(Shutter { open, close });
+    description
+}
+
+/// Chains of photons are scaled by what of the light is visible, in each iteration by that of its own instant; those that
+/// were left in the dark find the light again.
+#[test]
+fn light_that_comes_and_goes_is_as_bright_by_chains() {
+    let scene = compile(&switched(), SIDE);
+    let of = |method| {
+        let image = picture(&scene, &photons(method, 20));
+        means(&image).iter().sum::<f64>()
+    };
+    // Of the same seed all have the same instants.
+    let independent = of(Method::Sppm);
+    for method in [
+        Method::PhotonVisibility,
+        Method::PhotonDensity,
+        Method::PhotonSpatial,
+    ] {
+        let ratio = of(method) / independent;
+        assert!((ratio - 1.0).abs() < 0.04, "{method}: {ratio}");
+    }
+}
+
 /// The same bits for any number of threads, motion or not.
 #[test]
 fn threads_do_not_show_in_what_moves() {
@@ -241,36 +337,36 @@ fn threads_do_not_show_in_what_moves() {
         };
         picture(&scene, &settings)
     };
-    for method in [Method::Path, Method::Pssmlt, Method::Relt] {
-        let bits = |image: Image| image.rgb().map(|plane| plane.to_vec()).concat();
-        let bits = |image: Image| {
-            bits(image)
-                .into_iter()
-                .map(f32::to_bits)
-                .collect::<Vec<_>>()
-        };
+    for method in [
+        Method::Path,
+        Method::Pssmlt,
+        Method::Relt,
+        Method::Mlt,
+        Method::Erpt,
+        Method::Sppm,
+        Method::PhotonSpatial,
+    ] {
         let (one, four) = (of(method, 1), of(method, 4));
-        assert_eq!(bits(one), bits(four), "{method}");
+        assert_eq!(bits(&one), bits(&four), "{method}");
     }
 }
 
-/// Methods that see one instant say so and name those that do not.
+/// A state has the time of every path: a render that was broken off goes on to the same bits.
 #[test]
-fn who_cannot_follow_refuses() {
+fn states_keep_the_time() {
     let scene = compile(&between(0.0, 1.0), SIDE);
-    let still = compile(&between(0.5, 0.5), SIDE);
-    for method in Method::ALL {
-        let settings = settings(method, SIDE, 1);
-        let result = render(&scene, &settings, &mut Control::default());
-        if method.takes_motion() {
-            assert!(result.is_ok(), "{method}");
-            continue;
-        }
-        let message = result.expect_err("a refusal").to_string();
-        assert!(
-            message.contains(method.name()) && message.contains("path, light, bdpt"),
-            "{message}"
+    for method in [
+        Method::Mlt,
+        Method::Erpt,
+        Method::Sppm,
+        Method::PhotonVisibility,
+    ] {
+        let [half, whole] = [4, 8].map(|spp| settings(method, SIDE, spp));
+        let resumed = resumed(&scene, &whole, &last_state(&scene, &half)).expect("a render");
+        assert_eq!(
+            bits(&resumed.image),
+            bits(&picture(&scene, &whole)),
+            "{method}"
         );
-        assert!(render(&still, &settings, &mut Control::default()).is_ok());
     }
 }

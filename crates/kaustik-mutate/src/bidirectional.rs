@@ -13,7 +13,7 @@ use crate::walk::Way;
 use crate::{Path, PathSpace};
 
 /// Deletes a part of the path and makes it anew, longer or shorter, by walks from both its ends. Moves
-/// between all paths: the whole path may be made anew, with its wavelengths.
+/// between all paths: the whole path may be made anew, with its wavelengths and its time.
 #[derive(Clone, Copy, Debug)]
 pub struct BidirectionalMutation<'a> {
     /// Where the paths run.
@@ -177,33 +177,23 @@ impl BidirectionalMutation<'_> {
         if cut == Cut::whole(x, aperture) {
             y.wavelength = draws.uniform();
             y.wavelengths = Wavelengths::sample(y.wavelength, space.settings.wavelengths);
+            y.time = space.draw_time(draws);
         }
-        if !space.generate(y, new.first..new.end, by_light, draws) || !new.is_open(y) {
-            return None;
-        }
-        keep_rest(x, y, cut, new);
-        if !space.evaluate(y) {
-            return None;
-        }
-        let there = self.density((x, cut, sum), &additions, (y, new));
+        // What is kept of the path stands where it stood: only a whole path has another time.
+        let there = space.at(y.time, |space| {
+            if cut == Cut::whole(x, aperture) && space.scene.moves() && !aperture {
+                y.at_mut(new.end).vertex.position = space.scene.camera().position();
+            }
+            if !space.generate(y, new.first..new.end, by_light, draws) || !new.is_open(y) {
+                return None;
+            }
+            keep_rest(x, y, cut, new);
+            let lit = space.evaluate(y);
+            lit.then(|| density(space, (x, cut, sum), &additions, (y, new)))
+        })?;
         let additions = Additions::new(y.edges(), new, &space.lengths());
-        let back = self.density((y, new, cuts_sum(y, aperture)), &additions, (x, cut));
-        Some(back / there)
-    }
-
-    /// T(x -> y): (5). `sum` is that of the weights of all cuts of x.
-    fn density(
-        &self,
-        (x, cut, sum): (&Path, Cut, f64),
-        additions: &Additions,
-        (y, new): (&Path, Cut),
-    ) -> f64 {
-        let weight = factor(Factor::CutWeight, cut.weight(x, self.space.has_aperture()));
-        let added = new.edges();
-        let each = factor(Factor::Addition, additions.probability(added))
-            / factor(Factor::Splits, added as f64);
-        let ways = self.space.all_ways(y, new.first, new.end);
-        weight / factor(Factor::CutsOfPath, sum) * each * ways
+        let from = (&*y, new, cuts_sum(y, aperture));
+        Some(density(space, from, &additions, (x, cut)) / there)
     }
 
     /// Copies the vertices next to the cut.
@@ -218,6 +208,21 @@ impl BidirectionalMutation<'_> {
             (y.raster, y.importance) = (x.raster, x.importance);
         }
     }
+}
+
+/// T(x -> y): (5). `sum` is that of the weights of all cuts of x; the space is that at the time of y.
+fn density(
+    space: &PathSpace<'_>,
+    (x, cut, sum): (&Path, Cut, f64),
+    additions: &Additions,
+    (y, new): (&Path, Cut),
+) -> f64 {
+    let weight = factor(Factor::CutWeight, cut.weight(x, space.has_aperture()));
+    let added = new.edges();
+    let each = factor(Factor::Addition, additions.probability(added))
+        / factor(Factor::Splits, added as f64);
+    let ways = space.all_ways(y, new.first, new.end);
+    weight / factor(Factor::CutsOfPath, sum) * each * ways
 }
 
 /// Copies the vertices further from the cut.

@@ -53,6 +53,8 @@ pub(crate) enum Factor {
     OtherWays,
     /// Is the size of a jitter possible from where it leads?
     Range,
+    /// Area of an emitter at another time.
+    Growth,
 }
 
 /// The factor's value.

@@ -4,11 +4,11 @@ use kaustik_mcmc::{Draws, Kernel, Move};
 
 use crate::{
     BidirectionalMutation, CausticPerturbation, EveryPerturbation, LensMutation, LensPerturbation,
-    Path, WavelengthMutation,
+    Path, TimeMutation, WavelengthMutation,
 };
 
 /// The same for each: a method that makes the proposal and returns the ratio of its densities back and there, or nothing
-/// where there is none to be made.
+/// where there is none to be made. It sees the space at the time of the path that it starts from.
 macro_rules! kernels {
     ($($mutation:ident by $propose:ident,)*) => {
         $(impl Kernel<()> for $mutation<'_> {
@@ -21,7 +21,13 @@ macro_rules! kernels {
                 proposed: &mut Path,
                 draws: &mut D,
             ) -> Move {
-                Move::new(0, ratio(self.$propose(current, proposed, draws)))
+                let found = self.space.at(current.time, |space| {
+                    // The same kernel, for as long as that space is there.
+                    let mut here: $mutation<'_> = *self;
+                    here.space = space;
+                    here.$propose(current, proposed, draws)
+                });
+                Move::new(0, ratio(found))
             }
         })*
     };
@@ -33,6 +39,7 @@ kernels! {
     EveryPerturbation by perturb,
     LensMutation by mutate,
     LensPerturbation by perturb,
+    TimeMutation by redraw,
     WavelengthMutation by redraw,
 }
 

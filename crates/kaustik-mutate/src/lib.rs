@@ -21,6 +21,13 @@
 //! where `P` are the probabilities of the lobes, `s` is the squared ratio of the indices that radiance
 //! is multiplied by (8.1) and `S` the factor of shading normals for particles (8.2).
 //!
+//! # Time
+//! Where something moves, a path has a [time](Path::time): its vertices lie where surfaces are then, and all that is asked of it
+//! is asked of the scene at that instant ([`PathSpace::at`]). A kernel is handed the space at the time of the path
+//! that it starts from, so that one which keeps the time needs to know nothing of it. The time of a path is uniform,
+//! and its density 1: it falls out of all ratios. One that changes it evaluates each path, and the density of
+//! making it, at that path's own time.
+//!
 //! # Another kernel
 //! A kernel copies what it keeps of the path, makes the rest by the steps of a walk ([`Path`] holds what each
 //! vertex needs), joins the two, evaluates, and returns the quotient of two densities: each is a product of
@@ -52,8 +59,10 @@ mod lens;
 mod lens_subpath;
 mod path;
 mod printed;
+mod retrace;
 mod seed;
 mod space;
+mod time;
 mod told;
 mod tracer;
 mod vertex;
@@ -72,6 +81,7 @@ pub use path::WrittenPath;
 pub use printed::RuleFive;
 pub use seed::Seeds;
 pub use space::PathSpace;
+pub use time::TimeMutation;
 pub use told::Told;
 pub use tracer::Tracer;
 pub use wavelength::WavelengthMutation;

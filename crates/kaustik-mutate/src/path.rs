@@ -19,6 +19,8 @@ pub struct Path {
     /// The number in [0, 1) that the wavelengths are made of.
     pub(crate) wavelength: f64,
     pub(crate) wavelengths: Wavelengths,
+    /// From 0, when the shutter opens, to 1: vertices lie where surfaces are then. 0 where nothing moves.
+    pub(crate) time: f64,
     pub(crate) raster: DVec2,
     /// `We` at the lens, the Dirac parts of the camera left out.
     pub(crate) importance: f64,
@@ -51,6 +53,7 @@ impl Default for Path {
             len: 0,
             wavelength: 0.5,
             wavelengths: Wavelengths::sample(0.5, WavelengthSampling::Hero),
+            time: 0.0,
             raster: DVec2::ZERO,
             importance: 0.0,
             density: 0.0,
@@ -83,6 +86,13 @@ impl Path {
     #[inline]
     pub fn wavelength(&self) -> f64 {
         self.wavelength
+    }
+
+    /// The instant at which light takes this path, in [0, 1): a share of the time for which the shutter is open. 0 where
+    /// nothing moves.
+    #[inline]
+    pub fn time(&self) -> f64 {
+        self.time
     }
 
     /// Number of edges; 0 is no path.
@@ -153,9 +163,10 @@ impl Path {
         self.len -= from - to;
     }
 
-    /// Takes over the wavelengths.
+    /// Takes over the wavelengths and the time.
     #[inline]
     pub(crate) fn tune(&mut self, other: &Self) {
+        self.time = other.time;
         self.wavelength = other.wavelength;
         self.wavelengths = other.wavelengths;
     }

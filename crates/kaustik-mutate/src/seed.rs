@@ -46,7 +46,7 @@ impl<'a> Seeds<'a> {
         }
     }
 
-    /// Makes a sample and writes one of its paths into `path`; returns the sum of the weighted densities of
+    /// Makes a sample, all of it at one time, and writes one of its paths into `path`; returns the sum of the weighted densities of
     /// all. 0 if there is none. A path whose density is not a number makes the result not a number.
     pub fn sample<D: Draws + ?Sized>(&mut self, path: &mut Path, draws: &mut D) -> f64 {
         let wavelength = draws.uniform();
@@ -54,19 +54,32 @@ impl<'a> Seeds<'a> {
             walk.wavelength = wavelength;
             walk.wavelengths = Wavelengths::sample(wavelength, self.space.settings.wavelengths);
         }
+        let time = self.space.draw_time(draws);
+        (self.light.time, self.eye.time) = (time, time);
         path.resize(0);
         path.density = 0.0;
-        self.walk_from_light(draws);
-        let escaped = self.walk_from_eye(draws);
+        let space = self.space;
+        space.at(time, |space| self.walk(space, path, draws))
+    }
+
+    /// Both walks and all their joints, in a scene that stands at their time.
+    fn walk<D: Draws + ?Sized>(
+        &mut self,
+        space: &PathSpace<'_>,
+        path: &mut Path,
+        draws: &mut D,
+    ) -> f64 {
+        self.walk_from_light(space, draws);
+        let escaped = self.walk_from_eye(space, draws);
         let mut sum = 0.0;
         for t in 1..=self.eye_odds.len() {
-            let ends = (t > 1 && self.emits(t)) || (escaped && t == self.eye_odds.len());
+            let ends = (t > 1 && self.emits(space, t)) || (escaped && t == self.eye_odds.len());
             if ends {
-                self.add(0, t, &mut sum, path, draws);
+                self.add(space, [0, t], &mut sum, path, draws);
             }
             if !(escaped && t == self.eye_odds.len()) {
                 for s in 1..=self.light_odds.len() {
-                    self.add(s, t, &mut sum, path, draws);
+                    self.add(space, [s, t], &mut sum, path, draws);
                 }
             }
         }
@@ -77,11 +90,11 @@ impl<'a> Seeds<'a> {
         self.space.settings.max_edges as usize
     }
 
-    fn walk_from_light<D: Draws + ?Sized>(&mut self, draws: &mut D) {
+    fn walk_from_light<D: Draws + ?Sized>(&mut self, space: &PathSpace<'_>, draws: &mut D) {
         let most = self.most();
         self.light_odds.clear();
         self.light.resize(most + 2);
-        if !self.space.begin_at_light(&mut self.light, draws) {
+        if !space.begin_at_light(&mut self.light, draws) {
             return;
         }
         let mut odds = 1.0;
@@ -91,10 +104,7 @@ impl<'a> Seeds<'a> {
                 return;
             };
             odds *= survival;
-            if !self
-                .space
-                .scatter(&mut self.light, i - 1, Way::ToEye, draws)
-            {
+            if !space.scatter(&mut self.light, i - 1, Way::ToEye, draws) {
                 return;
             }
             self.light_odds.push(odds);
@@ -102,12 +112,12 @@ impl<'a> Seeds<'a> {
     }
 
     /// Tells whether the last vertex is an emitter infinitely far away.
-    fn walk_from_eye<D: Draws + ?Sized>(&mut self, draws: &mut D) -> bool {
+    fn walk_from_eye<D: Draws + ?Sized>(&mut self, space: &PathSpace<'_>, draws: &mut D) -> bool {
         // Slot 0 stays free: what is written there is an emitter, and here it is not known yet.
         let last = self.most() + 1;
         self.eye_odds.clear();
         self.eye.resize(last + 1);
-        self.space.begin_at_lens(&mut self.eye, draws);
+        space.begin_at_lens(&mut self.eye, draws);
         let mut odds = 1.0;
         self.eye_odds.push(odds);
         for i in (1..last).rev() {
@@ -117,10 +127,8 @@ impl<'a> Seeds<'a> {
             };
             odds *= survival;
             let made = match vertices {
-                1 => self.space.leave_lens(&mut self.eye, draws),
-                _ => self
-                    .space
-                    .scatter(&mut self.eye, i + 1, Way::ToLight, draws),
+                1 => space.leave_lens(&mut self.eye, draws),
+                _ => space.scatter(&mut self.eye, i + 1, Way::ToLight, draws),
             };
             if !made {
                 return false;
@@ -134,21 +142,21 @@ impl<'a> Seeds<'a> {
     }
 
     /// Does the last of so many vertices from the eye emit?
-    fn emits(&self, t: usize) -> bool {
+    fn emits(&self, space: &PathSpace<'_>, t: usize) -> bool {
         let vertex = self.eye.at(self.eye.len() - t);
-        vertex.place == Place::Surface && self.space.scene.is_emitter(&vertex.vertex)
+        vertex.place == Place::Surface && space.scene.is_emitter(&vertex.vertex)
     }
 
     /// Tries the path of `s` vertices from the light and `t` from the eye.
     fn add<D: Draws + ?Sized>(
         &mut self,
-        s: usize,
-        t: usize,
+        space: &PathSpace<'_>,
+        [s, t]: [usize; 2],
         sum: &mut f64,
         path: &mut Path,
         draws: &mut D,
     ) {
-        let (space, n) = (self.space, s + t);
+        let n = s + t;
         if !space.lengths().contains(&(n - 1)) {
             return;
         }

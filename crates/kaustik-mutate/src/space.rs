@@ -1,4 +1,5 @@
 use glam::{DVec2, DVec3};
+use kaustik_mcmc::Draws;
 use kaustik_path::{BuilderSettings, ScalarTarget};
 use kaustik_scene::Scene;
 
@@ -16,6 +17,34 @@ pub struct PathSpace<'a> {
 }
 
 impl PathSpace<'_> {
+    /// Has `work` see the space at an instant, [`Path::time`](crate::Path::time): in a scene that stands there, so that
+    /// whatever is asked of a path is answered for its time. Chains that stay at one instant are run within.
+    #[inline]
+    pub fn at<R>(&self, time: f64, work: impl FnOnce(&PathSpace<'_>) -> R) -> R {
+        let (scene, here);
+        let space = if self.scene.stands_at(time) {
+            self
+        } else {
+            scene = self.scene.at(time);
+            here = PathSpace {
+                scene: &scene,
+                ..*self
+            };
+            &here
+        };
+        work(space)
+    }
+
+    /// A time for a path, if anything moves; else no number is drawn.
+    #[inline]
+    pub(crate) fn draw_time<D: Draws + ?Sized>(&self, draws: &mut D) -> f64 {
+        if self.scene.moves() {
+            draws.uniform()
+        } else {
+            0.0
+        }
+    }
+
     /// How many edges paths may have.
     #[inline]
     pub(crate) fn lengths(&self) -> std::ops::RangeInclusive<usize> {

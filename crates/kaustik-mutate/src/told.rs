@@ -76,9 +76,11 @@ impl PathSpace<'_> {
             density: path.density(),
             colour: path.colour(),
         });
-        for index in 0..path.len() {
-            note(|| self.told(path, index));
-        }
+        self.at(path.time, |space| {
+            for index in 0..path.len() {
+                note(|| space.told(path, index));
+            }
+        });
     }
 
     fn told(&self, path: &Path, index: usize) -> Event {

@@ -35,8 +35,24 @@ impl Tracer {
     /// positive; what is not a number is told as it is. `wavelength`: the number in [0, 1) that
     /// the wavelengths are made of. Without `next_event` emitters are found by running into them.
     ///
-    /// Tells nothing of paths of fewer than `min_edges`.
+    /// Tells nothing of paths of fewer than `min_edges`. Where something moves the first number that is drawn is the time
+    /// of all of the sample's paths.
     pub fn sample<D: Draws + ?Sized>(
+        &mut self,
+        space: &PathSpace<'_>,
+        (raster, wavelength): (DVec2, f64),
+        next_event: bool,
+        draws: &mut D,
+        found: &mut impl FnMut(&Path, f64),
+    ) {
+        self.walk.time = space.draw_time(draws);
+        space.at(self.walk.time, |space| {
+            self.trace(space, (raster, wavelength), next_event, draws, found);
+        });
+    }
+
+    /// In a scene that stands at the sample's time.
+    fn trace<D: Draws + ?Sized>(
         &mut self,
         space: &PathSpace<'_>,
         (raster, wavelength): (DVec2, f64),

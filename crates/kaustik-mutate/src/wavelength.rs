@@ -40,6 +40,7 @@ impl WavelengthMutation<'_> {
         y.copy(0, x, 0..n);
         y.raster = x.raster;
         y.importance = x.importance;
+        y.time = x.time;
         y.wavelength = draws.uniform();
         y.wavelengths = Wavelengths::sample(y.wavelength, space.settings.wavelengths);
         let wavelengths = y.wavelengths;

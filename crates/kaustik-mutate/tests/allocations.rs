@@ -3,15 +3,16 @@
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 
-use glam::DVec2;
+use glam::{DAffine3, DVec2};
 use kaustik_mcmc::{
     Deposit, Draws, Ignore, Metropolis, Mixture, Redistribution, Redistributor, generator,
 };
 use kaustik_mutate::{
     BidirectionalMutation, CausticPerturbation, LensMutation, LensPerturbation, Path, PathSpace,
-    Radii, Run, Seeds, Tracer, WavelengthMutation,
+    Radii, Run, Seeds, TimeMutation, Tracer, WavelengthMutation,
 };
 use kaustik_path::{BuilderSettings, ScalarTarget};
+use kaustik_scene::description::{Carried, Channel, Interpolation, Joint, Load, Rest, Shutter};
 use kaustik_scene::{Scene, SceneOptions, builtin};
 
 /// The system's allocator, counting what each thread asks for.
@@ -69,10 +70,59 @@ fn space(scene: &Scene) -> PathSpace<'_> {
     }
 }
 
+/// The same with a shutter that is open while something solid goes aside.
+fn moving_scene() -> Scene {
+    let mut description = builtin::load("ring-and-sphere").expect("a built-in scene");
+    let still = Rest {
+        translation: [0.0; 3],
+        rotation: [0.0, 0.0, 0.0, 1.0],
+        scale: [1.0; 3],
+    };
+    for instance in 0..description.instances.len() {
+        let joint = description.animation.joints.len();
+        description.animation.carried.push(Carried {
+            load: Load::Instance(instance),
+            joint,
+            offset: DAffine3::IDENTITY,
+        });
+        description.animation.joints.push(Joint {
+            name: String::new(),
+            parent: None,
+            to_parent: DAffine3::IDENTITY,
+            rest: still,
+            translation: Some(Channel {
+                interpolation: Interpolation::Linear,
+                times: vec![0.0, 1.0],
+                values: vec![[0.0; 3], [0.02 * instance as f32, 0.0, 0.0]],
+            }),
+            rotation: None,
+            scale: None,
+        });
+    }
+    let (open, close) = (0.0, 1.0);
+    description.cameras[0].shutter = Some(Shutter { open, close });
+    let options = SceneOptions {
+        width: 32,
+        height: 32,
+        ..SceneOptions::default()
+    };
+    Scene::new(&description, &options).expect("a sound scene")
+}
+
 #[test]
 fn a_mutation_allocates_nothing_after_warm_up() {
-    let scene = scene();
-    let space = &space(&scene);
+    mutations_allocate_nothing(&scene());
+}
+
+#[test]
+fn a_mutation_of_what_moves_allocates_nothing_after_warm_up() {
+    let scene = moving_scene();
+    assert!(scene.moves());
+    mutations_allocate_nothing(&scene);
+}
+
+fn mutations_allocate_nothing(scene: &Scene) {
+    let space = &space(scene);
     let radii = Radii::raster(space.pixels);
     let lens = |run| LensPerturbation {
         space,
@@ -87,8 +137,9 @@ fn a_mutation_allocates_nothing_after_warm_up() {
         CausticPerturbation { space, radii },
         LensMutation { space },
         WavelengthMutation { space },
+        TimeMutation { space },
     );
-    let kernel = Mixture::<_, _, 6>::new(kernels, [1.0; 6]);
+    let kernel = Mixture::<_, _, 7>::new(kernels, [1.0; 7]);
     let density = |path: &Path| [path.density()];
     let (mut rng, mut seeds) = (generator(1, 0), Seeds::new(space));
     let mut path = Path::default();
@@ -103,7 +154,9 @@ fn a_mutation_allocates_nothing_after_warm_up() {
     }
     assert_eq!(allocations(), before);
     let moves = chain.statistics().moves;
-    assert!(moves[..6].iter().all(|kind| kind.accepted > 0), "{moves:?}");
+    let kinds = if scene.moves() { 7 } else { 6 };
+    let all = moves[..kinds].iter().all(|kind| kind.accepted > 0);
+    assert!(all, "{moves:?}");
 }
 
 /// A path tracer's samples with all their chains.

@@ -354,9 +354,13 @@ impl Matter {
     fn interior_along(&self, point: DVec3, direction: DVec3) -> Interior {
         /// More crossings than any sensible scene has; a bound for senseless ones.
         const MOST: usize = 10_000;
+        /// Solids on the way of a ray in all but senseless scenes.
+        const NEAR: usize = 16;
         let ray = Ray::new(point.as_vec3(), direction.as_vec3());
-        // Net number of exits for each solid, in order of the first crossing.
-        let mut exits: Vec<(u32, i32)> = Vec::new();
+        // Net number of exits for each solid, in order of the first crossing: on the stack as a rule, since where something
+        // moves every path may ask.
+        let (mut near, mut count) = ([(0_u32, 0_i32); NEAR], 0);
+        let mut far: Vec<(u32, i32)> = Vec::new();
         let mut next = self.world.intersect(&ray);
         for _ in 0..MOST {
             let Some(hit) = next else { break };
@@ -367,16 +371,22 @@ impl Matter {
                 } else {
                     1
                 };
-                match exits.iter_mut().find(|(solid, _)| *solid == material) {
-                    Some((_, count)) => *count += step,
-                    None => exits.push((material, step)),
+                let mut known = near[..count].iter_mut().chain(&mut far);
+                match known.find(|(solid, _)| *solid == material) {
+                    Some((_, exits)) => *exits += step,
+                    None if count < NEAR => {
+                        near[count] = (material, step);
+                        count += 1;
+                    }
+                    None => far.push((material, step)),
                 }
             }
             next = self.world.intersect_after(&ray, &hit, |_| true);
         }
         // The solid left first was entered last.
         let mut interior = Interior::VACUUM;
-        for &(solid, _) in exits.iter().rev().filter(|(_, count)| *count > 0) {
+        let exits = near[..count].iter().chain(&far);
+        for &(solid, _) in exits.rev().filter(|(_, exits)| *exits > 0) {
             interior.enter(solid);
         }
         interior

@@ -81,6 +81,12 @@ impl Scene {
         }
     }
 
+    /// Is this the instant at which it stands? Of what does not move every one is.
+    #[inline]
+    pub fn stands_at(&self, time: f64) -> bool {
+        !self.moves || self.matter.world.time().to_bits() == (time as f32).to_bits()
+    }
+
     /// The name of the material of this index, as a [`Vertex`] has it; `None` where it has none.
     pub fn material_name(&self, index: u32) -> Option<&str> {
         let name = self.material_names.get(index as usize)?;

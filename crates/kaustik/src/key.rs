@@ -321,10 +321,11 @@ pub const KEYS: &[Key] = &[
     },
     Key {
         name: "mutations",
-        default: "bidirectional,lens,multichain,caustic,subpath,wavelengths",
-        range: "a list of bidirectional|lens|multichain|caustic|subpath|wavelengths|every[:FRACTION]",
-        meaning: "what may change a path; bidirectional alone reaches every path. every moves all variables \
-                  of a path by up to FRACTION (0.2) of their domains, 0 < FRACTION <= 1",
+        default: "bidirectional,lens,multichain,caustic,subpath,wavelengths,time",
+        range: "a list of bidirectional|lens|multichain|caustic|subpath|wavelengths|time|every[:FRACTION]",
+        meaning: "what may change a path; bidirectional alone reaches every path. time has a say where something \
+                  moves. every moves all variables of a path by up to FRACTION (0.2) of their domains, \
+                  0 < FRACTION <= 1",
         methods: VEACH,
     },
     Key {

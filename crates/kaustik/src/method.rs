@@ -162,29 +162,6 @@ impl Method {
         )
     }
 
-    /// Can it follow what moves while the shutter is open? Methods whose paths come from primary samples can: the time
-    /// of a path is one of them. Mutations of paths would have to keep the time of the path, photons that of those they
-    /// meet.
-    pub fn takes_motion(self) -> bool {
-        match self {
-            Self::Path
-            | Self::Light
-            | Self::Bdpt
-            | Self::Pssmlt
-            | Self::Mmlt
-            | Self::Relt
-            | Self::ErptPss
-            | Self::Annealing => true,
-            Self::Mlt
-            | Self::Erpt
-            | Self::Sppm
-            | Self::PhotonVisibility
-            | Self::PhotonDensity
-            | Self::PhotonSpatial
-            | Self::PhotonImage => false,
-        }
-    }
-
     /// The settings that it reads.
     pub fn keys(self) -> impl Iterator<Item = &'static Key> {
         KEYS.iter().filter(move |key| key.methods.contains(&self))

@@ -17,7 +17,7 @@ use kaustik_mcmc::{
 };
 use kaustik_mutate::{
     BidirectionalMutation, CausticPerturbation, EveryPerturbation, LensMutation, LensPerturbation,
-    Path, PathSpace, Radii, Run, Seeds, Told, WavelengthMutation, WrittenPath,
+    Path, PathSpace, Radii, Run, Seeds, TimeMutation, Told, WavelengthMutation, WrittenPath,
 };
 use kaustik_path::{Event, Role, trace};
 use kaustik_scene::Scene;
@@ -48,7 +48,7 @@ const KINDS: usize = Mutations::NAMES.len();
 
 /// How often each is made where it suits, in the order of their names: the two that trace no part that a
 /// perturbation keeps, and the one that traces nothing, need to come by only now and then.
-const SHARES: [f64; KINDS] = [1.0, 1.0, 1.0, 1.0, 0.25, 0.25, 1.0];
+const SHARES: [f64; KINDS] = [1.0, 1.0, 1.0, 1.0, 0.25, 0.25, 0.5, 1.0];
 
 /// Chains on a film.
 pub(crate) struct MltEngine<'a> {
@@ -109,7 +109,29 @@ impl<'a> MltEngine<'a> {
     }
 
     fn drive(&self, chain: &mut Chain, steps: u64, stop: Option<&AtomicBool>) {
-        let space = &self.space;
+        let (mut seeds, mut path) = (Seeds::new(&self.space), Path::default());
+        let mut left = steps;
+        while left > 0 {
+            let fresh = (&mut seeds, &mut path);
+            let time = chain.metropolis.value().time();
+            let drive = |space: &PathSpace<'_>| self.drive_at(space, chain, fresh, left, stop);
+            match self.space.at(time, drive) {
+                0 => return,
+                taken => left -= taken,
+            }
+        }
+    }
+
+    /// Drives the chain for as long as its path stays at its time, where the space is: so much longer than a
+    /// step that nothing is lost by going there. Returns the steps taken, none where it was stopped at once.
+    fn drive_at(
+        &self,
+        space: &PathSpace<'_>,
+        chain: &mut Chain,
+        (seeds, path): (&mut Seeds<'_>, &mut Path),
+        steps: u64,
+        stop: Option<&AtomicBool>,
+    ) -> u64 {
         let radii = self.options.jitter.radii(self.size, Jitter::Veach);
         let [least, most] = self.options.angles;
         let angles = Radii { least, most };
@@ -122,6 +144,7 @@ impl<'a> MltEngine<'a> {
         let (single, multiple) = (lens(Run::Single), lens(Run::Multiple));
         let caustic = CausticPerturbation { space, radii };
         let (subpath, wavelengths) = (LensMutation { space }, WavelengthMutation { space });
+        let time = TimeMutation { space };
         let made = self.options.mutations;
         let every = EveryPerturbation {
             space,
@@ -135,6 +158,7 @@ impl<'a> MltEngine<'a> {
                 made.holds(3) && caustic.suits(path),
                 made.holds(4) && subpath.suits(path),
                 made.holds(5) && wavelengths.suits(path),
+                made.holds(6) && time.suits(path),
                 made.holds(Mutations::EVERY) && every.suits(path),
             ];
             std::array::from_fn(|i| {
@@ -152,6 +176,7 @@ impl<'a> MltEngine<'a> {
             caustic,
             subpath,
             wavelengths,
+            time,
             every,
         );
         let kernel = Told {
@@ -161,21 +186,23 @@ impl<'a> MltEngine<'a> {
         };
         let mut record = |visit: Visit<'_, Path, 1>| self.deposit(&visit);
         let running = self.options.normaliser == Normaliser::Running;
-        let (mut seeds, mut path) = (Seeds::new(space), Path::default());
+        let instant = chain.metropolis.value().time();
         for done in 0..steps {
-            if done % STRIDE == 0 && is_stopped(stop) {
-                return;
+            let moved_on = chain.metropolis.value().time().total_cmp(&instant).is_ne();
+            if moved_on || (done % STRIDE == 0 && is_stopped(stop)) {
+                return done;
             }
             let step = chain.metropolis.statistics().steps;
             if running && step % EACH == 0 {
-                let weight = seeds.sample(&mut path, &mut chain.fresh);
+                let weight = seeds.sample(path, &mut chain.fresh);
                 if weight > 0.0 {
-                    space.tell(&path, Role::Sampled(weight));
+                    space.tell(path, Role::Sampled(weight));
                 }
                 chain.see(weight, step);
             }
             (chain.metropolis).step(&kernel, &density, &mut chain.draws, &mut record);
         }
+        steps
     }
 
     /// The estimate of `b` that scales the image: independent samples all, and so its standard error is

@@ -8,25 +8,26 @@ pub struct Mutations {
 
 impl Mutations {
     /// Names of all, in the order of the statistics.
-    pub const NAMES: [&'static str; 7] = [
+    pub const NAMES: [&'static str; 8] = [
         "bidirectional",
         "lens",
         "multichain",
         "caustic",
         "subpath",
         "wavelengths",
+        "time",
         "every",
     ];
     /// The number of the one that moves every variable of a path.
-    pub const EVERY: usize = 6;
+    pub const EVERY: usize = 7;
     /// All but that one.
     pub const STANDARD: Self = Self {
-        made: [true, true, true, true, true, true, false],
+        made: [true, true, true, true, true, true, true, false],
         fraction: 0.2,
     };
     /// Those that keep the string of scatterings, and the wavelengths: what `erpt` makes.
     pub const PERTURBATIONS: Self = Self {
-        made: [false, true, true, true, false, true, false],
+        made: [false, true, true, true, false, true, false, false],
         fraction: 0.2,
     };
 

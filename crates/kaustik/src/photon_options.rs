@@ -214,7 +214,7 @@ pub(crate) const NORMALISATION: Key = Key {
     default: "progressive",
     range: "progressive|iteration",
     meaning: "how visible light paths are scaled: by the share of all uniform ones so far that are visible, or for each \
-              iteration by its own",
+              iteration by its own (always so where something moves)",
     methods: CHAINS,
 };
 /// Layers.

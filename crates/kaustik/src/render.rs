@@ -174,15 +174,6 @@ pub(crate) fn check(scene: &Scene, settings: &RenderSettings) -> Result<(), Rend
     if settings.max_depth == 0 {
         return setting("max-depth", "0".into(), "at least 1".into());
     }
-    if scene.moves() && !settings.method.takes_motion() {
-        let others = Method::ALL.iter().filter(|method| method.takes_motion());
-        let others: Vec<&str> = others.map(|method| method.name()).collect();
-        let expected = format!(
-            "one of {}: the scene moves while the shutter is open, and this method sees one instant",
-            others.join(", ")
-        );
-        return setting("method", settings.method.name().to_owned(), expected);
-    }
     let range = settings.ladder_range();
     if range.is_empty() || range.end > settings.options.ladders {
         let expected = format!("a part of 0..{}", settings.options.ladders);

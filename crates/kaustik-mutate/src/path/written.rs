@@ -17,6 +17,7 @@ use crate::vertex::{Edge, PathVertex, Place};
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct WrittenPath {
     wavelength: f64,
+    time: f64,
     raster: [f64; 2],
     importance: f64,
     density: f64,
@@ -62,6 +63,7 @@ impl Path {
     pub fn written(&self) -> WrittenPath {
         WrittenPath {
             wavelength: self.wavelength,
+            time: self.time,
             raster: self.raster.to_array(),
             importance: self.importance,
             density: self.density,
@@ -78,12 +80,26 @@ impl PathSpace<'_> {
     /// The path that was written, to the bit; `None` if it is none of this space: it has other lengths or vertices, or
     /// brings other light than it says.
     pub fn read(&self, written: &WrittenPath) -> Option<Path> {
+        let time = written.time;
+        // What stands still knows no other time, and there is one way to write it.
+        let sound = if self.scene.moves() {
+            (0.0..1.0).contains(&time)
+        } else {
+            time.to_bits() == 0
+        };
+        let here = || self.at(time, |space| space.read_here(written));
+        sound.then(here).flatten()
+    }
+
+    /// In a scene that stands at the path's time.
+    fn read_here(&self, written: &WrittenPath) -> Option<Path> {
         let u = written.wavelength;
         let mut path = Path {
             slots: Vec::with_capacity(written.vertices.len()),
             len: written.vertices.len(),
             wavelength: u,
             wavelengths: Wavelengths::sample(u, self.settings.wavelengths),
+            time: written.time,
             raster: DVec2::from(written.raster),
             importance: written.importance,
             density: 0.0,

@@ -11,7 +11,7 @@ use kaustik_scene::{Scene, SceneOptions, builtin};
 
 use super::Fresh;
 use super::kinds::{
-    BIDIRECTIONAL, CAUSTIC, EVERY, H, Kind, LENS, MULTICHAIN, SUBPATH, WAVELENGTHS, with_pieces_in,
+    BIDIRECTIONAL, CAUSTIC, EVERY, Kind, LENS, MULTICHAIN, SUBPATH, WAVELENGTHS, with_pieces_in,
 };
 use crate::{Path, PathSpace, Seeds};
 
@@ -105,7 +105,7 @@ fn seeds_are_as_bright_as_bdpt_at_every_length() {
 }
 
 /// Kinds of paths: lengths, numbers of Dirac scatterings, where they are.
-fn strings(path: &Path) -> [f64; H] {
+fn strings(path: &Path) -> [f64; 20] {
     let n = path.edges();
     let specular = (1..n).filter(|&i| path.is_specular(i)).count();
     let at = |i: usize| i > 0 && i < n && path.is_specular(i);

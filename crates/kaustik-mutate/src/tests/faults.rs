@@ -6,8 +6,8 @@ use kaustik_mcmc::generator;
 use kaustik_mcmc::testing::PairedTest;
 
 use super::kinds::{
-    BIDIRECTIONAL, CAUSTIC, EVERY, Kind, LENS, MULTICHAIN, SUBPATH, WAVELENGTHS, changes,
-    with_pieces,
+    BIDIRECTIONAL, BLIND, CAUSTIC, EVERY, Kind, LENS, MULTICHAIN, SUBPATH, TIME, WAVELENGTHS,
+    changes, with_pieces,
 };
 use super::stage::scene;
 use crate::factor::Factor::{self, *};
@@ -86,6 +86,14 @@ const FAULTS: &[(Kind, &[(Factor, &str)])] = &[
     ),
     (WAVELENGTHS, &[]),
     (
+        TIME,
+        &[
+            (Growth, "moving"),
+            (DistanceToLight, "moving"),
+            (CosToLight, "moving"),
+        ],
+    ),
+    (
         EVERY,
         &[
             (Raster, "diffuse"),
@@ -93,18 +101,21 @@ const FAULTS: &[(Kind, &[(Factor, &str)])] = &[
             (DistanceToLight, "diffuse"),
             (CosBeforeRunToLight, "ceiling"),
             (PassedToLight, "veil"),
+            (Growth, "moving"),
         ],
     ),
 ];
 
 /// Factors that a kernel asks for and that cancel there and back: it keeps the string of scatterings, and with
 /// it the media; or makes as many points of the lens and of the raster there as back. And one that varies too little
-/// over what `MULTICHAIN` moves in these scenes: its line of code is `LENS`'s as well, where it is found.
+/// over what `MULTICHAIN` moves in these scenes: its line of code is `LENS`'s as well, where it is found. `TIME` keeps what
+/// is seen where, and nothing moves behind a veil.
 const EVEN: &[(Kind, &[Factor])] = &[
     (MULTICHAIN, &[Raster]),
     (CAUSTIC, &[Index]),
     (BIDIRECTIONAL, &[LensPdf]),
     (SUBPATH, &[RasterPdf, LensPdf]),
+    (TIME, &[Raster, PassedToLight]),
 ];
 
 /// Tries faults and returns those that were not found.
@@ -147,10 +158,34 @@ fn each_factor_left_out_is_found() {
     assert!(missed.is_empty(), "{missed:?}");
 }
 
+/// A kernel that is not at the time of its path.
+#[test]
+fn a_kernel_at_another_time_is_found() {
+    let test = PairedTest {
+        starts: 40_000,
+        steps: 8,
+        seed: 11,
+    };
+    for kind in BLIND {
+        let found = changes(&scene("moving"), kind, None, &test);
+        let (chi, p) = (found.chi_square(), found.p_value());
+        println!("{}: chi2 {chi:.1} p {p:.1e}", kind.0);
+        assert!(p < 1e-6, "{}: {chi} {p}", kind.0);
+    }
+}
+
 /// What a kernel asks for in any scene is in the table, or is known to cancel.
 #[test]
 fn every_factor_is_tried() {
-    let scenes = ["gallery", "varnish", "leaning-glass", "lens", "veil"].map(scene);
+    let scenes = [
+        "gallery",
+        "varnish",
+        "leaning-glass",
+        "lens",
+        "veil",
+        "moving",
+    ]
+    .map(scene);
     for (kind, faults) in FAULTS {
         let mut found = BTreeSet::new();
         for scene in &scenes {

@@ -3,7 +3,7 @@
 use kaustik_mcmc::testing::{PairedTest, assert_invariant};
 
 use super::kinds::{
-    BIDIRECTIONAL, CAUSTIC, EVERY, Kind, LENS, MULTICHAIN, SUBPATH, WAVELENGTHS, changes,
+    BIDIRECTIONAL, CAUSTIC, EVERY, Kind, LENS, MULTICHAIN, SUBPATH, TIME, WAVELENGTHS, changes,
     functions, with_pieces,
 };
 use super::stage::scene;
@@ -31,6 +31,8 @@ const CASES: &[(Kind, &[&str])] = &[
             "leaning-glossy",
             "leaning-glass",
             "glow",
+            "moving",
+            "moving-mirror",
         ],
     ),
     (
@@ -44,6 +46,7 @@ const CASES: &[(Kind, &[&str])] = &[
             "lens",
             "leaning",
             "leaning-glass",
+            "moving-mirror",
         ],
     ),
     (
@@ -66,6 +69,9 @@ const CASES: &[(Kind, &[&str])] = &[
             "leaning-glossy",
             "leaning-glass",
             "leaning-aquarium",
+            "moving",
+            "moving-mirror",
+            "moving-point",
         ],
     ),
     (
@@ -94,6 +100,10 @@ const CASES: &[(Kind, &[&str])] = &[
             "aquarium",
             "leaning-aquarium",
             "glow",
+            "moving",
+            "moving-mirror",
+            "moving-glass",
+            "moving-point",
         ],
     ),
     (
@@ -106,11 +116,23 @@ const CASES: &[(Kind, &[&str])] = &[
             "lens",
             "veil",
             "leaning-glass",
+            "moving-mirror",
         ],
     ),
     (
         WAVELENGTHS,
-        &["diffuse", "glass", "frosted", "rainbow", "point"],
+        &[
+            "diffuse",
+            "glass",
+            "frosted",
+            "rainbow",
+            "point",
+            "moving-glass",
+        ],
+    ),
+    (
+        TIME,
+        &["moving", "moving-mirror", "moving-glass", "moving-point"],
     ),
     (
         EVERY,
@@ -132,6 +154,10 @@ const CASES: &[(Kind, &[&str])] = &[
             "leaning",
             "leaning-glass",
             "glow",
+            "moving",
+            "moving-mirror",
+            "moving-glass",
+            "moving-point",
         ],
     ),
 ];
@@ -218,6 +244,12 @@ fn lens_mutation_keeps_the_measure_with_a_million_starts() {
 #[ignore = "long"]
 fn wavelength_mutation_keeps_the_measure_with_a_million_starts() {
     keeps_with_a_million_starts(WAVELENGTHS);
+}
+
+#[test]
+#[ignore = "long"]
+fn time_mutation_keeps_the_measure_with_a_million_starts() {
+    keeps_with_a_million_starts(TIME);
 }
 
 #[test]

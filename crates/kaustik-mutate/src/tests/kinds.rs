@@ -9,18 +9,19 @@ use crate::factor::Factor;
 use crate::factor::planted::without;
 use crate::{
     BidirectionalMutation, CausticPerturbation, EveryPerturbation, LensMutation, LensPerturbation,
-    Path, PathSpace, Radii, Run, Seeds, WavelengthMutation,
+    Path, PathSpace, Radii, Run, Seeds, TimeMutation, WavelengthMutation,
 };
 
 /// How many test functions there are.
-pub(super) const H: usize = 20;
+pub(super) const H: usize = 23;
 /// Longest path.
 pub(super) const EDGES: u32 = 5;
 
 /// What each part of a path shows.
 pub(super) fn functions(path: &Path) -> [f64; H] {
     let n = path.edges();
-    let [x, y] = path.raster().to_array();
+    // What a kernel keeps is worked out again: rounding is no change.
+    let [x, y] = path.raster().to_array().map(|u| (u * 1e9).round() * 1e-9);
     let (first, last) = (path.position(1.min(n)), path.position(n - 1));
     let specular = (1..n).filter(|&i| path.is_specular(i)).count() as f64;
     let is = |yes: bool| f64::from(u8::from(yes));
@@ -46,6 +47,9 @@ pub(super) fn functions(path: &Path) -> [f64; H] {
         red + 0.5 * green,
         blue,
         first[0] * last[0],
+        path.time(),
+        is(path.time() < 0.3),
+        path.time() * first[0],
     ]
 }
 
@@ -123,11 +127,36 @@ pub(super) const WAVELENGTHS: Kind = (
     },
 );
 
+pub(super) const TIME: Kind = (
+    "time",
+    |space, x| TimeMutation { space }.suits(x),
+    |space, x, y, rng| TimeMutation { space }.propose(&mut (), x, y, rng).ratio,
+);
+
 pub(super) const EVERY: Kind = (
     "every",
     |space, x| every(space).suits(x),
     |space, x, y, rng| every(space).propose(&mut (), x, y, rng).ratio,
 );
+
+/// Kernels that look at the scene where the space stands, as it is when the shutter opens, whatever the time of the path.
+pub(super) const BLIND: [Kind; 3] = [
+    ("lens, blind", LENS.1, |space, x, y, rng| {
+        let made = lens(space, Run::Single).perturb(x, y, rng);
+        made.unwrap_or(0.0)
+    }),
+    ("caustic, blind", CAUSTIC.1, |space, x, y, rng| {
+        caustic(space).perturb(x, y, rng).unwrap_or(0.0)
+    }),
+    (
+        "bidirectional, blind",
+        BIDIRECTIONAL.1,
+        |space, x, y, rng| {
+            let made = BidirectionalMutation { space }.mutate(x, y, rng);
+            made.unwrap_or(0.0)
+        },
+    ),
+];
 
 /// Starts from independent paths, steps, and hands `judge` the pieces.
 pub(super) fn with_pieces<R>(

@@ -56,7 +56,7 @@ fn kept(scene: &Scene, edges: u32, samples: u64, next_event: bool) -> Mean {
         .collect()
 }
 
-const SCENES: [&str; 14] = [
+const SCENES: [&str; 17] = [
     "diffuse",
     "glossy",
     "mirror",
@@ -71,6 +71,9 @@ const SCENES: [&str; 14] = [
     "lens",
     "orthographic",
     "veil",
+    "moving",
+    "moving-mirror",
+    "moving-point",
 ];
 
 fn assert_alike(name: &str, a: &Mean, b: &Mean, most: f64) {
@@ -101,7 +104,7 @@ fn kept_paths_are_as_bright_as_traced_ones() {
         let (a, b) = (traced(&scene, 5, 60_000), kept(&scene, 5, 60_000, true));
         assert_alike(name, &a, &b, 0.03);
         // Without next events a light of no size is not found at all.
-        if !["point", "sun"].contains(&name) {
+        if !["point", "sun", "moving-point"].contains(&name) {
             assert_alike(name, &a, &kept(&scene, 5, 120_000, false), 0.06);
         }
     }

@@ -1,14 +1,18 @@
 //! Small scenes by code.
 
+mod moving;
+
 use std::sync::Arc;
 
-use glam::{Affine3A, Mat3A, Quat, Vec3, Vec3A};
+use glam::{Affine3A, DVec3, Mat3A, Quat, Vec3, Vec3A};
 use kaustik_geometry::Mesh;
 use kaustik_scene::description::{
     AlphaMode, CameraDescription, EnvironmentDescription, InstanceDescription, Lens,
-    LightDescription, LightKind, MaterialDescription, Projection, Specular, Transmission, Volume,
+    LightDescription, LightKind, Load, MaterialDescription, Projection, Specular, Transmission,
+    Volume,
 };
 use kaustik_scene::{Description, Scene, SceneOptions};
+use moving::{QUARTER, STRAIGHT};
 
 /// A description in the making.
 #[derive(Clone, Debug, Default)]
@@ -282,6 +286,20 @@ fn aquarium(mesh: fn(Mesh) -> Mesh) -> Stage {
         .add(lamp(60.0), small(Vec3::new(0.0, 3.8, -0.6)))
 }
 
+/// A lamp that grows while it goes aside, something in its light that turns, and a camera that looks about.
+fn moving(stage: Stage) -> Stage {
+    let grows = [
+        ([-0.4, 0.0, 0.0], [0.5, 1.0, 0.7]),
+        ([0.3, -0.3, 0.2], [1.5, 1.0, 1.4]),
+    ];
+    let aside = [([-0.6, 0.0, 0.2], [1.0; 3]), ([0.4, 0.2, 0.0], [1.0; 3])];
+    let (lamp, plate) = (DVec3::new(0.5, 2.4, -0.8), DVec3::new(0.8, 0.4, -0.3));
+    stage
+        .moving(Load::Instance(2), lamp, grows, STRAIGHT)
+        .moving(Load::Instance(3), plate, aside, QUARTER)
+        .looking()
+}
+
 /// A scene by name.
 pub(crate) fn scene(name: &str) -> Scene {
     let down = Vec3::new(-0.4, -1.0, 0.1);
@@ -345,6 +363,25 @@ pub(crate) fn scene(name: &str) -> Scene {
                 lamp(4.0),
                 rectangle(Vec3::Y * 6.0, Vec3::X * 6.0, Vec3::Z * 6.0),
             ),
+        "moving" => moving(plate(diffuse([0.6, 0.5, 0.7]))),
+        "moving-mirror" => moving(plate(metal(0.0)).lens(0.3, 2.5)),
+        "moving-glass" => {
+            let sinks = [([0.0, 0.1, 0.0], [1.0; 3]), ([0.0, -0.6, 0.3], [1.0; 3])];
+            block(glass(0.0, 2.0)).moving(
+                Load::Instance(3),
+                DVec3::new(0.1, 0.5, 0.0),
+                sinks,
+                QUARTER,
+            )
+        }
+        "moving-point" => {
+            let goes = [([-1.0, 0.0, 0.3], [1.0; 3]), ([0.6, -0.4, 0.0], [1.0; 3])];
+            let at = DVec3::new(1.0, 2.0, 0.5);
+            room()
+                .light(LightKind::Point, above, down)
+                .moving(Load::Light(0), at, goes, STRAIGHT)
+                .looking()
+        }
         "glossy" => plate(metal(0.4)),
         "mirror" => plate(metal(0.0)),
         "varnish" => plate(varnish()),

@@ -3,13 +3,13 @@
 use kaustik_mcmc::{Draws, acceptance, decide, generator};
 
 use super::kinds::{
-    BIDIRECTIONAL, CAUSTIC, EDGES, EVERY, Kind, LENS, MULTICHAIN, SUBPATH, WAVELENGTHS,
+    BIDIRECTIONAL, CAUSTIC, EDGES, EVERY, Kind, LENS, MULTICHAIN, SUBPATH, TIME, WAVELENGTHS,
 };
 use super::space;
 use super::stage::scene;
 use crate::{Path, PathSpace, Seeds, WrittenPath};
 
-const SCENES: [&str; 14] = [
+const SCENES: [&str; 17] = [
     "diffuse",
     "glossy",
     "mirror",
@@ -24,14 +24,18 @@ const SCENES: [&str; 14] = [
     "lens",
     "orthographic",
     "veil",
+    "moving",
+    "moving-mirror",
+    "moving-glass",
 ];
-const KINDS: [Kind; 7] = [
+const KINDS: [Kind; 8] = [
     BIDIRECTIONAL,
     LENS,
     MULTICHAIN,
     CAUSTIC,
     SUBPATH,
     WAVELENGTHS,
+    TIME,
     EVERY,
 ];
 
@@ -52,7 +56,7 @@ fn a_path_that_was_read_moves_like_the_one_that_was_written() {
         let mut rng = generator(11, 5);
         let (mut path, mut next) = (start(&space), Path::default());
         let (mut moved, mut proposed) = (0, 0);
-        for step in 0..4_000 {
+        for step in 0..4_600 {
             let (_, suits, propose) = KINDS[step % KINDS.len()];
             let written = path.written();
             let again = space.read(&written).expect("what was written");

@@ -205,6 +205,13 @@ impl Camera {
         }
     }
 
+    /// Where a point of the lens (world) is when the camera has gone from where `from` stands to where this one does:
+    /// the same point of the lens. The law of the lens is kept, since lengths are.
+    #[must_use]
+    pub fn carried(&self, from: &Self, lens_point: DVec3) -> DVec3 {
+        (self.pose).point_to_world(from.pose.point_to_local(lens_point))
+    }
+
     /// Density of `direction` (unit, into the scene) per solid angle when the raster is
     /// uniform over the unit square: `1 / (A_1 cos^3)`; 0 behind the camera, not clipped to the
     /// window. 1 for an orthographic camera, whose direction is Dirac.

@@ -59,6 +59,15 @@ impl<'a> Perturbations<'a> {
         }
     }
 
+    /// The same in another space of the same scene: at the time of a path.
+    pub(crate) fn within(mut self, space: &'a PathSpace<'a>) -> Self {
+        self.single.space = space;
+        self.multiple.space = space;
+        self.caustic.space = space;
+        self.wavelengths.space = space;
+        self
+    }
+
     /// Can any of them move the path?
     pub(crate) fn suit(&self, path: &Path) -> bool {
         self.weights(path).iter().any(|&weight| weight > 0.0)

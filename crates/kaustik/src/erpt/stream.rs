@@ -4,8 +4,8 @@ use std::sync::atomic::AtomicBool;
 
 use glam::DVec2;
 use kaustik_mcmc::{
-    Deposit, Draws, Independent, Kernel, Mean, Redistribution, RedistributionStatistics,
-    Redistributor, SampleGenerators,
+    Deposit, Draws, Independent, Mean, Redistribution, RedistributionStatistics, Redistributor,
+    SampleGenerators,
 };
 use kaustik_mutate::{Path, PathSpace, Told};
 use kaustik_path::{Event, Role, trace};
@@ -167,11 +167,6 @@ impl Stream {
         let mut tour = Tour::new(&job.cells, self.ladder, self.step);
         let seed = mix(job.seed);
         let mut starter = Starter::new(job.space, job.options);
-        let kernel = Told {
-            kernel: job.perturbations.kernel(),
-            space: job.space,
-            names: &NAMES,
-        };
         for _ in 0..steps {
             if is_stopped(job.stop) {
                 return;
@@ -189,7 +184,6 @@ impl Stream {
             self.redistributor.carry(share.as_deref().copied());
             let mut spread = Spread {
                 job,
-                kernel: &kernel,
                 plan: self.plan.as_ref(),
                 redistributor: &mut self.redistributor,
                 light: &mut self.light,
@@ -248,9 +242,8 @@ impl Stream {
 }
 
 /// One sample's light on its way.
-struct Spread<'a, K, D> {
+struct Spread<'a, D> {
     job: &'a Job<'a>,
-    kernel: &'a K,
     plan: Option<&'a Redistribution>,
     redistributor: &'a mut Redistributor<(), Path>,
     light: &'a mut Light,
@@ -261,7 +254,7 @@ struct Spread<'a, K, D> {
     bad: u64,
 }
 
-impl<K: Kernel<(), Value = Path>, D: Draws> Spread<'_, K, D> {
+impl<D: Draws> Spread<'_, D> {
     /// One of the sample's paths with its weight.
     fn start(&mut self, path: &Path, weight: f64) {
         self.job.space.tell(path, Role::Sampled(weight));
@@ -298,13 +291,27 @@ impl<K: Kernel<(), Value = Path>, D: Draws> Spread<'_, K, D> {
         };
         let stop = self.job.stop;
         let mut deposit = UntilStopped { deposit, stop };
-        self.redistributor.run(
-            plan,
-            (&(), path, weight),
-            self.kernel,
-            &|path: &Path| [path.density()],
-            &mut self.draws,
-            &mut deposit,
-        );
+        let Self {
+            job,
+            redistributor,
+            draws,
+            ..
+        } = self;
+        // Perturbations keep the time: all chains of a path are at its instant.
+        job.space.at(path.time(), |space| {
+            let kernel = Told {
+                kernel: job.perturbations.within(space).kernel(),
+                space,
+                names: &NAMES,
+            };
+            redistributor.run(
+                plan,
+                (&(), path, weight),
+                &kernel,
+                &|path: &Path| [path.density()],
+                draws,
+                &mut deposit,
+            );
+        });
     }
 }

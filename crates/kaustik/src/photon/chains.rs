@@ -90,9 +90,11 @@ impl<const K: usize> PhotonChains<K> {
         let films: [Film; K] = films.try_into().unwrap_or_else(|_| unreachable!("K films"));
         let mut targets = Targets::new(stage, options, levels, space);
         targets.assign(stage);
-        // Only the share of visible paths is the same in all iterations.
-        let progressive =
-            options.normalisation == Normalisation::Progressive && levels.get(1) == Some(&1);
+        // Only the share of visible paths is the same in all iterations; of what moves that is not either: each instant
+        // has its own, and the mean picture is not that of the mean share.
+        let progressive = options.normalisation == Normalisation::Progressive
+            && levels.get(1) == Some(&1)
+            && !stage.moves();
         let adaptation = AcceptanceAdaptation::new(Power::new(1.0)).with_target(options.acceptance);
         let mut chains = Self {
             levels: PhotonLevels(levels),
@@ -126,7 +128,7 @@ impl<const K: usize> PhotonChains<K> {
 
     fn target<'t>(&'t self, stage: &'t Stage<'_>) -> PhotonTarget<'t> {
         PhotonTarget {
-            scene: stage.scene,
+            scene: stage.scene(),
             tracing: stage.tracing,
             map: stage.map(),
             targets: self.targets.of_points(),

@@ -44,7 +44,7 @@ pub(super) fn pilot(scene: &Scene, settings: &RenderSettings) -> DensityTarget {
         let chunk = |path: &mut PhotonPath, chunk: u64| {
             for number in chunk * CHUNK..((chunk + 1) * CHUNK).min(stage.photons) {
                 let mut u = Independent::new(generators.at(pass * stage.photons + number));
-                (stage.tracing).build(scene, stage.wavelengths(), &mut u, path);
+                (stage.tracing).build(stage.scene(), stage.wavelengths(), &mut u, path);
                 for photon in path.photons() {
                     map.meetings(photon, |index| {
                         counts[pixel(index)].fetch_add(1, Relaxed);

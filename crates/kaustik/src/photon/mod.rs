@@ -89,14 +89,18 @@ pub(crate) struct PhotonEngine<'a> {
 }
 
 /// What traces the light paths of a method.
-fn tracer(stage: &Stage<'_>, settings: &RenderSettings) -> Result<Box<dyn Tracer>, RenderError> {
+fn tracer(
+    scene: &Scene,
+    stage: &Stage<'_>,
+    settings: &RenderSettings,
+) -> Result<Box<dyn Tracer>, RenderError> {
     let space = match settings.method {
         Method::PhotonImage => Space::Image,
         _ => Space::World,
     };
     Ok(match (settings.method, settings.options.photon.levels) {
         (Method::PhotonDensity, _) => {
-            let space = Space::Densities(density::pilot(stage.scene, settings));
+            let space = Space::Densities(density::pilot(scene, settings));
             Box::new(PhotonChains::new(stage, settings, [0, 2], space)?)
         }
         (Method::PhotonVisibility, _) => {
@@ -119,7 +123,7 @@ impl<'a> PhotonEngine<'a> {
     pub(crate) fn new(scene: &'a Scene, settings: &RenderSettings) -> Result<Self, RenderError> {
         let mut stage = Stage::new(scene, settings);
         stage.begin(None);
-        let tracer = tracer(&stage, settings)?;
+        let tracer = tracer(scene, &stage, settings)?;
         let mut of_remainder = RenderSettings {
             seed: settings.seed ^ SEED,
             ..settings.clone()

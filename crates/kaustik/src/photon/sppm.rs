@@ -48,7 +48,7 @@ impl IndependentPhotons {
         let ladders = self.generators.len() as u64;
         let generators = &self.generators[(step % ladders) as usize];
         let mut u = Independent::new(generators.at(step / ladders));
-        (stage.tracing).build(stage.scene, stage.wavelengths(), &mut u, path);
+        (stage.tracing).build(stage.scene(), stage.wavelengths(), &mut u, path);
         (stage.map()).deposit(&self.film, stage.scale, path, 1.0)
     }
 }

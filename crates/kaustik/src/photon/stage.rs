@@ -29,6 +29,10 @@ const CHUNK: u64 = 2048;
 const BATCH: u64 = 64;
 /// The golden ratio less one: its multiples fill the unit interval evenly.
 const GOLDEN: f64 = 0.618_033_988_749_894_9;
+/// The root of two less one: with the golden ratio's, its multiples fill the unit square evenly.
+const SILVER: f64 = std::f64::consts::SQRT_2 - 1.0;
+/// A look at what moves sees so many instants, spread evenly.
+const INSTANTS: u64 = 16;
 /// A look at where things are takes about so many walks at most.
 const MOST_LOOKS: u64 = 1 << 21;
 /// Light paths that tell how bright photons are.
@@ -36,7 +40,9 @@ const PILOT: u64 = 1024;
 
 /// One iteration after the other.
 pub(super) struct Stage<'a> {
-    pub(super) scene: &'a Scene,
+    scene: &'a Scene,
+    /// The same at the time of the iteration, where something moves.
+    instant: Option<Scene>,
     pub(super) tracing: PhotonTracing,
     pub(super) scale: Scale,
     pub(super) seed: u64,
@@ -51,6 +57,8 @@ pub(super) struct Stage<'a> {
     /// Of the first iteration, in [0, 1).
     first_wavelength: f64,
     wavelengths: Wavelengths,
+    /// Of the first iteration, in [0, 1).
+    first_time: f64,
     points: MeasurementPoints,
     lookup: Lookup,
     parts: Vec<MeasurementPoints>,
@@ -65,10 +73,12 @@ impl<'a> Stage<'a> {
         let builder = builder_settings(settings);
         let cells = Cells::new(settings);
         let generators = SampleGenerators::new(settings.seed, CAMERA_LADDER);
-        let first_wavelength = generators.at(u64::MAX).uniform();
+        let mut first = generators.at(u64::MAX);
+        let [first_wavelength, first_time] = [first.uniform(), first.uniform()];
         let size = DVec2::new(f64::from(settings.width), f64::from(settings.height));
         Self {
             scene,
+            instant: scene.moves().then(|| scene.at(first_time)),
             tracing: PhotonTracing {
                 max_edges: settings.max_depth,
             },
@@ -90,6 +100,7 @@ impl<'a> Stage<'a> {
             sampling: options.wavelengths,
             first_wavelength,
             wavelengths: Wavelengths::sample(first_wavelength, options.wavelengths),
+            first_time,
             points: MeasurementPoints::default(),
             lookup: Lookup::default(),
             parts: vec![MeasurementPoints::default(); BATCH as usize],
@@ -98,7 +109,18 @@ impl<'a> Stage<'a> {
         }
     }
 
-    /// Sees the scene anew: other wavelengths, other points of every pixel, and smaller discs if these shrink. `false`: it was
+    /// The scene at the time of the iteration: points and photons meet there.
+    #[inline]
+    pub(super) fn scene(&self) -> &Scene {
+        self.instant.as_ref().unwrap_or(self.scene)
+    }
+
+    /// Does anything move from one iteration to another?
+    pub(super) fn moves(&self) -> bool {
+        self.scene.moves()
+    }
+
+    /// Sees the scene anew: other wavelengths, another time, other points of every pixel, and smaller discs if these shrink. `false`: it was
     /// stopped, and has no points; it must [go back](Self::go_back).
     pub(super) fn begin(&mut self, stop: Option<&AtomicBool>) -> bool {
         let index = self.iterations;
@@ -164,6 +186,10 @@ impl<'a> Stage<'a> {
         self.iterations = index + 1;
         let turned = self.first_wavelength + GOLDEN * index as f64;
         self.wavelengths = Wavelengths::sample(turned - turned.floor(), self.sampling);
+        if self.scene.moves() {
+            let turned = self.first_time + SILVER * index as f64;
+            self.instant = Some(self.scene.at(turned - turned.floor()));
+        }
         if !self.look(index, stop) {
             return false;
         }
@@ -202,22 +228,28 @@ impl<'a> Stage<'a> {
     }
 
     fn measure(&self, cell: u64, index: u64, out: &mut MeasurementPoints) {
+        self.measure_in(self.scene(), cell, index, out);
+    }
+
+    /// In the scene at some instant.
+    fn measure_in(&self, scene: &Scene, cell: u64, index: u64, out: &mut MeasurementPoints) {
         let (columns, rows) = (self.cells.columns(), self.cells.rows());
         let corner = [cell % columns, cell / columns].map(|at| at as f64);
         let size = [columns, rows].map(|side| 1.0 / side as f64);
         let inner = Independent::new(self.generators.at(index * self.cells.count() + cell));
         let seed = mix(self.seed) ^ cell;
         let mut coordinates = Stratified::new(inner, corner, size, index, seed);
-        (self.walk).trace(self.scene, &self.wavelengths, &mut coordinates, out);
+        (self.walk).trace(scene, &self.wavelengths, &mut coordinates, out);
     }
 
     /// Points from so many walks a cell, by what `of` takes of them, for nothing but a look at where things are. Of a large
-    /// image some cells are left out, evenly.
+    /// image some cells are left out, evenly. What moves is seen all along its way: walks are at instants in turn.
     pub(super) fn pilot<T: Send + Clone>(
         &self,
         passes: u64,
         of: impl Fn(&MeasurementPoint) -> T + Sync,
     ) -> Vec<T> {
+        let instants = self.instants();
         let stride = (self.cells.count() * passes).div_ceil(MOST_LOOKS).max(1);
         let walks = self.cells.count().div_ceil(stride);
         let chunks = (0..walks.div_ceil(CHUNK)).into_par_iter();
@@ -226,7 +258,9 @@ impl<'a> Stage<'a> {
             for walk in chunk * CHUNK..((chunk + 1) * CHUNK).min(walks) {
                 for pass in 0..passes {
                     // far from the indices that iterations will have
-                    self.measure(
+                    let scene = self.in_turn(&instants, walk * passes + pass);
+                    self.measure_in(
+                        scene,
                         walk * stride,
                         u64::MAX / self.cells.count() / 2 + pass,
                         points,
@@ -240,6 +274,20 @@ impl<'a> Stage<'a> {
             .map_init(MeasurementPoints::default, positions)
             .collect();
         found.concat()
+    }
+
+    /// The scene at times that are spread evenly over all; none where nothing moves.
+    fn instants(&self) -> Vec<Scene> {
+        let count = if self.scene.moves() { INSTANTS } else { 0 };
+        let time = |index: u64| (index as f64 + 0.5) / INSTANTS as f64;
+        (0..count).map(|index| self.scene.at(time(index))).collect()
+    }
+
+    /// That of this number, again and again.
+    fn in_turn<'s>(&'s self, instants: &'s [Scene], number: u64) -> &'s Scene {
+        // The number's own bits would go with columns of the picture.
+        let turn = mix(number) % INSTANTS;
+        instants.get(turn as usize).unwrap_or(self.scene)
     }
 
     pub(super) fn map(&self) -> PhotonMap<'_> {
@@ -266,14 +314,16 @@ impl<'a> Stage<'a> {
         self.cell_area / paths
     }
 
-    /// The mean power of photons.
+    /// The mean power of photons; of what moves at many instants.
     pub(super) fn typical_power(&self) -> f64 {
         let mut path = PhotonPath::default();
         let mut power = Mean::new();
         let generators = SampleGenerators::new(self.seed, PILOT_LADDER);
+        let instants = self.instants();
         for index in 0..PILOT {
+            let scene = self.in_turn(&instants, index);
             let mut u = Independent::new(generators.at(index));
-            (self.tracing).build(self.scene, &self.wavelengths, &mut u, &mut path);
+            (self.tracing).build(scene, &self.wavelengths, &mut u, &mut path);
             for photon in path.photons() {
                 power.push(f64::from(photon.power.mean()));
             }
@@ -292,8 +342,12 @@ impl<'a> Stage<'a> {
     /// A film for contributions of single photons. Their size comes from the mean power of photons and the mean area
     /// of discs, which are known even where the two never meet.
     pub(super) fn film(&self, settings: &RenderSettings) -> Result<Film, RenderError> {
-        let points = self.points.points().iter();
-        let inverse: Mean = points.map(|point| 1.0 / point.area()).collect();
+        let of = |point: &MeasurementPoint| 1.0 / point.area();
+        let inverse: Mean = if self.scene.moves() {
+            self.pilot(1, of).into_iter().collect()
+        } else {
+            self.points.points().iter().map(of).collect()
+        };
         let typical = self.typical_power() * inverse.mean() / std::f64::consts::PI;
         Ok(Film::with_layout(
             &settings.layout(),
