@@ -5,21 +5,21 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use kaustik_estimate::{PathTarget, ReplicaFamily, ReplicaSet, ReplicaWeights, Scale};
 use kaustik_film::{Counters, Film, Image, Layer, Quantum, develop};
 use kaustik_mcmc::{
-    Estimate, Extinct, LevelKernel, Mean, Metropolis, Point, Population, Resampling,
+    Estimate, Extinct, Mean, Metropolis, Point, Population, Resampling,
     SampleGenerators, generator,
 };
-use kaustik_path::{Bidirectional, Contributions};
+use kaustik_path::{Bidirectional, Contributions, Event};
 use kaustik_scene::Scene;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use crate::control::is_stopped;
-use crate::engine::{Engine, add_counters, add_nonfinite};
+use crate::engine::{Engine, Nonfinite, add_counters, add_nonfinite};
 use crate::lamps::Lamps;
 use crate::mark::FilmMark;
 use crate::relt::start::{
-    MOVES, Mutation, Started, for_so_many_replicas, kernels, mutation, replica_builder, samples,
-    start,
+    MOVES, Mutation, Started, for_so_many_replicas, kernel, kernels, mutation, replica_builder,
+    samples, start,
 };
 use crate::relt::{known, layer};
 use crate::{
@@ -27,9 +27,12 @@ use crate::{
     Steps,
 };
 use deposit::{AnnealedDeposit, Gathered};
+use step::Step;
 
 mod deposit;
 mod keep;
+mod replay;
+mod step;
 
 /// Particles that one thread moves at a time.
 const CHUNK: usize = 64;
@@ -99,7 +102,7 @@ struct Told<const K: usize> {
     levels: [Level; K],
     /// Light of each round.
     light: Mean,
-    nonfinite: u64,
+    nonfinite: Nonfinite,
 }
 
 /// What rounds have told of a level.
@@ -122,7 +125,7 @@ impl<const K: usize> Told<K> {
             rounds: 0,
             levels: [Level::default(); K],
             light: Mean::new(),
-            nonfinite: 0,
+            nonfinite: Nonfinite::default(),
         }
     }
 
@@ -135,7 +138,6 @@ impl<const K: usize> Told<K> {
     fn merge(&mut self, other: &Self) {
         self.rounds += other.rounds;
         self.light.merge(&other.light);
-        self.nonfinite += other.nonfinite;
         for (level, other) in self.levels.iter_mut().zip(&other.levels) {
             level.normaliser.merge(&other.normaliser);
             level.independent.merge(&other.independent);
@@ -236,27 +238,15 @@ impl<'a, const K: usize> AnnealingEngine<'a, K> {
     /// The next round of one of the ladders; only a part of it if it is stopped.
     fn climb_all(&mut self, at: usize, stop: Option<&AtomicBool>) {
         let told = self.told[at].next();
+        let round = self.told[at].rounds;
         let nonfinite = AtomicU64::new(0);
-        let target = PathTarget {
-            scene: self.scene,
-            builder: &self.builder,
-            nonfinite: &nonfinite,
-        };
+        let target = self.target(&nonfinite);
         let kernels = kernels::<K>(target, &self.set, self.steps);
-        let bottom = told(0);
-        let first = mutation(&self.set, self.steps, 0);
-        let samples = samples(
-            target,
-            &self.family,
-            &first,
-            self.seed,
-            bottom,
-            (self.particles, stop),
-        );
-        let Some(samples) = samples else { return };
-        let mut population =
-            Population::from_samples(samples, &self.family, Resampling::Systematic);
+        let Some(mut population) = self.population(target, told(0), stop) else {
+            return;
+        };
         let mut central = generator(self.seed, told(K));
+        let mut faults = Nonfinite::default();
         let mut light = [0.0; K];
         let mut normalisers = [0.0; K];
         for (level, kernel) in kernels.iter().enumerate() {
@@ -268,12 +258,13 @@ impl<'a, const K: usize> AnnealingEngine<'a, K> {
                 Err(Extinct { .. }) => break,
             }
             let gathered = if level == 0 {
-                self.show(population.particles())
+                self.show(round, population.particles())
             } else {
                 let generators = SampleGenerators::new(self.seed, told(level));
-                let of = (level, normalisers[level]);
-                self.climb(of, (kernel, stop), &generators, &mut population)
+                let of = (round, level, normalisers[level]);
+                self.climb(of, &generators, &mut population, stop)
             };
+            faults = faults.and(gathered.nonfinite);
             light[level] = gathered.light;
             let levels = &mut self.told[at].levels;
             levels[level].moves += gathered.moves;
@@ -288,8 +279,35 @@ impl<'a, const K: usize> AnnealingEngine<'a, K> {
             level.share.push(light[k]);
         }
         told.light.push(light.iter().sum());
-        told.nonfinite += nonfinite.load(Ordering::Relaxed);
+        told.nonfinite = told.nonfinite.and(faults);
         told.rounds += 1;
+    }
+
+    fn target<'t>(&'t self, nonfinite: &'t AtomicU64) -> PathTarget<'t> {
+        PathTarget {
+            scene: self.scene,
+            builder: &self.builder,
+            nonfinite,
+        }
+    }
+
+    /// A round's population of independent samples, from generators of this ladder; `None` if it was stopped.
+    fn population(
+        &self,
+        target: PathTarget<'_>,
+        ladder: u64,
+        stop: Option<&AtomicBool>,
+    ) -> Option<Climbing<K>> {
+        let first = mutation(&self.set, self.steps, 0);
+        let count = (self.particles, stop);
+        let samples = samples(target, &self.family, &first, self.seed, ladder, count)?;
+        let resampling = Resampling::Systematic;
+        Some(Population::from_samples(samples, &self.family, resampling))
+    }
+
+    /// The number of a step among all of its ladder.
+    fn number(&self, step: Step) -> u64 {
+        step.number(self.particles, self.cost())
     }
 
     fn deposit(&self, level: usize, normaliser: f64, each: u64) -> AnnealedDeposit<'_, K> {
@@ -303,35 +321,47 @@ impl<'a, const K: usize> AnnealingEngine<'a, K> {
         }
     }
 
-    /// Splats the independent samples.
-    fn show(&self, particles: &[Particle<K>]) -> Gathered<K> {
-        let show = |particles: &[Particle<K>]| {
+    /// Splats the independent samples of a round.
+    fn show(&self, round: u64, particles: &[Particle<K>]) -> Gathered<K> {
+        let show = |(chunk, particles): (usize, &[Particle<K>])| {
             let mut deposit = self.deposit(0, 1.0, 1);
-            for particle in particles {
+            for (particle, at) in particles.iter().zip(chunk * CHUNK..) {
                 deposit.sample(particle.value(), particle.densities());
+                let number = self.number(Step::sample(round, at as u64));
+                let faults = u64::from(particle.value().nonfinite());
+                deposit.gathered.nonfinite.count(faults, number);
             }
             deposit.gathered
         };
-        Gathered::all(particles.par_chunks(CHUNK).map(show).collect())
+        let chunks = particles.par_chunks(CHUNK).enumerate();
+        Gathered::all(chunks.map(show).collect())
     }
 
     /// Moves the particles under their level's density and splats what they visit.
     fn climb(
         &self,
-        (level, normaliser): (usize, f64),
-        (kernel, stop): (&LevelKernel<PathTarget<'_>, Mutation>, Option<&AtomicBool>),
+        (round, level, normaliser): (u64, usize, f64),
         generators: &SampleGenerators,
-        population: &mut Population<Point<Mutation>, Contributions, K>,
+        population: &mut Climbing<K>,
+        stop: Option<&AtomicBool>,
     ) -> Gathered<K> {
         let climb = |(chunk, particles): (usize, &mut [Particle<K>])| {
             let mut deposit = self.deposit(level, normaliser, MOVES as u64);
             if is_stopped(stop) {
                 return deposit.gathered;
             }
-            for (at, particle) in particles.iter_mut().enumerate() {
-                let mut draws = generators.at((chunk * CHUNK + at) as u64);
-                for _ in 0..MOVES {
-                    let accepted = particle.step(kernel, &self.family, &mut draws, &mut deposit);
+            // Its own, so that each fault is known to be of the step that has just been taken.
+            let nonfinite = AtomicU64::new(0);
+            let kernel = kernel(self.target(&nonfinite), &self.set, self.steps, level);
+            for (particle, at) in particles.iter_mut().zip((chunk * CHUNK) as u64..) {
+                let mut draws = generators.at(at);
+                for step in 0..MOVES as u64 {
+                    let accepted = particle.step(&kernel, &self.family, &mut draws, &mut deposit);
+                    if nonfinite.load(Ordering::Relaxed) > 0 {
+                        let faults = nonfinite.swap(0, Ordering::Relaxed);
+                        let number = self.number(Step::new(round, level, at, step));
+                        deposit.gathered.nonfinite.count(faults, number);
+                    }
                     deposit.gathered.accepted += u64::from(accepted);
                     deposit.gathered.moves += 1;
                 }
@@ -346,6 +376,9 @@ impl<'a, const K: usize> AnnealingEngine<'a, K> {
 
 /// A path that climbs.
 type Particle<const K: usize> = Metropolis<Point<Mutation>, Contributions, K>;
+
+/// A round's paths.
+type Climbing<const K: usize> = Population<Point<Mutation>, Contributions, K>;
 
 impl<const K: usize> Engine for AnnealingEngine<'_, K> {
     fn advance(&mut self, plan: &[u64], stop: Option<&AtomicBool>) -> u64 {
@@ -445,8 +478,13 @@ impl<const K: usize> Engine for AnnealingEngine<'_, K> {
     }
 
     fn nonfinite(&self) -> (u64, Vec<Place>) {
-        let own = (self.told().nonfinite, Vec::new());
+        let told = self.told.iter();
+        let own = Nonfinite::all(told.map(|told| (told.ladder, told.nonfinite)));
         add_nonfinite(own, self.direct.as_ref().map(Lamps::nonfinite))
+    }
+
+    fn replay(&mut self, place: Place) -> Result<Vec<Event>, RenderError> {
+        self.told_again(place)
     }
 
     fn film_counters(&self) -> Counters {

@@ -309,11 +309,13 @@ impl Engine for IndependentEngine<'_> {
     }
 
     /// Samples follow from their number alone.
-    fn replay(&mut self, Place { ladder, step }: Place) -> Option<Vec<Event>> {
+    fn replay(&mut self, Place { ladder, step }: Place) -> Result<Vec<Event>, RenderError> {
         let (job, streams) = self.parts(None);
-        let stream = streams.iter_mut().find(|s| s.ladder == ladder)?;
+        let Some(stream) = streams.iter_mut().find(|s| s.ladder == ladder) else {
+            return Ok(Vec::new());
+        };
         stream.step = step;
-        Some(trace(|| stream.run(&job, 1)).1)
+        Ok(trace(|| stream.run(&job, 1)).1)
     }
 
     /// Not of what is redistributed: its chains do not count them.

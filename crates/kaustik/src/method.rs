@@ -144,24 +144,6 @@ impl Method {
         )
     }
 
-    /// Can [`replay`](fn@crate::replay) show a step of it? Where particles of a round or chains of an iteration
-    /// move together, it cannot.
-    pub fn is_replayable(self) -> bool {
-        matches!(
-            self,
-            Self::Path
-                | Self::Light
-                | Self::Bdpt
-                | Self::Pssmlt
-                | Self::Mmlt
-                | Self::Relt
-                | Self::ErptPss
-                | Self::Mlt
-                | Self::Erpt
-                | Self::Sppm
-        )
-    }
-
     /// Can it follow what moves while the shutter is open? Methods whose paths come from primary samples can: the time
     /// of a path is one of them. Mutations of paths would have to keep the time of the path, photons that of those they
     /// meet.

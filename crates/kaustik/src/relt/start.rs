@@ -51,10 +51,19 @@ pub(crate) fn kernels<'a, const K: usize>(
     set: &ReplicaSet,
     steps: Steps,
 ) -> [LevelKernel<PathTarget<'a>, Mutation>; K] {
-    from_fn(|level| {
-        let large = if level == 0 { 1.0 } else { 0.0 };
-        LevelKernel::new(target, large, mutation(set, steps, level))
-    })
+    from_fn(|level| kernel(target, set, steps, level))
+}
+
+/// The kernel of one replica.
+#[inline]
+pub(crate) fn kernel<'a>(
+    target: PathTarget<'a>,
+    set: &ReplicaSet,
+    steps: Steps,
+    level: usize,
+) -> LevelKernel<PathTarget<'a>, Mutation> {
+    let large = if level == 0 { 1.0 } else { 0.0 };
+    LevelKernel::new(target, large, mutation(set, steps, level))
 }
 
 /// The engine of a type `Engine<K>` for as many replicas as have started.
