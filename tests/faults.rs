@@ -51,13 +51,29 @@ fn cases() -> Vec<Case> {
         case("bdpt", large(), &[]),
         case("pssmlt", large(), &["pilot=2000", "builder=bidirectional"]),
         case("relt", bright(), &["direct=together"]),
-        case("mlt", room("1.3e38", 1.0), &["pilot=200", "direct=together"]),
+        case(
+            "mlt",
+            room("1.3e38", 1.0),
+            &["pilot=200", "direct=together"],
+        ),
         case("erpt", bright(), &["direct=together"]),
         case("annealing", large(), &["particles=1000"]),
         case("sppm", photons(), &["photons=20000"]),
-        case("photon-visibility", photons(), &["photons=20000", "pilot=1000"]),
-        case("photon-density", photons(), &["photons=20000", "pilot=1000"]),
-        case("photon-spatial", photons(), &["photons=20000", "pilot=1000"]),
+        case(
+            "photon-visibility",
+            photons(),
+            &["photons=20000", "pilot=1000"],
+        ),
+        case(
+            "photon-density",
+            photons(),
+            &["photons=20000", "pilot=1000"],
+        ),
+        case(
+            "photon-spatial",
+            photons(),
+            &["photons=20000", "pilot=1000"],
+        ),
         case("photon-image", photons(), &["photons=20000", "pilot=1000"]),
     ];
     for method in ["pssmlt", "mmlt", "relt", "mlt", "annealing"] {
@@ -129,7 +145,10 @@ fn faults_are_listed_and_found() {
         let places = places.iter().filter(|place| place.starts_with(case.places));
         let places: Vec<_> = places.collect();
         assert!(!places.is_empty() && places.len() <= 32, "{method}: {said}");
-        for (index, place) in [places[0], places[places.len() - 1]].into_iter().enumerate() {
+        for (index, place) in [places[0], places[places.len() - 1]]
+            .into_iter()
+            .enumerate()
+        {
             let at = format!("3:{place}");
             let threads = ["1", "3"][index];
             let more = ["--at", &at, "--gltf", &lines, "--threads", threads];
@@ -168,12 +187,26 @@ fn a_reported_fault_is_shown() {
     refused(&["replay", &state, "--at", "4:0"], &["the ladder is 4"]);
     refused(&["replay", "builtin:cornell"], &["--at"]);
     refused(
-        &["replay", "builtin:cornell", "--method", "path", "--at", "lamps:0"],
+        &[
+            "replay",
+            "builtin:cornell",
+            "--method",
+            "path",
+            "--at",
+            "lamps:0",
+        ],
         &["the ladder is lamps", "beside its chains"],
     );
     let nowhere = file("nowhere/a.gltf");
     refused(
-        &["replay", "builtin:cornell", "--at", "0:0", "--gltf", &nowhere],
+        &[
+            "replay",
+            "builtin:cornell",
+            "--at",
+            "0:0",
+            "--gltf",
+            &nowhere,
+        ],
         &["nowhere"],
     );
 }

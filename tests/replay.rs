@@ -9,8 +9,8 @@ use kaustik::{
     Control, Direct, Energy, Method, Place, RenderError, RenderSettings, render, replay,
 };
 
-use crate::support::{picture, scene, settings};
 use crate::faults::shown;
+use crate::support::{picture, scene, settings};
 
 /// What all samples of a render bring, replayed one by one, is its picture.
 #[test]
@@ -96,7 +96,6 @@ fn steps_of_chains_are_replayed() {
         Method::Mlt,
     ];
     for method in methods {
-        assert!(method.is_replayable());
         let settings = settings(method, 8, 4);
         let show = |settings: &RenderSettings, ladder, step| {
             replay(&scene, settings, Place { ladder, step }).expect("events")

@@ -306,7 +306,10 @@ fn at(text: &str) -> Result<At, String> {
         let seed = seed.map(str::parse).transpose().ok()?;
         let ladder = match ladder {
             "lamps" => Place::LAMPS,
-            ladder => ladder.parse().ok().filter(|&ladder| ladder < Place::LAMPS)?,
+            ladder => ladder
+                .parse()
+                .ok()
+                .filter(|&ladder| ladder < Place::LAMPS)?,
         };
         let step = step.parse().ok()?;
         let place = Place { ladder, step };
@@ -389,7 +392,10 @@ mod tests {
         assert_eq!(at("1:2:3"), Ok(place(Some(1), 2)));
         assert_eq!(at("2:3"), Ok(place(None, 2)));
         assert_eq!(at("lamps:3"), Ok(place(None, Place::LAMPS)));
-        assert_eq!(at("1:lamps:3").map(|at| at.place.to_string()), Ok("lamps:3".to_owned()));
+        assert_eq!(
+            at("1:lamps:3").map(|at| at.place.to_string()),
+            Ok("lamps:3".to_owned())
+        );
         for wrong in [
             "",
             "3",

@@ -252,7 +252,9 @@ impl Event {
     /// Are all of its numbers finite?
     pub fn is_finite(&self) -> bool {
         match self {
-            Self::Begin | Self::Decision { .. } | Self::Index { .. } | Self::LightPath { .. } => true,
+            Self::Begin | Self::Decision { .. } | Self::Index { .. } | Self::LightPath { .. } => {
+                true
+            }
             Self::Visit { weight, .. } => weight.is_finite(),
             Self::Path {
                 role,

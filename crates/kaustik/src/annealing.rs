@@ -5,21 +5,19 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use kaustik_estimate::{PathTarget, ReplicaFamily, ReplicaSet, ReplicaWeights, Scale};
 use kaustik_film::{Counters, Film, Image, Layer, Quantum, develop};
 use kaustik_mcmc::{
-    Estimate, Extinct, Mean, Metropolis, Point, Population, Resampling,
-    SampleGenerators, generator,
+    Estimate, Extinct, Metropolis, Point, Population, Resampling, SampleGenerators, generator,
 };
 use kaustik_path::{Bidirectional, Contributions, Event};
 use kaustik_scene::Scene;
 use rayon::prelude::*;
-use serde::{Deserialize, Serialize};
 
 use crate::control::is_stopped;
 use crate::engine::{Engine, Nonfinite, add_counters, add_nonfinite};
 use crate::lamps::Lamps;
 use crate::mark::FilmMark;
 use crate::relt::start::{
-    MOVES, Mutation, Started, for_so_many_replicas, kernel, kernels, mutation, replica_builder,
-    samples, start,
+    MOVES, Mutation, Started, State, for_so_many_replicas, kernel, kernels, mutation,
+    replica_builder, samples, start,
 };
 use crate::relt::{known, layer};
 use crate::{
@@ -28,11 +26,13 @@ use crate::{
 };
 use deposit::{AnnealedDeposit, Gathered};
 use step::Step;
+use told::{Level, Told};
 
 mod deposit;
 mod keep;
 mod replay;
 mod step;
+mod told;
 
 /// Particles that one thread moves at a time.
 const CHUNK: usize = 64;
@@ -92,60 +92,6 @@ struct AnnealingEngine<'a, const K: usize> {
     told: Vec<Told<K>>,
     /// Where the last round ended.
     mark: FilmMark,
-}
-
-/// What the rounds of a ladder have told.
-#[derive(Clone, Debug)]
-struct Told<const K: usize> {
-    ladder: u32,
-    rounds: u64,
-    levels: [Level; K],
-    /// Light of each round.
-    light: Mean,
-    nonfinite: Nonfinite,
-}
-
-/// What rounds have told of a level.
-#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
-struct Level {
-    /// `Z_k` of each round, zero where the population died before.
-    normaliser: Mean,
-    /// The density of independent samples.
-    independent: Mean,
-    /// Light of the level in each round.
-    share: Mean,
-    moves: u64,
-    accepted: u64,
-}
-
-impl<const K: usize> Told<K> {
-    fn of(ladder: u32) -> Self {
-        Self {
-            ladder,
-            rounds: 0,
-            levels: [Level::default(); K],
-            light: Mean::new(),
-            nonfinite: Nonfinite::default(),
-        }
-    }
-
-    /// For each level of the next round a ladder that nothing else has, for its generators.
-    fn next(&self) -> impl Fn(usize) -> u64 + use<K> {
-        let round = (u64::from(self.ladder) + 1) << 40 | self.rounds << 4;
-        move |level| round | level as u64
-    }
-
-    fn merge(&mut self, other: &Self) {
-        self.rounds += other.rounds;
-        self.light.merge(&other.light);
-        for (level, other) in self.levels.iter_mut().zip(&other.levels) {
-            level.normaliser.merge(&other.normaliser);
-            level.independent.merge(&other.independent);
-            level.share.merge(&other.share);
-            level.moves += other.moves;
-            level.accepted += other.accepted;
-        }
-    }
 }
 
 impl<'a, const K: usize> AnnealingEngine<'a, K> {
@@ -240,13 +186,21 @@ impl<'a, const K: usize> AnnealingEngine<'a, K> {
         let told = self.told[at].next();
         let round = self.told[at].rounds;
         let nonfinite = AtomicU64::new(0);
-        let target = self.target(&nonfinite);
+        let target = target(self.scene, &self.builder, &nonfinite);
         let kernels = kernels::<K>(target, &self.set, self.steps);
-        let Some(mut population) = self.population(target, told(0), stop) else {
+        let Some(samples) = self.samples(target, told(0), stop) else {
             return;
         };
-        let mut central = generator(self.seed, told(K));
         let mut faults = Nonfinite::default();
+        for ((_, value), at) in samples.iter().zip(0..) {
+            faults.count(
+                u64::from(value.nonfinite()),
+                self.number(Step::sample(round, at)),
+            );
+        }
+        let mut population =
+            Population::from_samples(samples, &self.family, Resampling::Systematic);
+        let mut central = generator(self.seed, told(K));
         let mut light = [0.0; K];
         let mut normalisers = [0.0; K];
         for (level, kernel) in kernels.iter().enumerate() {
@@ -258,7 +212,7 @@ impl<'a, const K: usize> AnnealingEngine<'a, K> {
                 Err(Extinct { .. }) => break,
             }
             let gathered = if level == 0 {
-                self.show(round, population.particles())
+                self.show(population.particles())
             } else {
                 let generators = SampleGenerators::new(self.seed, told(level));
                 let of = (round, level, normalisers[level]);
@@ -283,26 +237,16 @@ impl<'a, const K: usize> AnnealingEngine<'a, K> {
         told.rounds += 1;
     }
 
-    fn target<'t>(&'t self, nonfinite: &'t AtomicU64) -> PathTarget<'t> {
-        PathTarget {
-            scene: self.scene,
-            builder: &self.builder,
-            nonfinite,
-        }
-    }
-
-    /// A round's population of independent samples, from generators of this ladder; `None` if it was stopped.
-    fn population(
+    /// A round's independent samples, from generators of this ladder; `None` if it was stopped.
+    fn samples(
         &self,
         target: PathTarget<'_>,
         ladder: u64,
         stop: Option<&AtomicBool>,
-    ) -> Option<Climbing<K>> {
+    ) -> Option<Vec<State>> {
         let first = mutation(&self.set, self.steps, 0);
         let count = (self.particles, stop);
-        let samples = samples(target, &self.family, &first, self.seed, ladder, count)?;
-        let resampling = Resampling::Systematic;
-        Some(Population::from_samples(samples, &self.family, resampling))
+        samples(target, &self.family, &first, self.seed, ladder, count)
     }
 
     /// The number of a step among all of its ladder.
@@ -321,20 +265,16 @@ impl<'a, const K: usize> AnnealingEngine<'a, K> {
         }
     }
 
-    /// Splats the independent samples of a round.
-    fn show(&self, round: u64, particles: &[Particle<K>]) -> Gathered<K> {
-        let show = |(chunk, particles): (usize, &[Particle<K>])| {
+    /// Splats the independent samples.
+    fn show(&self, particles: &[Particle<K>]) -> Gathered<K> {
+        let show = |particles: &[Particle<K>]| {
             let mut deposit = self.deposit(0, 1.0, 1);
-            for (particle, at) in particles.iter().zip(chunk * CHUNK..) {
+            for particle in particles {
                 deposit.sample(particle.value(), particle.densities());
-                let number = self.number(Step::sample(round, at as u64));
-                let faults = u64::from(particle.value().nonfinite());
-                deposit.gathered.nonfinite.count(faults, number);
             }
             deposit.gathered
         };
-        let chunks = particles.par_chunks(CHUNK).enumerate();
-        Gathered::all(chunks.map(show).collect())
+        Gathered::all(particles.par_chunks(CHUNK).map(show).collect())
     }
 
     /// Moves the particles under their level's density and splats what they visit.
@@ -352,7 +292,8 @@ impl<'a, const K: usize> AnnealingEngine<'a, K> {
             }
             // Its own, so that each fault is known to be of the step that has just been taken.
             let nonfinite = AtomicU64::new(0);
-            let kernel = kernel(self.target(&nonfinite), &self.set, self.steps, level);
+            let target = target(self.scene, &self.builder, &nonfinite);
+            let kernel = kernel(target, &self.set, self.steps, level);
             for (particle, at) in particles.iter_mut().zip((chunk * CHUNK) as u64..) {
                 let mut draws = generators.at(at);
                 for step in 0..MOVES as u64 {
@@ -371,6 +312,18 @@ impl<'a, const K: usize> AnnealingEngine<'a, K> {
         };
         let chunks = population.particles_mut().par_chunks_mut(CHUNK).enumerate();
         Gathered::all(chunks.map(climb).collect())
+    }
+}
+
+fn target<'a>(
+    scene: &'a Scene,
+    builder: &'a Bidirectional,
+    nonfinite: &'a AtomicU64,
+) -> PathTarget<'a> {
+    PathTarget {
+        scene,
+        builder,
+        nonfinite,
     }
 }
 

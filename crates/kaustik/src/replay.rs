@@ -3,7 +3,6 @@
 use kaustik_path::Event;
 use kaustik_scene::Scene;
 
-use crate::engine::Engine;
 use crate::lamps::Lamps;
 use crate::render::{check, engine, threads};
 use crate::state::take_up;

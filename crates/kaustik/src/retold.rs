@@ -58,7 +58,10 @@ fn told(engine: &mut dyn Engine, settings: &RenderSettings, grains: u64) -> Vec<
 fn cut(events: &[Event], begins: impl Fn(&Event) -> bool) -> Vec<&[Event]> {
     let at: Vec<usize> = (0..events.len()).filter(|&i| begins(&events[i])).collect();
     let ends = at.iter().skip(1).copied().chain([events.len()]);
-    at.iter().zip(ends).map(|(&from, to)| &events[from..to]).collect()
+    at.iter()
+        .zip(ends)
+        .map(|(&from, to)| &events[from..to])
+        .collect()
 }
 
 /// Every path of a round of `annealing`.
@@ -79,7 +82,10 @@ fn rounds_are_retold() {
     // Ladders take rounds in turn.
     for (round, ladder, of_ladder) in [(0, 0, 0), (1, 1, 0), (2, 0, 1)] {
         // Of all levels; samples, and either step of a particle.
-        for within in (0..cost).step_by(cost as usize / 9).chain([999, 1000, 1001, cost - 1]) {
+        for within in (0..cost)
+            .step_by(cost as usize / 9)
+            .chain([999, 1000, 1001, cost - 1])
+        {
             for threads in [1, 3] {
                 let settings = RenderSettings {
                     threads,
@@ -96,7 +102,10 @@ fn rounds_are_retold() {
                     .into_iter()
                     .filter(|e| !matches!(e, Event::Index { .. } | Event::Decision { .. }))
                     .collect();
-                assert!(shown == paths[(round * cost + within) as usize], "{round} {within}");
+                assert!(
+                    shown == paths[(round * cost + within) as usize],
+                    "{round} {within}"
+                );
             }
         }
     }
@@ -129,7 +138,9 @@ fn parts(events: &[Event]) -> Shown {
     let at = |wanted: &Event| events.iter().position(|e| e == wanted).expect("an event");
     let path = |role| at(&Event::LightPath { role });
     let [from, to] = [path(Role::Current), path(Role::Proposed)];
-    let decided = events.iter().position(|e| matches!(e, Event::Decision { .. }));
+    let decided = events
+        .iter()
+        .position(|e| matches!(e, Event::Decision { .. }));
     let decided = decided.expect("a decision");
     let part = |range: std::ops::Range<usize>| {
         let events = events[range].iter();
@@ -145,9 +156,9 @@ fn parts(events: &[Event]) -> Shown {
 /// Visits of one chain with their deposits.
 fn of_chain(events: &[Event], chain: usize) -> Vec<Event> {
     let visits = cut(events, |event| matches!(event, Event::Visit { .. }));
-    let own = visits.into_iter().filter(|visit| {
-        matches!(visit[0], Event::Visit { level, .. } if level as usize == chain)
-    });
+    let own = visits
+        .into_iter()
+        .filter(|visit| matches!(visit[0], Event::Visit { level, .. } if level as usize == chain));
     own.flatten().copied().collect()
 }
 
@@ -185,7 +196,15 @@ fn chains_of_photons_are_retold() {
             let read = 2 * chains;
             let all = sweeps.iter().sum::<u64>() as usize;
             assert_eq!(paths.len(), read + all * chains, "{method}");
-            for (ladder, sweep) in [(0, 0), (0, burn_in), (0, 77), (0, 4099), (1, 1), (1, 2050), (1, 4098)] {
+            for (ladder, sweep) in [
+                (0, 0),
+                (0, burn_in),
+                (0, 77),
+                (0, 4099),
+                (1, 1),
+                (1, 2050),
+                (1, 4098),
+            ] {
                 let before = if ladder == 0 { 0 } else { sweeps[0] };
                 let first = read + (before + sweep) as usize * chains;
                 let shown: Vec<Shown> = (0..chains)
@@ -213,7 +232,10 @@ fn chains_of_photons_are_retold() {
                 // The exchanges, and at the end of a half what is still to be reported.
                 for (chain, shown) in shown.iter().enumerate() {
                     let own = of_chain(rest, chain);
-                    assert!(own == shown.after, "{method} {iteration} {ladder} {sweep} {chain}");
+                    assert!(
+                        own == shown.after,
+                        "{method} {iteration} {ladder} {sweep} {chain}"
+                    );
                     let both = shown.proposed.iter().chain(&shown.after);
                     deposits += both.filter(|e| matches!(e, Event::Deposit { .. })).count();
                 }
@@ -241,7 +263,9 @@ fn states_change_nothing() {
             let mut engine = engine(&scene, &settings).expect("an engine");
             told(engine.as_mut(), &settings, 2);
             let header = Header::new(&scene, &settings, 0.0);
-            Snapshot::new(header, engine.as_ref()).state().expect("a state")
+            Snapshot::new(header, engine.as_ref())
+                .state()
+                .expect("a state")
         });
         for step in [3_000, 100_001, 170_000] {
             let place = Place { ladder: 1, step };

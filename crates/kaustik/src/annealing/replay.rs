@@ -2,10 +2,10 @@
 
 use std::sync::atomic::AtomicU64;
 
-use kaustik_mcmc::{Extinct, Metropolis, SampleGenerators, generator};
+use kaustik_mcmc::{Extinct, Metropolis, Population, Resampling, SampleGenerators, generator};
 use kaustik_path::{Event, note, trace};
 
-use super::{AnnealingEngine, Step};
+use super::{AnnealingEngine, Step, target};
 use crate::relt::start::{kernel, kernels, mutation};
 use crate::{Place, RenderError};
 
@@ -25,7 +25,7 @@ impl<const K: usize> AnnealingEngine<'_, K> {
         told.rounds = at.round;
         let told = told.next();
         let nonfinite = AtomicU64::new(0);
-        let target = self.target(&nonfinite);
+        let target = target(self.scene, &self.builder, &nonfinite);
         let (level, particle) = (at.level as usize, at.particle as usize);
         if level == 0 {
             let mut draws = SampleGenerators::new(self.seed, told(0)).at(at.particle);
@@ -38,17 +38,18 @@ impl<const K: usize> AnnealingEngine<'_, K> {
         }
         let kernels = kernels::<K>(target, &self.set, self.steps);
         let mut central = generator(self.seed, told(K));
-        let mut population = self.population(target, told(0), None);
-        let Some(population) = &mut population else {
-            return Ok(Vec::new());
-        };
+        let samples = self.samples(target, told(0), None).unwrap_or_default();
+        let population =
+            &mut Population::from_samples(samples, &self.family, Resampling::Systematic);
         for below in 0..=level {
             let came = population.advance(below, &kernels[below], &mut central);
             if let Err(Extinct { level: died }) = came {
                 return Err(RenderError::Setting {
                     what: "the step",
                     found: format!("{step}, at level {level} of round {}", at.round),
-                    expected: format!("one below level {died}, which none of its particles reached"),
+                    expected: format!(
+                        "one below level {died}, which none of its particles reached"
+                    ),
                 });
             }
             if (1..level).contains(&below) {
