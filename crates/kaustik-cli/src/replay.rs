@@ -118,17 +118,12 @@ fn told(what: &str, events: &[Event], scene: &Scene) -> String {
             evaluations += 1;
         }
         let _ = write!(text, "{}", line(event, evaluations, scene));
-        if !event.is_finite() {
-            text += "   <- not finite";
-        } else if matches!(
-            event,
-            Event::Splat { kept: false, .. } | Event::Deposit { kept: false, .. }
-        ) {
-            text += "   <- negative, left out";
+        if let Some(fault) = fault(event) {
+            let _ = write!(text, "   <- {fault}");
         }
         text.push('\n');
     }
-    let faults = events.iter().filter(|event| !event.is_finite()).count();
+    let faults = events.iter().filter(|event| fault(event).is_some()).count();
     let count = |of: fn(&Event) -> bool| events.iter().filter(|&event| of(event)).count();
     let others = [
         (count(|e| matches!(e, Event::Splat { .. })), "splats"),
@@ -148,10 +143,28 @@ fn told(what: &str, events: &[Event], scene: &Scene) -> String {
         "{evaluations} evaluations{others}; {}",
         match faults {
             0 => "everything is finite".to_owned(),
-            n => format!("{n} lines have numbers that are not finite"),
+            n => format!("{n} lines have numbers that are not finite, or left out"),
         }
     );
     text
+}
+
+/// What is wrong with it.
+fn fault(event: &Event) -> Option<&'static str> {
+    match event {
+        _ if !event.is_finite() => Some("not finite"),
+        Event::Splat {
+            xyz, kept: false, ..
+        }
+        | Event::Deposit {
+            xyz, kept: false, ..
+        } => Some(match xyz.0.iter().all(|&v| v >= 0.0) {
+            // Each number by itself is.
+            true => "its sum is not finite, left out",
+            false => "negative, left out",
+        }),
+        _ => None,
+    }
 }
 
 fn line(event: &Event, evaluation: u32, scene: &Scene) -> String {

@@ -7,7 +7,7 @@ use kaustik_film::{Counters, Film, Image, Layer, Quantum, develop};
 use kaustik_mcmc::{
     Estimate, Extinct, Metropolis, Point, Population, Resampling, SampleGenerators, generator,
 };
-use kaustik_path::{Bidirectional, Contributions, Event};
+use kaustik_path::{Contributions, Event, PathBuilder};
 use kaustik_scene::Scene;
 use rayon::prelude::*;
 
@@ -51,8 +51,16 @@ pub(crate) fn engine<'a>(
                 .to_owned(),
         });
     }
-    let builder = replica_builder(settings);
-    let started = start(scene, &builder, settings);
+    with_builder(scene, settings, Box::new(replica_builder(settings)))
+}
+
+/// The same with any builder.
+pub(crate) fn with_builder<'a>(
+    scene: &'a Scene,
+    settings: &RenderSettings,
+    builder: Box<dyn PathBuilder + 'a>,
+) -> Result<Box<dyn Engine + 'a>, RenderError> {
+    let started = start(scene, builder.as_ref(), settings);
     Ok(for_so_many_replicas!(
         AnnealingEngine,
         scene,
@@ -70,7 +78,7 @@ pub(crate) fn engine<'a>(
 /// independent. So nothing is ever to be forgotten, and nothing found is kept. Ladders take rounds in turn.
 struct AnnealingEngine<'a, const K: usize> {
     scene: &'a Scene,
-    builder: Bidirectional,
+    builder: Box<dyn PathBuilder + 'a>,
     set: ReplicaSet,
     steps: Steps,
     family: ReplicaFamily<K>,
@@ -97,7 +105,7 @@ struct AnnealingEngine<'a, const K: usize> {
 impl<'a, const K: usize> AnnealingEngine<'a, K> {
     fn new(
         scene: &'a Scene,
-        builder: Bidirectional,
+        builder: Box<dyn PathBuilder + 'a>,
         settings: &RenderSettings,
         started: Started,
     ) -> Result<Self, RenderError> {
@@ -186,7 +194,7 @@ impl<'a, const K: usize> AnnealingEngine<'a, K> {
         let told = self.told[at].next();
         let round = self.told[at].rounds;
         let nonfinite = AtomicU64::new(0);
-        let target = target(self.scene, &self.builder, &nonfinite);
+        let target = target(self.scene, self.builder.as_ref(), &nonfinite);
         let kernels = kernels::<K>(target, &self.set, self.steps);
         let Some(samples) = self.samples(target, told(0), stop) else {
             return;
@@ -292,7 +300,7 @@ impl<'a, const K: usize> AnnealingEngine<'a, K> {
             }
             // Its own, so that each fault is known to be of the step that has just been taken.
             let nonfinite = AtomicU64::new(0);
-            let target = target(self.scene, &self.builder, &nonfinite);
+            let target = target(self.scene, self.builder.as_ref(), &nonfinite);
             let kernel = kernel(target, &self.set, self.steps, level);
             for (particle, at) in particles.iter_mut().zip((chunk * CHUNK) as u64..) {
                 let mut draws = generators.at(at);
@@ -317,7 +325,7 @@ impl<'a, const K: usize> AnnealingEngine<'a, K> {
 
 fn target<'a>(
     scene: &'a Scene,
-    builder: &'a Bidirectional,
+    builder: &'a dyn PathBuilder,
     nonfinite: &'a AtomicU64,
 ) -> PathTarget<'a> {
     PathTarget {

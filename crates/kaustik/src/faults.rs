@@ -17,9 +17,10 @@ use crate::engine::Engine;
 use crate::independent::IndependentEngine;
 use crate::lamps::Lamps;
 use crate::pssmlt::PssmltEngine;
+use crate::relt::start::replica_builder;
 use crate::render::builder_settings;
 use crate::stratified::mix;
-use crate::{Budget, Method, Place, RenderSettings};
+use crate::{Budget, Method, Place, RenderSettings, annealing};
 
 /// What becomes of the contributions that chance picks.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -100,12 +101,13 @@ impl PathBuilder for Faulty<'_> {
 }
 
 const SIDE: u32 = 32;
-const METHODS: [Method; 5] = [
+const METHODS: [Method; 6] = [
     Method::Path,
     Method::Light,
     Method::Bdpt,
     Method::Pssmlt,
     Method::Mmlt,
+    Method::Annealing,
 ];
 
 fn a_scene() -> Scene {
@@ -129,6 +131,7 @@ fn settings(method: Method) -> RenderSettings {
     };
     settings.options.pilot = 5_000;
     settings.options.ladders = 8;
+    settings.options.particles = 1_000;
     settings
 }
 
@@ -160,6 +163,7 @@ fn engine<'a>(
             };
             (Box::new(paths), cells)
         }
+        Method::Annealing => (Box::new(replica_builder(settings)), None),
         _ => (builder(scene, settings).expect("a builder"), None),
     };
     let picked = Arc::new(AtomicU64::new(0));
@@ -172,6 +176,7 @@ fn engine<'a>(
         Method::Pssmlt | Method::Mmlt => {
             Box::new(PssmltEngine::with_builder(scene, settings, faulty).expect("an engine"))
         }
+        Method::Annealing => annealing::with_builder(scene, settings, faulty).expect("an engine"),
         method => {
             let engine = IndependentEngine::new(scene, settings, faulty, cells);
             let engine = engine.expect("an engine");

@@ -25,7 +25,7 @@ impl<const K: usize> AnnealingEngine<'_, K> {
         told.rounds = at.round;
         let told = told.next();
         let nonfinite = AtomicU64::new(0);
-        let target = target(self.scene, &self.builder, &nonfinite);
+        let target = target(self.scene, self.builder.as_ref(), &nonfinite);
         let (level, particle) = (at.level as usize, at.particle as usize);
         if level == 0 {
             let mut draws = SampleGenerators::new(self.seed, told(0)).at(at.particle);
