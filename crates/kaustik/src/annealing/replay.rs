@@ -41,8 +41,8 @@ impl<const K: usize> AnnealingEngine<'_, K> {
         let samples = self.samples(target, told(0), None).unwrap_or_default();
         let population =
             &mut Population::from_samples(samples, &self.family, Resampling::Systematic);
-        for below in 0..=level {
-            let came = population.advance(below, &kernels[below], &mut central);
+        for (below, kernel) in kernels.iter().enumerate().take(level + 1) {
+            let came = population.advance(below, kernel, &mut central);
             if let Err(Extinct { level: died }) = came {
                 return Err(RenderError::Setting {
                     what: "the step",
