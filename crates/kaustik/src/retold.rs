@@ -267,7 +267,7 @@ fn states_change_nothing() {
                 .state()
                 .expect("a state")
         });
-        for step in [3_000, 100_001, 170_000] {
+        for step in [3_000, 30_000, 100_001, 170_000] {
             let place = Place { ladder: 1, step };
             let mut all = Vec::new();
             for (state, threads) in [(None, 1), (None, 3), (Some(&state), 1), (Some(&state), 3)] {
