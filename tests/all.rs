@@ -36,6 +36,8 @@ mod direct;
 mod erpt;
 /// Lamps as faint and as bright as numbers are.
 mod extremes;
+/// Contributions that are not finite: listed, and shown once more.
+mod faults;
 /// Pictures known in closed form.
 mod furnace;
 /// Faults at the system's calls.

@@ -9,8 +9,8 @@ use kaustik::{
     Control, Direct, Energy, Method, Place, RenderError, RenderSettings, render, replay,
 };
 
+use crate::faults::shown;
 use crate::support::{picture, scene, settings};
-use crate::words::{kaustik, path, refused};
 
 /// What all samples of a render bring, replayed one by one, is its picture.
 #[test]
@@ -96,7 +96,6 @@ fn steps_of_chains_are_replayed() {
         Method::Mlt,
     ];
     for method in methods {
-        assert!(method.is_replayable());
         let settings = settings(method, 8, 4);
         let show = |settings: &RenderSettings, ladder, step| {
             replay(&scene, settings, Place { ladder, step }).expect("events")
@@ -336,106 +335,38 @@ fn the_vertices_of_a_path_see_each_other() {
     assert!(paths > 40 && surfaces > 40, "{paths} {surfaces}");
 }
 
+/// All methods show their steps; a ladder that there is not is refused.
 #[test]
-fn what_cannot_be_replayed_is_refused() {
+fn every_method_is_replayed() {
     let scene = scene("cornell", 8);
     for method in Method::ALL {
-        let place = Place { ladder: 0, step: 1 };
-        let shown = replay(&scene, &settings(method, 8, 1), place);
-        assert_eq!(shown.is_ok(), method.is_replayable(), "{method}: {shown:?}");
-        if let Err(error) = shown {
-            let said = error.to_string();
-            assert!(
-                said.contains(method.name()) && said.contains("bdpt"),
-                "{said}"
-            );
+        let mut settings = settings(method, 8, 1);
+        settings.options.pilot = 1000;
+        let show = |ladder, step| replay(&scene, &settings, Place { ladder, step });
+        let shown = show(0, 1).expect("events");
+        assert!(shown.iter().all(Event::is_finite), "{method}");
+        assert!(!shown.is_empty(), "{method}");
+        let wrong = show(64, 0);
+        assert!(
+            matches!(&wrong, Err(RenderError::Setting { found, .. }) if found == "64"),
+            "{method}: {wrong:?}"
+        );
+        let lamps = show(Place::LAMPS, 3);
+        let beside = [
+            Method::Pssmlt,
+            Method::Mmlt,
+            Method::Relt,
+            Method::Mlt,
+            Method::Annealing,
+        ];
+        match lamps {
+            Ok(events) => assert!(beside.contains(&method) && !events.is_empty()),
+            Err(error) => {
+                assert!(!beside.contains(&method), "{method}: {error}");
+                assert!(error.to_string().contains("beside"), "{error}");
+            }
         }
     }
-    let place = Place {
-        ladder: 64,
-        step: 0,
-    };
-    let shown = replay(&scene, &settings(Method::Path, 8, 1), place);
-    assert!(
-        matches!(&shown, Err(RenderError::Setting { found, .. }) if found == "64"),
-        "{shown:?}"
-    );
-}
-
-fn shown(words: &[&str]) -> String {
-    let output = kaustik(words);
-    let said = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success(), "{words:?}: {said}");
-    String::from_utf8(output.stdout).expect("text")
-}
-
-/// A render that reports faults says what shows them, and that does: from its words and from its state.
-#[test]
-fn a_reported_fault_is_shown() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let file = |name: &str| path(folder.path(), name);
-    let (state, stats, lines) = (file("s"), file("stats.json"), file("lines.gltf"));
-    // The light that walks from its lamp carry overflows.
-    let room = file("room.gltf");
-    std::fs::write(&room, crate::extremes::room("1e30", 1e5)).expect("a file");
-    let bright = [room.as_str(), "--height", "16", "--method"];
-    for method in ["light", "bdpt", "pssmlt"] {
-        let mut words = [&bright[..], &[method, "--width", "16", "--seed", "3"]].concat();
-        words.extend(["--set", "ladders=4", "--max-depth", "4"]);
-        if method == "pssmlt" {
-            words.extend(["--set", "pilot=2000", "--set", "builder=bidirectional"]);
-        }
-        let more = ["--spp", "4", "--stats", &stats, "--checkpoint", &state];
-        let output = kaustik(&[&["render"], &words[..], &more].concat());
-        let said = String::from_utf8_lossy(&output.stderr).into_owned();
-        assert!(output.status.success(), "{said}");
-        let text = std::fs::read_to_string(&stats).expect("statistics");
-        let stats: serde_json::Value = serde_json::from_str(&text).expect("JSON");
-        let stats = &stats["statistics"];
-        let places = stats["nonfinite_places"].as_array().expect("places");
-        assert!(stats["nonfinite"].as_u64() >= Some(places.len() as u64));
-        assert!(!places.is_empty() && places.len() <= 32, "{method}: {said}");
-        let place = &places[0];
-        let short = format!("{}:{}", place["ladder"], place["step"]);
-        let at = format!("3:{short}");
-        assert!(said.contains(&format!("--at {at}")), "{said}");
-        let text = shown(&[&["replay"], &words[..], &["--at", &at, "--gltf", &lines]].concat());
-        assert!(text.contains("<- not finite"), "{method}: {text}");
-        assert!(text.contains("left out at raster"), "{method}: {text}");
-        assert_eq!(text, shown(&["replay", &state, "--at", &short]), "{method}");
-        let drawn = std::fs::read_to_string(&lines).expect("lines");
-        let drawn: serde_json::Value = serde_json::from_str(&drawn).expect("JSON");
-        assert_eq!(drawn["meshes"][0]["primitives"][0]["mode"], 3, "{method}");
-    }
-    refused(
-        &["replay", &state, "--at", "9:0:0"],
-        &["seed is 3 in the state, 9"],
-    );
-    refused(&["replay", &state, "--at", "4:0"], &["the ladder is 4"]);
-    refused(&["replay", "builtin:cornell"], &["--at"]);
-    refused(
-        &[
-            "replay",
-            "builtin:cornell",
-            "--method",
-            "photon-image",
-            "--at",
-            "0:0",
-        ],
-        &["photon-image", "bdpt"],
-    );
-    let nowhere = file("nowhere/a.gltf");
-    refused(
-        &[
-            "replay",
-            "builtin:cornell",
-            "--at",
-            "0:0",
-            "--gltf",
-            &nowhere,
-        ],
-        &["nowhere"],
-    );
 }
 
 #[test]

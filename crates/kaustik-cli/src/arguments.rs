@@ -5,8 +5,8 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use clap::{Args, Parser, Subcommand};
-use kaustik::Method;
 use kaustik::film::{Filter, Tone, ToneCurve, Window};
+use kaustik::{Method, Place};
 
 /// Light transport with Markov chains.
 #[derive(Debug, Parser)]
@@ -113,7 +113,7 @@ pub(crate) struct RenderWords {
 #[derive(Args, Debug)]
 pub(crate) struct ReplayWords {
     /// The words of the render; the scene may be one of its states: then that says all but the place.
-    /// Nothing is rendered or written
+    /// A state, given so or by --resume, spares iterations of photon methods. Nothing is rendered or written
     #[command(flatten)]
     pub(crate) render: RenderWords,
     /// Which sample or step, as a render reports it
@@ -128,8 +128,7 @@ pub(crate) struct ReplayWords {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct At {
     pub(crate) seed: Option<u64>,
-    pub(crate) ladder: u32,
-    pub(crate) step: u64,
+    pub(crate) place: Place,
 }
 
 /// Where a picture goes, and how much is said about it.
@@ -302,18 +301,30 @@ fn ladders(text: &str) -> Result<Range<u32>, String> {
 
 /// `SEED:LADDER:STEP` or `LADDER:STEP`.
 fn at(text: &str) -> Result<At, String> {
-    let numbers: Option<Vec<u64>> = text.split(':').map(|part| part.parse().ok()).collect();
-    let at = match numbers.as_deref() {
-        Some(&[seed, ladder, step]) => Some((Some(seed), ladder, step)),
-        Some(&[ladder, step]) => Some((None, ladder, step)),
-        _ => None,
-    };
-    at.and_then(|(seed, ladder, step)| {
-        let ladder = u32::try_from(ladder).ok()?;
+    let parts: Vec<&str> = text.split(':').collect();
+    let at = |seed: Option<&str>, ladder: &str, step: &str| {
+        let seed = seed.map(str::parse).transpose().ok()?;
+        let ladder = match ladder {
+            "lamps" => Place::LAMPS,
+            ladder => ladder
+                .parse()
+                .ok()
+                .filter(|&ladder| ladder < Place::LAMPS)?,
+        };
+        let step = step.parse().ok()?;
+        let place = Place { ladder, step };
         // Steps are counted, and a chain has to get there.
-        (step < 1 << 48).then_some(At { seed, ladder, step })
+        (step < 1 << 48).then_some(At { seed, place })
+    };
+    match *parts {
+        [seed, ladder, step] => at(Some(seed), ladder, step),
+        [ladder, step] => at(None, ladder, step),
+        _ => None,
+    }
+    .ok_or_else(|| {
+        "expected SEED:LADDER:STEP or LADDER:STEP, for instance 0:3:1000; LADDER may be lamps"
+            .to_owned()
     })
-    .ok_or_else(|| "expected SEED:LADDER:STEP or LADDER:STEP, for instance 0:3:1000".to_owned())
 }
 
 /// `500M`, `4G`, a number of bytes.
@@ -374,19 +385,25 @@ mod tests {
         assert!(window("0,0,4,5").is_ok());
         assert!(window("4,0,4,5").is_err() && window("1,2,3").is_err() && window("").is_err());
         assert_eq!(ladders("2..5"), Ok(2..5));
-        let place = |seed| At {
+        let place = |seed, ladder| At {
             seed,
-            ladder: 2,
-            step: 3,
+            place: Place { ladder, step: 3 },
         };
-        assert_eq!(at("1:2:3"), Ok(place(Some(1))));
-        assert_eq!(at("2:3"), Ok(place(None)));
+        assert_eq!(at("1:2:3"), Ok(place(Some(1), 2)));
+        assert_eq!(at("2:3"), Ok(place(None, 2)));
+        assert_eq!(at("lamps:3"), Ok(place(None, Place::LAMPS)));
+        assert_eq!(
+            at("1:lamps:3").map(|at| at.place.to_string()),
+            Ok("lamps:3".to_owned())
+        );
         for wrong in [
             "",
             "3",
             "1:2:3:4",
             "-1:2:3",
             "1:99999999999:3",
+            "1:4294967295:3",
+            "lamps:2:3",
             "1:2:999999999999999",
         ] {
             assert!(at(wrong).is_err(), "{wrong}");

@@ -1,7 +1,7 @@
 //! Where a picture goes, and what is said about it.
 
 use kaustik::film::{check_writable, exr, png, write_file};
-use kaustik::{Budget, Method, Outcome, Place, RenderSettings, RenderStatistics, Rendered, Source};
+use kaustik::{Budget, Outcome, Place, RenderSettings, RenderStatistics, Rendered, Source};
 use serde_json::{Value, json};
 
 use crate::arguments::OutputWords;
@@ -59,7 +59,7 @@ const PRINTED: usize = 8;
 /// Where contributions were left out, and what shows one of them again.
 fn places(statistics: &RenderStatistics) -> String {
     let seed = statistics.seed;
-    let place = |place: &Place| format!("{seed}:{}:{}", place.ladder, place.step);
+    let place = |place: &Place| format!("{seed}:{place}");
     let places = &statistics.nonfinite_places;
     let Some(first) = places.first().map(place) else {
         return String::new();
@@ -69,11 +69,8 @@ fn places(statistics: &RenderStatistics) -> String {
         "; the first of each ladder at {} (seed:ladder:step)",
         all.join(", ")
     );
-    if (statistics.method.parse()).is_ok_and(Method::is_replayable) {
-        text += &format!(
-            "; kaustik replay with the words of this render and --at {first} shows that path"
-        );
-    }
+    text +=
+        &format!("; kaustik replay with the words of this render and --at {first} shows that path");
     text
 }
 

@@ -10,10 +10,11 @@ use kaustik::path::{Event, Role, Side, Stand};
 use kaustik::scene::Scene;
 use kaustik::scene::gltf::{Line, lines};
 use kaustik::spectrum::Spectrum;
-use kaustik::{Place, RenderSettings, Source, State, replay};
+use kaustik::{RenderSettings, Source, State, replay_from};
 use serde_json::json;
 
-use crate::arguments::{At, ReplayWords};
+use crate::arguments::ReplayWords;
+use crate::picture::remark;
 use crate::render::{failure, load, settings};
 use crate::{Failure, output};
 
@@ -21,7 +22,12 @@ pub(crate) fn run(words: &ReplayWords) -> Result<ExitCode, Failure> {
     if let Some(path) = &words.gltf {
         check_writable(path).map_err(Failure::input)?;
     }
-    let (settings, source, size) = asked(words)?;
+    let Asked {
+        settings,
+        source,
+        size,
+        state,
+    } = asked(words)?;
     let outputs = &words.render.outputs;
     let scene = load(outputs, &source, words.render.max_memory, &settings, size)?;
     let [width, height] = scene.image_size();
@@ -30,11 +36,19 @@ pub(crate) fn run(words: &ReplayWords) -> Result<ExitCode, Failure> {
         height,
         ..settings
     };
-    let At { ladder, step, .. } = words.at;
-    let place = Place { ladder, step };
-    let events = replay(&scene, &settings, place).map_err(|error| failure(&error))?;
+    let place = words.at.place;
+    let mut ahead = |iterations| {
+        remark(
+            outputs,
+            &format!(
+                "light paths follow from those of the iterations before: {iterations} of them run first"
+            ),
+        );
+    };
+    let events = replay_from(&scene, &settings, state.as_ref(), place, &mut ahead)
+        .map_err(|error| failure(&error))?;
     let RenderSettings { method, seed, .. } = settings;
-    let what = format!("{method} of {}, step {seed}:{ladder}:{step}", source.scene);
+    let what = format!("{method} of {}, step {seed}:{place}", source.scene);
     output::print(&told(&what, &events, &scene));
     if let Some(path) = &words.gltf {
         let notes = json!({ "kaustik": what });
@@ -47,10 +61,20 @@ pub(crate) fn run(words: &ReplayWords) -> Result<ExitCode, Failure> {
 /// Columns and rows as far as they are known.
 type Size = (Option<u32>, Option<u32>);
 
+/// What is known of the render.
+struct Asked {
+    settings: RenderSettings,
+    source: Source,
+    size: Size,
+    /// One that it left behind.
+    state: Option<State>,
+}
+
 /// The settings and the scene of the render, from its words or from its state.
-fn asked(words: &ReplayWords) -> Result<(RenderSettings, Source, Size), Failure> {
+fn asked(words: &ReplayWords) -> Result<Asked, Failure> {
     let render = &words.render;
     let path = Path::new(&render.scene);
+    let read = |path: &Path| State::read(path).map_err(|error| wrong(path, &error));
     if !State::is_at(path) {
         let mut settings = settings(render)?;
         settings.seed = words.at.seed.unwrap_or(settings.seed);
@@ -60,18 +84,29 @@ fn asked(words: &ReplayWords) -> Result<(RenderSettings, Source, Size), Failure>
             variant: render.variant.clone(),
             environment: render.environment.clone(),
         };
-        return Ok((settings, source, (render.width, render.height)));
+        return Ok(Asked {
+            settings,
+            source,
+            size: (render.width, render.height),
+            state: render.resume.as_deref().map(read).transpose()?,
+        });
     }
-    let wrong =
-        |error: &dyn std::fmt::Display| Failure::Input(format!("{}: {error}", path.display()));
-    let state = State::read(path).map_err(|error| wrong(&error))?;
-    let settings = state.settings().map_err(|error| wrong(&error))?;
+    let state = read(path)?;
+    let settings = state.settings().map_err(|error| wrong(path, &error))?;
     if let Some(seed) = words.at.seed.filter(|seed| *seed != settings.seed) {
         let found = format!("seed is {} in the state, {seed} in --at", settings.seed);
-        return Err(wrong(&found));
+        return Err(wrong(path, &found));
     }
-    let size = (Some(settings.width), Some(settings.height));
-    Ok((settings, state.source().clone(), size))
+    Ok(Asked {
+        size: (Some(settings.width), Some(settings.height)),
+        settings,
+        source: state.source().clone(),
+        state: Some(state),
+    })
+}
+
+fn wrong(path: &Path, error: &dyn std::fmt::Display) -> Failure {
+    Failure::Input(format!("{}: {error}", path.display()))
 }
 
 /// The text: a line for each event, indented by walk; what is not finite is marked.
@@ -83,21 +118,20 @@ fn told(what: &str, events: &[Event], scene: &Scene) -> String {
             evaluations += 1;
         }
         let _ = write!(text, "{}", line(event, evaluations, scene));
-        if !event.is_finite() {
-            text += "   <- not finite";
-        } else if matches!(
-            event,
-            Event::Splat { kept: false, .. } | Event::Deposit { kept: false, .. }
-        ) {
-            text += "   <- negative, left out";
+        if let Some(fault) = fault(event) {
+            let _ = write!(text, "   <- {fault}");
         }
         text.push('\n');
     }
-    let faults = events.iter().filter(|event| !event.is_finite()).count();
+    let faults = events.iter().filter(|event| fault(event).is_some()).count();
     let count = |of: fn(&Event) -> bool| events.iter().filter(|&event| of(event)).count();
     let others = [
         (count(|e| matches!(e, Event::Splat { .. })), "splats"),
         (count(|e| matches!(e, Event::Path { .. })), "paths"),
+        (
+            count(|e| matches!(e, Event::LightPath { .. })),
+            "light paths",
+        ),
         (count(|e| matches!(e, Event::Proposal { .. })), "proposals"),
         (count(|e| matches!(e, Event::Photon { .. })), "photons"),
         (count(|e| matches!(e, Event::Deposit { .. })), "deposits"),
@@ -109,10 +143,28 @@ fn told(what: &str, events: &[Event], scene: &Scene) -> String {
         "{evaluations} evaluations{others}; {}",
         match faults {
             0 => "everything is finite".to_owned(),
-            n => format!("{n} lines have numbers that are not finite"),
+            n => format!("{n} lines have numbers that are not finite, or left out"),
         }
     );
     text
+}
+
+/// What is wrong with it.
+fn fault(event: &Event) -> Option<&'static str> {
+    match event {
+        _ if !event.is_finite() => Some("not finite"),
+        Event::Splat {
+            xyz, kept: false, ..
+        }
+        | Event::Deposit {
+            xyz, kept: false, ..
+        } => Some(match xyz.0.iter().all(|&v| v >= 0.0) {
+            // Each number by itself is.
+            true => "its sum is not finite, left out",
+            false => "negative, left out",
+        }),
+        _ => None,
+    }
 }
 
 fn line(event: &Event, evaluation: u32, scene: &Scene) -> String {
@@ -200,7 +252,10 @@ fn line(event: &Event, evaluation: u32, scene: &Scene) -> String {
         Event::Light { class, value } => {
             format!("      brings light of class {class:?}: {}", spectrum(value))
         }
-        Event::Path { .. }
+        Event::Index { of, number } => format!("{of} {number}"),
+        Event::LightPath { .. }
+        | Event::Visit { .. }
+        | Event::Path { .. }
         | Event::PathVertex { .. }
         | Event::Proposal { .. }
         | Event::Decision { .. } => of_chain(event, scene),
@@ -238,9 +293,13 @@ fn line(event: &Event, evaluation: u32, scene: &Scene) -> String {
     }
 }
 
-/// What chains of whole paths do.
+/// What chains of paths do.
 fn of_chain(event: &Event, scene: &Scene) -> String {
     match *event {
+        Event::LightPath { role } => format!("light path {}", stands_for(role)),
+        Event::Visit { level, weight } => {
+            format!("  chain {level} reports a path for {weight:.6} steps")
+        }
         Event::Path {
             role,
             raster,
@@ -308,6 +367,14 @@ fn named(material: u32, scene: &Scene) -> String {
     })
 }
 
+fn stands_for(role: Role) -> &'static str {
+    match role {
+        Role::Sampled(_) => "that was sampled",
+        Role::Current => "where the chain is",
+        Role::Proposed => "where it may go",
+    }
+}
+
 fn stands(stand: Stand) -> &'static str {
     match stand {
         Stand::Emitter => "emitter at",
@@ -333,7 +400,15 @@ fn spectrum(value: Spectrum) -> String {
     format!("[{}]", lanes.join(", "))
 }
 
-/// Walks and connections as lines: blue from the camera, orange from the light, green for what was joined; whole paths blue where
+fn color(role: Role) -> [f32; 3] {
+    match role {
+        Role::Sampled(_) => [1.0, 0.4, 0.0],
+        Role::Current => [0.1, 0.3, 1.0],
+        Role::Proposed => [0.1, 0.8, 0.2],
+    }
+}
+
+/// Walks and connections as lines: blue from the camera, orange from the light, green for what was joined; paths of chains blue where
 /// the chain is, green where it may go, orange those that were sampled.
 fn drawn(events: &[Event]) -> Vec<Line> {
     let mut all: Vec<Line> = Vec::new();
@@ -342,6 +417,7 @@ fn drawn(events: &[Event]) -> Vec<Line> {
     let mut walk = 0;
     // Where light comes from that has no place.
     let mut away = None;
+    let mut of_chain = None;
     for event in events {
         match *event {
             Event::Start { side, position, .. } => {
@@ -349,13 +425,17 @@ fn drawn(events: &[Event]) -> Vec<Line> {
                 walk = all.len();
                 all.push(Line {
                     name: format!("{} walk {}", name(side), all.len()),
-                    color: match side {
-                        Side::Camera => [0.1, 0.3, 1.0],
-                        Side::Light => [1.0, 0.4, 0.0],
+                    color: match (side, of_chain.take()) {
+                        (_, Some(role)) => color(role),
+                        (Side::Camera, None) => [0.1, 0.3, 1.0],
+                        (Side::Light, None) => [1.0, 0.4, 0.0],
                     },
                     points: vec![position.as_vec3()],
                 });
             }
+            // A chain's, unless nothing leaves the light; what comes after its decision is none of it.
+            Event::LightPath { role } => of_chain = Some(role),
+            Event::Decision { .. } => of_chain = None,
             Event::Vertex {
                 position, distance, ..
             } => {
@@ -385,11 +465,7 @@ fn drawn(events: &[Event]) -> Vec<Line> {
                 away = None;
                 all.push(Line {
                     name: format!("{role:?} path {}", all.len()),
-                    color: match role {
-                        Role::Sampled(_) => [1.0, 0.4, 0.0],
-                        Role::Current => [0.1, 0.3, 1.0],
-                        Role::Proposed => [0.1, 0.8, 0.2],
-                    },
+                    color: color(role),
                     points: Vec::new(),
                 });
             }

@@ -2,6 +2,7 @@
 
 use kaustik_film::Film;
 use kaustik_mcmc::{Recorder, Visit};
+use kaustik_path::{Event, note};
 
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 
@@ -43,8 +44,8 @@ pub struct PhotonDeposit<'a, const K: usize> {
     pub touches: Option<&'a [AtomicU64]>,
     /// Sum of the visits' weights at each level.
     pub counts: [f64; K],
-    /// Values that were not finite.
-    pub faults: u64,
+    /// Values of the visits at each level that were not finite.
+    pub faults: [u64; K],
 }
 
 /// `share / T_l` of spec (12), times `b0_l`.
@@ -70,8 +71,12 @@ impl<const K: usize> Recorder<PhotonValue, K> for PhotonDeposit<'_, K> {
         if visit.weight <= 0.0 {
             return;
         }
+        note(|| Event::Visit {
+            level: level as u32,
+            weight: visit.weight,
+        });
         self.counts[level] += visit.weight;
-        self.faults += u64::from(visit.value.path.nonfinite());
+        self.faults[level] += u64::from(visit.value.path.nonfinite());
         if visit.value.meetings.is_empty() {
             return;
         }
@@ -86,7 +91,7 @@ impl<const K: usize> Recorder<PhotonValue, K> for PhotonDeposit<'_, K> {
                 meeting.point as usize,
                 weight,
             );
-            self.faults += u64::from(!sound);
+            self.faults[level] += u64::from(!sound);
             if let Some(touches) = self.touches {
                 let steps = (visit.weight * TOUCH as f64).round_ties_even() as u64;
                 touches[meeting.point as usize].fetch_add(steps, Relaxed);

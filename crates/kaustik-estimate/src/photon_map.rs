@@ -76,7 +76,7 @@ impl PhotonMap<'_> {
 
     /// For whoever looks at the photon.
     #[cold]
-    fn told(&self, photon: &Photon) -> Event {
+    pub(crate) fn told(&self, photon: &Photon) -> Event {
         let mut met = 0;
         self.meetings(photon, |_| met += 1);
         Event::Photon {

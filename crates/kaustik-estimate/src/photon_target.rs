@@ -1,7 +1,7 @@
 //! Light paths as states of chains: what they touch, and what the targets say of it.
 
 use kaustik_mcmc::{Family, Target};
-use kaustik_path::{PhotonPath, PhotonTracing};
+use kaustik_path::{PhotonPath, PhotonTracing, note};
 use kaustik_pss::Coordinates;
 use kaustik_scene::Scene;
 
@@ -55,6 +55,7 @@ impl Target for PhotonTarget<'_> {
         // spec (2): the largest of the points touched
         let mut most = [0.0_f32; 2];
         for (photon, at) in path.photons().iter().zip(0..) {
+            note(|| self.map.told(photon));
             self.map.meetings(photon, |point| {
                 meetings.push(Meeting {
                     photon: at,

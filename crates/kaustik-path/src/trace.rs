@@ -57,8 +57,27 @@ pub enum Stand {
 /// edge that leads to them, from 1; throughputs and values at the wavelengths of the path.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Event {
+    /// Where the step lies in its render, as one of several numbers; each is counted from 0.
+    Index {
+        /// What is counted.
+        of: &'static str,
+        /// Its number.
+        number: u64,
+    },
     /// A point of the primary sample space is evaluated: what follows is of it.
     Begin,
+    /// A light path of a chain of photons is built: what follows is of it.
+    LightPath {
+        /// What it is to its chain.
+        role: Role,
+    },
+    /// A chain of photons reports the path that it leaves, or that it did not go to: the deposits that follow are of it.
+    Visit {
+        /// The chain among those of its ladder, counted from 0.
+        level: u32,
+        /// Steps that the visit stands for.
+        weight: f64,
+    },
     /// A walk leaves its end.
     Start {
         /// Which end.
@@ -233,7 +252,10 @@ impl Event {
     /// Are all of its numbers finite?
     pub fn is_finite(&self) -> bool {
         match self {
-            Self::Begin | Self::Decision { .. } => true,
+            Self::Begin | Self::Decision { .. } | Self::Index { .. } | Self::LightPath { .. } => {
+                true
+            }
+            Self::Visit { weight, .. } => weight.is_finite(),
             Self::Path {
                 role,
                 raster,

@@ -5,21 +5,19 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use kaustik_estimate::{PathTarget, ReplicaFamily, ReplicaSet, ReplicaWeights, Scale};
 use kaustik_film::{Counters, Film, Image, Layer, Quantum, develop};
 use kaustik_mcmc::{
-    Estimate, Extinct, LevelKernel, Mean, Metropolis, Point, Population, Resampling,
-    SampleGenerators, generator,
+    Estimate, Extinct, Metropolis, Point, Population, Resampling, SampleGenerators, generator,
 };
-use kaustik_path::{Bidirectional, Contributions};
+use kaustik_path::{Contributions, Event, PathBuilder};
 use kaustik_scene::Scene;
 use rayon::prelude::*;
-use serde::{Deserialize, Serialize};
 
 use crate::control::is_stopped;
-use crate::engine::{Engine, add_counters, add_nonfinite};
+use crate::engine::{Engine, Nonfinite, add_counters, add_nonfinite};
 use crate::lamps::Lamps;
 use crate::mark::FilmMark;
 use crate::relt::start::{
-    MOVES, Mutation, Started, for_so_many_replicas, kernels, mutation, replica_builder, samples,
-    start,
+    MOVES, Mutation, Started, State, for_so_many_replicas, kernel, kernels, mutation,
+    replica_builder, samples, start,
 };
 use crate::relt::{known, layer};
 use crate::{
@@ -27,9 +25,14 @@ use crate::{
     Steps,
 };
 use deposit::{AnnealedDeposit, Gathered};
+use step::Step;
+use told::{Level, Told};
 
 mod deposit;
 mod keep;
+mod replay;
+mod step;
+mod told;
 
 /// Particles that one thread moves at a time.
 const CHUNK: usize = 64;
@@ -48,8 +51,16 @@ pub(crate) fn engine<'a>(
                 .to_owned(),
         });
     }
-    let builder = replica_builder(settings);
-    let started = start(scene, &builder, settings);
+    with_builder(scene, settings, Box::new(replica_builder(settings)))
+}
+
+/// The same with any builder.
+pub(crate) fn with_builder<'a>(
+    scene: &'a Scene,
+    settings: &RenderSettings,
+    builder: Box<dyn PathBuilder + 'a>,
+) -> Result<Box<dyn Engine + 'a>, RenderError> {
+    let started = start(scene, builder.as_ref(), settings);
     Ok(for_so_many_replicas!(
         AnnealingEngine,
         scene,
@@ -67,7 +78,7 @@ pub(crate) fn engine<'a>(
 /// independent. So nothing is ever to be forgotten, and nothing found is kept. Ladders take rounds in turn.
 struct AnnealingEngine<'a, const K: usize> {
     scene: &'a Scene,
-    builder: Bidirectional,
+    builder: Box<dyn PathBuilder + 'a>,
     set: ReplicaSet,
     steps: Steps,
     family: ReplicaFamily<K>,
@@ -91,65 +102,10 @@ struct AnnealingEngine<'a, const K: usize> {
     mark: FilmMark,
 }
 
-/// What the rounds of a ladder have told.
-#[derive(Clone, Debug)]
-struct Told<const K: usize> {
-    ladder: u32,
-    rounds: u64,
-    levels: [Level; K],
-    /// Light of each round.
-    light: Mean,
-    nonfinite: u64,
-}
-
-/// What rounds have told of a level.
-#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
-struct Level {
-    /// `Z_k` of each round, zero where the population died before.
-    normaliser: Mean,
-    /// The density of independent samples.
-    independent: Mean,
-    /// Light of the level in each round.
-    share: Mean,
-    moves: u64,
-    accepted: u64,
-}
-
-impl<const K: usize> Told<K> {
-    fn of(ladder: u32) -> Self {
-        Self {
-            ladder,
-            rounds: 0,
-            levels: [Level::default(); K],
-            light: Mean::new(),
-            nonfinite: 0,
-        }
-    }
-
-    /// For each level of the next round a ladder that nothing else has, for its generators.
-    fn next(&self) -> impl Fn(usize) -> u64 + use<K> {
-        let round = (u64::from(self.ladder) + 1) << 40 | self.rounds << 4;
-        move |level| round | level as u64
-    }
-
-    fn merge(&mut self, other: &Self) {
-        self.rounds += other.rounds;
-        self.light.merge(&other.light);
-        self.nonfinite += other.nonfinite;
-        for (level, other) in self.levels.iter_mut().zip(&other.levels) {
-            level.normaliser.merge(&other.normaliser);
-            level.independent.merge(&other.independent);
-            level.share.merge(&other.share);
-            level.moves += other.moves;
-            level.accepted += other.accepted;
-        }
-    }
-}
-
 impl<'a, const K: usize> AnnealingEngine<'a, K> {
     fn new(
         scene: &'a Scene,
-        builder: Bidirectional,
+        builder: Box<dyn PathBuilder + 'a>,
         settings: &RenderSettings,
         started: Started,
     ) -> Result<Self, RenderError> {
@@ -236,24 +192,20 @@ impl<'a, const K: usize> AnnealingEngine<'a, K> {
     /// The next round of one of the ladders; only a part of it if it is stopped.
     fn climb_all(&mut self, at: usize, stop: Option<&AtomicBool>) {
         let told = self.told[at].next();
+        let round = self.told[at].rounds;
         let nonfinite = AtomicU64::new(0);
-        let target = PathTarget {
-            scene: self.scene,
-            builder: &self.builder,
-            nonfinite: &nonfinite,
-        };
+        let target = target(self.scene, self.builder.as_ref(), &nonfinite);
         let kernels = kernels::<K>(target, &self.set, self.steps);
-        let bottom = told(0);
-        let first = mutation(&self.set, self.steps, 0);
-        let samples = samples(
-            target,
-            &self.family,
-            &first,
-            self.seed,
-            bottom,
-            (self.particles, stop),
-        );
-        let Some(samples) = samples else { return };
+        let Some(samples) = self.samples(target, told(0), stop) else {
+            return;
+        };
+        let mut faults = Nonfinite::default();
+        for ((_, value), at) in samples.iter().zip(0..) {
+            faults.count(
+                u64::from(value.nonfinite()),
+                self.number(Step::sample(round, at)),
+            );
+        }
         let mut population =
             Population::from_samples(samples, &self.family, Resampling::Systematic);
         let mut central = generator(self.seed, told(K));
@@ -271,9 +223,10 @@ impl<'a, const K: usize> AnnealingEngine<'a, K> {
                 self.show(population.particles())
             } else {
                 let generators = SampleGenerators::new(self.seed, told(level));
-                let of = (level, normalisers[level]);
-                self.climb(of, (kernel, stop), &generators, &mut population)
+                let of = (round, level, normalisers[level]);
+                self.climb(of, &generators, &mut population, stop)
             };
+            faults = faults.and(gathered.nonfinite);
             light[level] = gathered.light;
             let levels = &mut self.told[at].levels;
             levels[level].moves += gathered.moves;
@@ -288,8 +241,25 @@ impl<'a, const K: usize> AnnealingEngine<'a, K> {
             level.share.push(light[k]);
         }
         told.light.push(light.iter().sum());
-        told.nonfinite += nonfinite.load(Ordering::Relaxed);
+        told.nonfinite = told.nonfinite.and(faults);
         told.rounds += 1;
+    }
+
+    /// A round's independent samples, from generators of this ladder; `None` if it was stopped.
+    fn samples(
+        &self,
+        target: PathTarget<'_>,
+        ladder: u64,
+        stop: Option<&AtomicBool>,
+    ) -> Option<Vec<State>> {
+        let first = mutation(&self.set, self.steps, 0);
+        let count = (self.particles, stop);
+        samples(target, &self.family, &first, self.seed, ladder, count)
+    }
+
+    /// The number of a step among all of its ladder.
+    fn number(&self, step: Step) -> u64 {
+        step.number(self.particles, self.cost())
     }
 
     fn deposit(&self, level: usize, normaliser: f64, each: u64) -> AnnealedDeposit<'_, K> {
@@ -318,20 +288,29 @@ impl<'a, const K: usize> AnnealingEngine<'a, K> {
     /// Moves the particles under their level's density and splats what they visit.
     fn climb(
         &self,
-        (level, normaliser): (usize, f64),
-        (kernel, stop): (&LevelKernel<PathTarget<'_>, Mutation>, Option<&AtomicBool>),
+        (round, level, normaliser): (u64, usize, f64),
         generators: &SampleGenerators,
-        population: &mut Population<Point<Mutation>, Contributions, K>,
+        population: &mut Climbing<K>,
+        stop: Option<&AtomicBool>,
     ) -> Gathered<K> {
         let climb = |(chunk, particles): (usize, &mut [Particle<K>])| {
             let mut deposit = self.deposit(level, normaliser, MOVES as u64);
             if is_stopped(stop) {
                 return deposit.gathered;
             }
-            for (at, particle) in particles.iter_mut().enumerate() {
-                let mut draws = generators.at((chunk * CHUNK + at) as u64);
-                for _ in 0..MOVES {
-                    let accepted = particle.step(kernel, &self.family, &mut draws, &mut deposit);
+            // Its own, so that each fault is known to be of the step that has just been taken.
+            let nonfinite = AtomicU64::new(0);
+            let target = target(self.scene, self.builder.as_ref(), &nonfinite);
+            let kernel = kernel(target, &self.set, self.steps, level);
+            for (particle, at) in particles.iter_mut().zip((chunk * CHUNK) as u64..) {
+                let mut draws = generators.at(at);
+                for step in 0..MOVES as u64 {
+                    let accepted = particle.step(&kernel, &self.family, &mut draws, &mut deposit);
+                    if nonfinite.load(Ordering::Relaxed) > 0 {
+                        let faults = nonfinite.swap(0, Ordering::Relaxed);
+                        let number = self.number(Step::new(round, level, at, step));
+                        deposit.gathered.nonfinite.count(faults, number);
+                    }
                     deposit.gathered.accepted += u64::from(accepted);
                     deposit.gathered.moves += 1;
                 }
@@ -344,8 +323,23 @@ impl<'a, const K: usize> AnnealingEngine<'a, K> {
     }
 }
 
+fn target<'a>(
+    scene: &'a Scene,
+    builder: &'a dyn PathBuilder,
+    nonfinite: &'a AtomicU64,
+) -> PathTarget<'a> {
+    PathTarget {
+        scene,
+        builder,
+        nonfinite,
+    }
+}
+
 /// A path that climbs.
 type Particle<const K: usize> = Metropolis<Point<Mutation>, Contributions, K>;
+
+/// A round's paths.
+type Climbing<const K: usize> = Population<Point<Mutation>, Contributions, K>;
 
 impl<const K: usize> Engine for AnnealingEngine<'_, K> {
     fn advance(&mut self, plan: &[u64], stop: Option<&AtomicBool>) -> u64 {
@@ -445,8 +439,13 @@ impl<const K: usize> Engine for AnnealingEngine<'_, K> {
     }
 
     fn nonfinite(&self) -> (u64, Vec<Place>) {
-        let own = (self.told().nonfinite, Vec::new());
+        let told = self.told.iter();
+        let own = Nonfinite::all(told.map(|told| (told.ladder, told.nonfinite)));
         add_nonfinite(own, self.direct.as_ref().map(Lamps::nonfinite))
+    }
+
+    fn replay(&mut self, place: Place) -> Result<Vec<Event>, RenderError> {
+        self.told_again(place)
     }
 
     fn film_counters(&self) -> Counters {

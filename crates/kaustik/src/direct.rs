@@ -183,10 +183,10 @@ impl Engine for DirectApart<'_> {
     }
 
     /// A step of this number of both parts: they count their own.
-    fn replay(&mut self, place: Place) -> Option<Vec<Event>> {
+    fn replay(&mut self, place: Place) -> Result<Vec<Event>, RenderError> {
         let mut events = self.chains.replay(place)?;
         events.extend(self.direct.replay(place)?);
-        Some(events)
+        Ok(events)
     }
 
     fn rays(&self) -> Option<Rays> {

@@ -73,10 +73,15 @@ pub(crate) trait Engine: Keep {
     fn nonfinite(&self) -> (u64, Vec<Place>);
 
     /// Takes the step at this place, and those before it where they follow on each other, and tells
-    /// what happened in it. For an engine that has taken none and will not be used again; of a method that
-    /// [has shares](crate::Method::has_shares), for one of that ladder alone. `None`: steps of this method are not taken one by one.
-    fn replay(&mut self, _place: Place) -> Option<Vec<Event>> {
-        None
+    /// what happened in it. For an engine that has taken none, or is not yet [past it](Self::ahead), and will not be used
+    /// again; of a method that [has shares](crate::Method::has_shares), for one of that ladder alone. Refuses a step that
+    /// there is not.
+    fn replay(&mut self, place: Place) -> Result<Vec<Event>, RenderError>;
+
+    /// Iterations of the whole render that [`replay`](Self::replay) has to run before it comes to the one of this place; `None`:
+    /// it is past it.
+    fn ahead(&self, _place: Place) -> Option<u64> {
+        Some(0)
     }
 
     /// The rays of all steps taken; `None` of a method that does not count them.
@@ -146,6 +151,9 @@ impl Nonfinite {
 
     /// Both, with the first steps of either.
     pub(crate) fn and(self, other: Self) -> Self {
+        if other.count == 0 {
+            return self;
+        }
         let mut both = Self {
             count: self.count + other.count,
             ..Self::default()

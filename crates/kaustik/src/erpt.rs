@@ -239,9 +239,9 @@ impl Engine for ErptEngine<'_> {
     }
 
     /// The sample with its chains; none of a ladder without pixels.
-    fn replay(&mut self, Place { ladder, step }: Place) -> Option<Vec<Event>> {
+    fn replay(&mut self, Place { ladder, step }: Place) -> Result<Vec<Event>, RenderError> {
         if self.grain(ladder) == 0 {
-            return Some(Vec::new());
+            return Ok(Vec::new());
         }
         let job = Job {
             space: &self.space,
@@ -253,7 +253,8 @@ impl Engine for ErptEngine<'_> {
             pilot: self.pilot.mean(),
             stop: None,
         };
-        Some(self.streams.first_mut()?.replay(&job, step))
+        let stream = self.streams.first_mut();
+        Ok(stream.map_or(Vec::new(), |stream| stream.replay(&job, step)))
     }
 
     fn film_counters(&self) -> Counters {

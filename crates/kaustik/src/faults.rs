@@ -15,10 +15,12 @@ use crate::builders::builder;
 use crate::cells::Cells;
 use crate::engine::Engine;
 use crate::independent::IndependentEngine;
+use crate::lamps::Lamps;
 use crate::pssmlt::PssmltEngine;
+use crate::relt::start::replica_builder;
 use crate::render::builder_settings;
 use crate::stratified::mix;
-use crate::{Budget, Method, Place, RenderSettings};
+use crate::{Budget, Method, Place, RenderSettings, annealing};
 
 /// What becomes of the contributions that chance picks.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -99,12 +101,13 @@ impl PathBuilder for Faulty<'_> {
 }
 
 const SIDE: u32 = 32;
-const METHODS: [Method; 5] = [
+const METHODS: [Method; 6] = [
     Method::Path,
     Method::Light,
     Method::Bdpt,
     Method::Pssmlt,
     Method::Mmlt,
+    Method::Annealing,
 ];
 
 fn a_scene() -> Scene {
@@ -128,6 +131,7 @@ fn settings(method: Method) -> RenderSettings {
     };
     settings.options.pilot = 5_000;
     settings.options.ladders = 8;
+    settings.options.particles = 1_000;
     settings
 }
 
@@ -159,6 +163,7 @@ fn engine<'a>(
             };
             (Box::new(paths), cells)
         }
+        Method::Annealing => (Box::new(replica_builder(settings)), None),
         _ => (builder(scene, settings).expect("a builder"), None),
     };
     let picked = Arc::new(AtomicU64::new(0));
@@ -171,6 +176,7 @@ fn engine<'a>(
         Method::Pssmlt | Method::Mmlt => {
             Box::new(PssmltEngine::with_builder(scene, settings, faulty).expect("an engine"))
         }
+        Method::Annealing => annealing::with_builder(scene, settings, faulty).expect("an engine"),
         method => {
             let engine = IndependentEngine::new(scene, settings, faulty, cells);
             let engine = engine.expect("an engine");
@@ -252,6 +258,12 @@ fn what_is_not_finite_is_as_if_it_were_not_there() {
     }
 }
 
+/// Contributions that were told to be left out.
+fn left_out(events: &[Event]) -> usize {
+    let left_out = |event: &&Event| matches!(event, Event::Splat { kept: false, .. });
+    events.iter().filter(left_out).count()
+}
+
 /// The places that a render reports are those where a replay finds the fault, and steps beside them are sound.
 #[test]
 fn a_replay_finds_the_fault_where_it_was_reported() {
@@ -269,9 +281,7 @@ fn a_replay_finds_the_fault_where_it_was_reported() {
                 let events = engine(&scene, &one, Fault::Spoilt)
                     .0
                     .replay(Place { step, ..*place });
-                let events = events.expect("events");
-                let left_out = |event: &&Event| matches!(event, Event::Splat { kept: false, .. });
-                events.iter().filter(left_out).count()
+                left_out(&events.expect("events"))
             };
             assert!(faults(place.step) > 0, "{method} {place:?}");
             let beside = place.step + 1;
@@ -282,5 +292,61 @@ fn a_replay_finds_the_fault_where_it_was_reported() {
                 assert_eq!(faults(beside), 0, "{method} {place:?}");
             }
         }
+    }
+}
+
+/// The same of lamps beside chains: whatever the threads and however passes are cut, the same faults are counted, and the first of
+/// them are found where they were reported, and only there.
+#[test]
+fn faults_of_lamps_are_found() {
+    const MUTATIONS: u64 = 16 * 200 * (SIDE * SIDE) as u64;
+    let scene = a_scene();
+    let settings = settings(Method::Pssmlt);
+    let lamps = |threads: usize, cuts: &[u64]| {
+        let picked = Arc::new(AtomicU64::new(0));
+        let paths = Unidirectional {
+            settings: kaustik_path::BuilderSettings {
+                min_edges: 1,
+                max_edges: 1,
+                ..builder_settings(&settings)
+            },
+            next_event: false,
+        };
+        let faulty = Box::new(Faulty {
+            inner: Box::new(paths),
+            fault: Fault::Spoilt,
+            picked: Arc::clone(&picked),
+        });
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+        pool.expect("threads").install(|| {
+            let mut lamps = Lamps::with_builder(&scene, &settings, faulty).expect("lamps");
+            for &mutations in cuts {
+                lamps.keep_up(mutations);
+            }
+            (lamps, picked.load(Ordering::Relaxed))
+        })
+    };
+    let (one, picked) = lamps(1, &[MUTATIONS]);
+    let (count, places) = one.nonfinite();
+    assert_eq!(places.len(), 4);
+    assert!(places.is_sorted_by_key(|place| place.step), "{places:?}");
+    // The look before the passes finds some that count for nothing.
+    assert!(
+        count > 4 && count <= picked && picked < count + 3,
+        "{count} {picked}"
+    );
+    let (three, _) = lamps(3, &[MUTATIONS / 3, MUTATIONS / 2, MUTATIONS]);
+    assert_eq!(
+        (count, &places),
+        (three.nonfinite().0, &three.nonfinite().1)
+    );
+    for place in &places {
+        assert_eq!(place.ladder, Place::LAMPS);
+        assert_eq!(left_out(&one.replay(place.step)), 1, "{place}");
+        assert_eq!(left_out(&three.replay(place.step)), 1, "{place}");
+        let beside = place.step + 1;
+        assert!(
+            places.iter().any(|other| other.step == beside) || left_out(&one.replay(beside)) == 0
+        );
     }
 }

@@ -309,10 +309,12 @@ impl Engine for IndependentEngine<'_> {
     }
 
     /// Samples follow from their number alone; how many chains one has, from those of its cell before it.
-    fn replay(&mut self, Place { ladder, step }: Place) -> Option<Vec<Event>> {
+    fn replay(&mut self, Place { ladder, step }: Place) -> Result<Vec<Event>, RenderError> {
         let pass = self.grain(ladder).max(1);
         let (job, streams) = self.parts(None);
-        let stream = streams.iter_mut().find(|s| s.ladder == ladder)?;
+        let Some(stream) = streams.iter_mut().find(|s| s.ladder == ladder) else {
+            return Ok(Vec::new());
+        };
         if stream.chains.is_some() {
             for earlier in (step % pass..step).step_by(pass as usize) {
                 stream.step = earlier;
@@ -320,7 +322,7 @@ impl Engine for IndependentEngine<'_> {
             }
         }
         stream.step = step;
-        Some(trace(|| stream.run(&job, 1)).1)
+        Ok(trace(|| stream.run(&job, 1)).1)
     }
 
     /// Not of what is redistributed: its chains do not count them.

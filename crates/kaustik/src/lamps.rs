@@ -6,16 +6,18 @@
 //! better than a million paths.
 
 use std::io;
-use std::sync::atomic::{AtomicU64, Ordering};
 
 use kaustik_estimate::Scale;
 use kaustik_film::{Counters, Film, Quantum};
 use kaustik_mcmc::{Independent, SampleGenerators};
-use kaustik_path::{BuilderSettings, Contributions, PathBuilder, Rays, Unidirectional};
+use kaustik_path::{
+    BuilderSettings, Contributions, Event, PathBuilder, Rays, Unidirectional, trace,
+};
 use kaustik_scene::Scene;
 use rayon::prelude::*;
 
 use crate::cells::Cells;
+use crate::engine::Nonfinite;
 use crate::render::builder_settings;
 use crate::state::{Reader, StateError, Writer};
 use crate::stratified::{Stratified, mix};
@@ -34,7 +36,7 @@ const LADDER: u64 = u64::MAX - 1024;
 /// Stratified samples of what is seen directly, in passes over a grid, one cell a pixel.
 pub(crate) struct Lamps<'a> {
     scene: &'a Scene,
-    builder: Unidirectional,
+    builder: Box<dyn PathBuilder + 'a>,
     film: Film,
     scale: Scale,
     seed: u64,
@@ -47,7 +49,7 @@ pub(crate) struct Lamps<'a> {
     /// Raster area of a cell in pixels.
     cell_area: f64,
     lit: bool,
-    nonfinite: AtomicU64,
+    nonfinite: Nonfinite,
 }
 
 impl<'a> Lamps<'a> {
@@ -59,18 +61,28 @@ impl<'a> Lamps<'a> {
         if !direct::are_lamps(settings) {
             return Ok(None);
         }
+        let paths = Unidirectional {
+            settings: BuilderSettings {
+                min_edges: 1,
+                max_edges: 1,
+                ..builder_settings(settings)
+            },
+            next_event: false,
+        };
+        Self::with_builder(scene, settings, Box::new(paths)).map(Some)
+    }
+
+    /// The same with any builder.
+    pub(crate) fn with_builder(
+        scene: &'a Scene,
+        settings: &RenderSettings,
+        builder: Box<dyn PathBuilder + 'a>,
+    ) -> Result<Self, RenderError> {
         let layout = settings.layout();
         let cells = Cells::new(settings);
         let mut direct = Self {
             scene,
-            builder: Unidirectional {
-                settings: BuilderSettings {
-                    min_edges: 1,
-                    max_edges: 1,
-                    ..builder_settings(settings)
-                },
-                next_event: false,
-            },
+            builder,
             // until a first look tells the quantum: two large films would be one too many
             film: Film::new(1, 1, Quantum::FALLBACK)?,
             scale: Scale {
@@ -85,7 +97,7 @@ impl<'a> Lamps<'a> {
             pixels: settings.pixels(),
             cell_area: layout.extended_bounds().area() / cells.count() as f64,
             lit: false,
-            nonfinite: AtomicU64::new(0),
+            nonfinite: Nonfinite::default(),
         };
         let seen = direct.look();
         let mean = seen.iter().sum::<f64>() / (cells.count() * LOOK) as f64;
@@ -93,7 +105,7 @@ impl<'a> Lamps<'a> {
         direct.often = direct.closely(&seen);
         direct.keep_up(0);
         direct.lit = direct.film.sums().any(|sum| sum != 0);
-        Ok(Some(direct))
+        Ok(direct)
     }
 
     /// X + Y + Z of a few samples in each cell.
@@ -142,7 +154,7 @@ impl<'a> Lamps<'a> {
         let columns = self.cells.columns();
         let corner = [cell % columns, cell / columns].map(|at| at as f64);
         let size = [columns, self.cells.rows()].map(|side| 1.0 / side as f64);
-        let inner = Independent::new(self.generators.at(index * self.cells.count() + cell));
+        let inner = Independent::new(self.generators.at(self.step(cell, index)));
         let seed = mix(self.seed) ^ cell;
         let mut coordinates = Stratified::new(inner, corner, size, index, seed);
         self.builder.build(self.scene, &mut coordinates, value);
@@ -159,23 +171,36 @@ impl<'a> Lamps<'a> {
         let passes = self.passes..due.max(self.passes);
         self.passes = passes.end;
         let this = &*self;
-        (this.often.par_iter().enumerate().with_min_len(256)).for_each_init(
-            Contributions::default,
-            |value, (cell, &often)| {
-                for index in passes.start * often..passes.end * often {
-                    this.build(cell as u64, index, value);
-                    let faults = u64::from(value.nonfinite());
-                    this.nonfinite.fetch_add(faults, Ordering::Relaxed);
-                    this.scale.splat(&this.film, value, 1.0 / often as f64);
-                }
-            },
-        );
+        let sample = |value: &mut Contributions, (cell, &often): (usize, &u64)| {
+            let mut faults = Nonfinite::default();
+            for index in passes.start * often..passes.end * often {
+                this.build(cell as u64, index, value);
+                faults.count(u64::from(value.nonfinite()), this.step(cell as u64, index));
+                this.scale.splat(&this.film, value, 1.0 / often as f64);
+            }
+            faults
+        };
+        let found = (this.often.par_iter().enumerate().with_min_len(256))
+            .map_init(Contributions::default, sample)
+            .reduce(Nonfinite::default, Nonfinite::and);
+        self.nonfinite = self.nonfinite.and(found);
+    }
+
+    /// The number of a sample among all: that of its generator.
+    fn step(&self, cell: u64, index: u64) -> u64 {
+        index * self.cells.count() + cell
+    }
+
+    /// Tells what happens in the sample of this number.
+    pub(crate) fn replay(&self, step: u64) -> Vec<Event> {
+        let (index, cell) = (step / self.cells.count(), step % self.cells.count());
+        let mut value = Contributions::default();
+        trace(|| self.build(cell, index, &mut value)).1
     }
 
     /// Writes the passes so far.
     pub(crate) fn write(&self, out: &mut Writer<'_>) -> io::Result<()> {
-        let nonfinite = self.nonfinite.load(Ordering::Relaxed);
-        out.value(&(self.passes, nonfinite))?;
+        out.value(&(self.passes, self.nonfinite))?;
         out.film(&self.film)
     }
 
@@ -183,13 +208,13 @@ impl<'a> Lamps<'a> {
     /// with the most are kept, what the whole is due beyond them is for [`keep_up`](Self::keep_up). Tells how many
     /// passes it has.
     pub(crate) fn take_up(&mut self, from: &mut Reader<'_>) -> Result<u64, StateError> {
-        let (passes, nonfinite): (u64, u64) = from.value()?;
-        let (passes, nonfinite) = (Reader::count(passes)?.max(1), Reader::count(nonfinite)?);
+        let (passes, nonfinite): (u64, Nonfinite) = from.value()?;
+        let (passes, nonfinite) = (Reader::count(passes)?.max(1), nonfinite.checked()?);
         let wanted = from.is_first() || passes > self.passes;
         from.film_instead(&mut self.film, wanted)?;
         if wanted {
             self.passes = passes;
-            *self.nonfinite.get_mut() = nonfinite;
+            self.nonfinite = nonfinite;
         }
         Ok(passes)
     }
@@ -204,9 +229,9 @@ impl<'a> Lamps<'a> {
         self.lit
     }
 
-    /// Contributions left out because they were not finite. They belong to no ladder's step.
+    /// Contributions left out because they were not finite, and the first samples where that was so.
     pub(crate) fn nonfinite(&self) -> (u64, Vec<Place>) {
-        (self.nonfinite.load(Ordering::Relaxed), Vec::new())
+        Nonfinite::all(std::iter::once((Place::LAMPS, self.nonfinite)))
     }
 
     /// One ray a sample of the passes, to the first surface.

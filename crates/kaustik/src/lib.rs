@@ -55,6 +55,8 @@ mod relt;
 mod render;
 mod replay;
 mod replica_statistics;
+#[cfg(test)]
+mod retold;
 mod settings;
 mod sobol;
 mod state;
@@ -79,7 +81,7 @@ pub use mutations::Mutations;
 pub use options::{OptionError, Options};
 pub use photon_options::{Normalisation, PhotonOptions, TargetFunction};
 pub use render::{Outcome, Rendered, Watch, render, render_watched, resume};
-pub use replay::replay;
+pub use replay::{replay, replay_from};
 pub use replica_statistics::{ReplicaLevel, ReplicaStatistics};
 pub use settings::{Budget, RenderSettings};
 pub use state::{Snapshot, Source, State, StateError};

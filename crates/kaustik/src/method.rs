@@ -144,24 +144,6 @@ impl Method {
         )
     }
 
-    /// Can [`replay`](fn@crate::replay) show a step of it? Where particles of a round or chains of an iteration
-    /// move together, it cannot.
-    pub fn is_replayable(self) -> bool {
-        matches!(
-            self,
-            Self::Path
-                | Self::Light
-                | Self::Bdpt
-                | Self::Pssmlt
-                | Self::Mmlt
-                | Self::Relt
-                | Self::ErptPss
-                | Self::Mlt
-                | Self::Erpt
-                | Self::Sppm
-        )
-    }
-
     /// The settings that it reads.
     pub fn keys(self) -> impl Iterator<Item = &'static Key> {
         KEYS.iter().filter(move |key| key.methods.contains(&self))

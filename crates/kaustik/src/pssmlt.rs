@@ -356,11 +356,14 @@ impl Engine for PssmltEngine<'_> {
     }
 
     /// The chain goes on to the step from its start; lamps have no part in it.
-    fn replay(&mut self, Place { step, .. }: Place) -> Option<Vec<Event>> {
+    fn replay(&mut self, Place { step, .. }: Place) -> Result<Vec<Event>, RenderError> {
         let mut chains = std::mem::take(&mut self.chains);
-        let chain = chains.first_mut()?;
+        let Some(chain) = chains.first_mut() else {
+            // The pool saw no light: nothing is tried.
+            return Ok(Vec::new());
+        };
         self.drive(chain, step, None);
-        Some(trace(|| self.drive(chain, 1, None)).1)
+        Ok(trace(|| self.drive(chain, 1, None)).1)
     }
 
     fn rays(&self) -> Option<Rays> {

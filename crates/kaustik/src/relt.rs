@@ -432,11 +432,13 @@ impl<const K: usize> Engine for ReltEngine<'_, K> {
     }
 
     /// All that is evaluated in the sweep of this step.
-    fn replay(&mut self, Place { step, .. }: Place) -> Option<Vec<Event>> {
+    fn replay(&mut self, Place { step, .. }: Place) -> Result<Vec<Event>, RenderError> {
         let mut runs = std::mem::take(&mut self.runs);
-        let run = runs.first_mut()?;
+        let Some(run) = runs.first_mut() else {
+            return Ok(Vec::new());
+        };
         self.drive(run, step / self.cost(), None);
-        Some(trace(|| self.drive(run, 1, None)).1)
+        Ok(trace(|| self.drive(run, 1, None)).1)
     }
 
     fn nonfinite(&self) -> (u64, Vec<Place>) {

@@ -3,67 +3,92 @@
 use kaustik_path::Event;
 use kaustik_scene::Scene;
 
+use crate::lamps::Lamps;
 use crate::render::{check, engine};
+use crate::state::take_up;
 use crate::threads::pool;
-use crate::{Method, Place, RenderError, RenderSettings};
+use crate::{Place, RenderError, RenderSettings, State};
 
 /// What happened in one step of a render: of a sample or mutation all that its path builder did, of `relt` in the sweep
 /// of that step, of `erpt-pss` and `erpt` in the sample and its chains, of `sppm` in the light path (all of them count as
-/// ladder 0) and in the sample of what photons cannot carry; with `direct=apart` in the steps of that number
-/// of both parts.
+/// ladder 0); of chains of photons in the step of one chain and the exchanges after it, of `annealing` in the step
+/// of one particle. Photon methods show the sample of the same place of what photons cannot carry as well, `direct=apart` the
+/// steps of that number of both parts. [`Place::LAMPS`] stands for the samples of emitters seen directly beside chains.
 ///
-/// The step is that of the render with these settings, to the bit, whatever its budget and share of the ladders. Independent
-/// samples are made at once; a chain goes there from its start.
+/// The step is that of the render with these settings, to the bit, whatever its budget, threads and share of the ladders.
+/// Independent samples are made at once, and so is a round of `annealing`; a chain goes there from its start; chains of
+/// photons, which learn from each other, run all iterations before: see [`replay_from`].
 ///
 /// # Errors
-/// As [`render`](fn@crate::render); a method that is not [replayable](Method::is_replayable), a ladder that
-/// the render does not have.
+/// As [`render`](fn@crate::render); a ladder that the render does not have, a level that a round of `annealing` did not come to.
 pub fn replay(
     scene: &Scene,
     settings: &RenderSettings,
     place: Place,
 ) -> Result<Vec<Event>, RenderError> {
-    if !settings.method.is_replayable() {
-        return Err(unreplayable(settings.method));
+    replay_from(scene, settings, None, place, &mut |_| {})
+}
+
+/// As [`replay`], with a state that the render has left: where iterations have to be run before the step is there, those that
+/// the state has behind it are not, if it is not past the step. `ahead` is told how many have to be run, if any.
+///
+/// # Errors
+/// As [`replay`]; a state of another scene, method, setting or share, or a damaged one.
+pub fn replay_from(
+    scene: &Scene,
+    settings: &RenderSettings,
+    state: Option<&State>,
+    place: Place,
+    ahead: &mut (dyn FnMut(u64) + Send),
+) -> Result<Vec<Event>, RenderError> {
+    if let Some(state) = state {
+        check(scene, settings)?;
+        state.check(scene, settings)?;
     }
-    let ladders = settings.options.ladders;
-    if place.ladder >= ladders {
-        return Err(RenderError::Setting {
-            what: "the ladder",
-            found: place.ladder.to_string(),
-            expected: format!("one of 0 to {}", ladders.saturating_sub(1)),
-        });
+    if place.ladder == Place::LAMPS {
+        check(scene, settings)?;
+        let lamps = pool(settings.threads)?.install(|| Lamps::new(scene, settings))?;
+        let lamps = lamps.ok_or_else(|| no_ladder(settings, place))?;
+        return Ok(lamps.replay(place.step));
+    }
+    if place.ladder >= settings.options.ladders {
+        return Err(no_ladder(settings, place));
     }
     let shares = settings.method.has_shares();
-    let settings = RenderSettings {
+    let settings = &RenderSettings {
         ladders: shares.then(|| place.ladder..place.ladder + 1),
         ..settings.clone()
     };
-    check(scene, &settings)?;
-    let pool = pool(settings.threads)?;
-    let mut engine = pool.install(|| engine(scene, &settings))?;
-    // On this thread: events are told on the one where they happen.
-    let events = engine.replay(place);
-    events.ok_or_else(|| unreplayable(settings.method))
+    check(scene, settings)?;
+    // Events are told on the thread where they happen: one of these.
+    pool(settings.threads)?.install(|| {
+        let new = || engine(scene, settings);
+        let mut engine = new()?;
+        if let (Some(state), Some(1..)) = (state, engine.ahead(place)) {
+            take_up(engine.as_mut(), state, true)?;
+            if engine.ahead(place).is_none() {
+                engine = new()?;
+            }
+        }
+        if let Some(iterations @ 1..) = engine.ahead(place) {
+            ahead(iterations);
+        }
+        engine.replay(place)
+    })
 }
 
-fn unreplayable(method: Method) -> RenderError {
-    let known = Method::ALL.into_iter().filter(|m| m.is_replayable());
-    let names: Vec<_> = known.map(Method::name).collect();
-    let why = match method {
-        Method::Annealing => {
-            "a round of annealing moves all its particles together; relt, which starts by the same annealing, shows its sweeps"
-        }
-        _ => {
-            "chains of photons learn from each other in every iteration; sppm shows light paths among the same points"
-        }
+fn no_ladder(settings: &RenderSettings, place: Place) -> RenderError {
+    let last = settings.options.ladders.saturating_sub(1);
+    let (found, why) = match place.ladder {
+        Place::LAMPS => (
+            "lamps".to_owned(),
+            ": this render has no samples of emitters seen directly beside its chains",
+        ),
+        ladder => (ladder.to_string(), ""),
     };
     RenderError::Setting {
-        what: "the method",
-        found: method.to_string(),
-        expected: format!(
-            "one whose steps can be replayed: {} ({why})",
-            names.join(", ")
-        ),
+        what: "the ladder",
+        found,
+        expected: format!("one of 0 to {last}{why}"),
     }
 }

@@ -1,6 +1,8 @@
+use std::fmt;
+
 use kaustik_film::Counters;
 use kaustik_mcmc::Statistics;
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 
 use crate::{EnergyStatistics, MergeStatistics, ReplicaStatistics};
 
@@ -102,13 +104,36 @@ pub struct RayStatistics {
     pub any: u64,
 }
 
-/// A sample or step among all of a render.
+/// A sample or step among all of a render. Is written as `LADDER:STEP`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct Place {
-    /// Which chain or stream.
+    /// Which chain or stream; [`LAMPS`](Self::LAMPS), written as `lamps`, of emitters seen directly beside chains.
+    #[serde(serialize_with = "ladder")]
     pub ladder: u32,
     /// Its step, counted from 0.
     pub step: u64,
+}
+
+impl Place {
+    /// Stands for a ladder of samples that belong to none: those of emitters and surroundings seen directly beside
+    /// chains ([`Direct::Lamps`](crate::Direct::Lamps)).
+    pub const LAMPS: u32 = u32::MAX;
+}
+
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.ladder {
+            Self::LAMPS => write!(f, "lamps:{}", self.step),
+            ladder => write!(f, "{ladder}:{}", self.step),
+        }
+    }
+}
+
+fn ladder<S: Serializer>(ladder: &u32, to: S) -> Result<S::Ok, S::Error> {
+    match *ladder {
+        Place::LAMPS => to.serialize_str("lamps"),
+        ladder => to.serialize_u32(ladder),
+    }
 }
 
 /// What became of direct light that was rendered apart from the chains.

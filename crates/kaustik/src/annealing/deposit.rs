@@ -5,6 +5,8 @@ use kaustik_film::Film;
 use kaustik_mcmc::{Mean, Recorder, Visit};
 use kaustik_path::{Class, Contributions};
 
+use crate::engine::Nonfinite;
+
 /// Takes the visits of some particles of a level.
 pub(super) struct AnnealedDeposit<'a, const K: usize> {
     pub(super) film: &'a Film,
@@ -24,6 +26,8 @@ pub(super) struct Gathered<const K: usize> {
     pub(super) accepted: u64,
     /// Densities of independent samples, by level.
     pub(super) densities: [Mean; K],
+    /// What was left out.
+    pub(super) nonfinite: Nonfinite,
 }
 
 impl<const K: usize> Default for Gathered<K> {
@@ -33,6 +37,7 @@ impl<const K: usize> Default for Gathered<K> {
             moves: 0,
             accepted: 0,
             densities: [Mean::new(); K],
+            nonfinite: Nonfinite::default(),
         }
     }
 }
@@ -45,6 +50,7 @@ impl<const K: usize> Gathered<K> {
             all.light += part.light;
             all.moves += part.moves;
             all.accepted += part.accepted;
+            all.nonfinite = all.nonfinite.and(part.nonfinite);
             for (mean, other) in all.densities.iter_mut().zip(&part.densities) {
                 mean.merge(other);
             }

@@ -6,6 +6,7 @@ use kaustik_mcmc::{Estimate, Mean};
 use serde::{Deserialize, Serialize};
 
 use super::{AnnealingEngine, Level, Told};
+use crate::engine::Nonfinite;
 use crate::state::{Keep, Reader, StateError, Writer};
 
 /// A [`Told`] as it is kept.
@@ -15,7 +16,7 @@ struct Kept {
     rounds: u64,
     levels: Vec<Level>,
     light: Mean,
-    nonfinite: u64,
+    nonfinite: Nonfinite,
 }
 
 /// Film and what rounds have told: no population lives on. The first annealing is done again, and compared.
@@ -84,7 +85,6 @@ impl Kept {
         let wrong = || StateError::damaged("rounds do not agree with each other");
         let levels: [Level; K] = self.levels.try_into().map_err(|_| wrong())?;
         Reader::count(self.rounds.saturating_mul(cost))?;
-        Reader::count(self.nonfinite)?;
         let sound = |level: &Level| {
             let means = [&level.normaliser, &level.share];
             let counts = [level.moves, level.independent.count()];
@@ -100,7 +100,7 @@ impl Kept {
             rounds: self.rounds,
             levels,
             light: self.light,
-            nonfinite: self.nonfinite,
+            nonfinite: self.nonfinite.checked()?,
         })
     }
 }

@@ -1,18 +1,21 @@
 //! Photons of Markov chains that exchange states (spec: stf-photon.md 3, 7 and 8).
 
+mod iteration;
 mod keep;
 mod mark;
+mod replay;
 mod sums;
 
 use std::io;
 use std::sync::atomic::AtomicBool;
 
-use kaustik_estimate::{PhotonDeposit, PhotonLevels, PhotonTarget, PhotonValue};
+use kaustik_estimate::{PhotonLevels, PhotonTarget, PhotonValue};
 use kaustik_film::{Counters, Film, Image, Layer};
 use kaustik_mcmc::{
     Acceptance, AcceptanceAdaptation, Draws, Ignore, Independent, Ladder, Mean, Metropolis,
     Pcg64Dxsm, Point, PointKernel, Pool, Power, SampleGenerators, Statistics, Target, generator,
 };
+use kaustik_path::Event;
 use kaustik_spectrum::{Rgb, Xyz};
 use rayon::prelude::*;
 
@@ -25,7 +28,8 @@ use crate::engine::Nonfinite;
 use crate::photon_options::Normalisation;
 use crate::state::{Reader, StateError, Writer};
 use crate::statistics::{PhotonLevel, PhotonStatistics};
-use crate::{ChainStatistics, PhotonOptions, RenderError, RenderSettings};
+use crate::{ChainStatistics, PhotonOptions, Place, RenderError, RenderSettings};
+use iteration::{Course, Iteration, Unheard};
 
 /// Uniform light paths that choose the first states come from a ladder that no render has; so does the choice.
 const POOL_LADDER: u64 = u64::MAX;
@@ -37,8 +41,6 @@ const WARM_UP: (u64, u64) = (8, 32);
 /// A ladder takes so many sweeps an iteration at least, or there are fewer ladders: means of short chains under targets that have
 /// just changed are off, and many ladders do not mend that.
 const LEAST_SWEEPS: u64 = 4096;
-/// Sweeps between two looks at the stop flag.
-const STRIDE: u64 = 32;
 
 /// Ladders of K chains each: the first draws uniform light paths, the others follow targets.
 pub(super) struct PhotonChains<const K: usize> {
@@ -59,7 +61,8 @@ pub(super) struct PhotonChains<const K: usize> {
     revival: Pcg64Dxsm,
     maps: Option<Maps>,
     iterations: u64,
-    nonfinite: Nonfinite,
+    /// Of each ladder.
+    nonfinite: Vec<Nonfinite>,
     /// What films of iterations before have left out.
     counters: Counters,
     /// Of the last iteration: normalisers, their errors.
@@ -71,7 +74,8 @@ struct Chains<const K: usize> {
     draws: Pcg64Dxsm,
     ladder: Ladder<Point<Power>, PhotonValue, K>,
     counts: [f64; K],
-    faults: u64,
+    /// Faults of the last iteration.
+    found: Nonfinite,
 }
 
 impl<const K: usize> PhotonChains<K> {
@@ -114,7 +118,7 @@ impl<const K: usize> PhotonChains<K> {
             revival: generator(settings.seed, REVIVAL_LADDER),
             maps: options.maps.then(|| Maps::new(settings)),
             iterations: 0,
-            nonfinite: Nonfinite::default(),
+            nonfinite: Vec::new(),
             counters: Counters::default(),
             normalisers: [[0.0; 2]; K],
         };
@@ -181,9 +185,10 @@ impl<const K: usize> PhotonChains<K> {
                 ladder: Ladder::new(starts, &levels),
                 draws,
                 counts: [0.0; K],
-                faults: 0,
+                found: Nonfinite::default(),
             });
         }
+        self.nonfinite = vec![Nonfinite::default(); ladders.len()];
         self.ladders = ladders;
         self.rough = rough;
     }
@@ -268,59 +273,51 @@ impl<const K: usize> PhotonChains<K> {
     fn run(&mut self, stage: &Stage<'_>, stop: Option<&AtomicBool>) -> bool {
         self.read_anew(stage);
         let mut ladders = std::mem::take(&mut self.ladders);
-        let (sweeps, count) = (stage.photons.div_ceil(K as u64), ladders.len() as u64);
-        let share = |ladder: u64| sweeps / count + u64::from(ladder < sweeps % count);
-        let target = self.target(stage);
-        let kernels = kernels::<K>(&target);
-        let deposit = |half: usize| PhotonDeposit {
-            map: target.map,
-            scale: stage.scale,
-            films: &self.films,
-            rough: self.rough,
-            combine: self.options.combine,
-            regions: self.targets.sums().map(|sums| (sums, half)),
-            touches: self.maps.as_ref().map(Maps::touches),
-            counts: [0.0; K],
-            faults: 0,
-        };
+        let iteration = self.shared(stage, ladders.len());
         ladders
             .par_iter_mut()
             .enumerate()
             .with_max_len(1)
-            .for_each(|(index, chains)| {
-                let Chains { ladder, draws, .. } = chains;
-                let stopped = |sweep: u64| sweep.is_multiple_of(STRIDE) && is_stopped(stop);
-                for sweep in 0..self.options.burn_in {
-                    if stopped(sweep) {
-                        return;
-                    }
-                    ladder.sweep(&kernels, &self.levels, draws, &mut Ignore);
-                }
-                ladder.flush(&mut Ignore);
-                ladder.reset_statistics();
-                chains.counts = [0.0; K];
-                chains.faults = 0;
-                // Both halves have a block of every ladder.
-                let sweeps = share(index as u64);
-                let first = sweeps / 2;
-                for (half, sweeps) in [(0, first), (1, sweeps - first)] {
-                    let mut recorder = deposit((half + index) % 2);
-                    for sweep in 0..sweeps {
-                        if stopped(sweep) {
-                            return;
-                        }
-                        ladder.sweep(&kernels, &self.levels, draws, &mut recorder);
-                    }
-                    ladder.flush(&mut recorder);
-                    for level in 0..K {
-                        chains.counts[level] += recorder.counts[level];
-                    }
-                    chains.faults += recorder.faults;
-                }
-            });
+            .for_each(|(index, chains)| iteration.run(index, chains, &mut Unheard { stop }));
         self.ladders = ladders;
         // The flag stays up: without it no ladder went home early.
         !is_stopped(stop)
+    }
+
+    /// What so many ladders share in the iteration that the stage has begun.
+    fn shared<'t>(&'t self, stage: &'t Stage<'_>, ladders: usize) -> Iteration<'t, K> {
+        Iteration {
+            target: self.target(stage),
+            levels: &self.levels,
+            number: self.iterations,
+            course: self.course(stage, ladders),
+            scale: stage.scale,
+            films: &self.films,
+            rough: self.rough,
+            combine: self.options.combine,
+            regions: self.targets.sums(),
+            touches: self.maps.as_ref().map(Maps::touches),
+        }
+    }
+
+    /// The sweeps that so many ladders take in any iteration.
+    fn course(&self, stage: &Stage<'_>, ladders: usize) -> Course<K> {
+        Course {
+            burn_in: self.options.burn_in,
+            sweeps: stage.photons.div_ceil(K as u64),
+            ladders: ladders as u64,
+        }
+    }
+
+    /// Targets of the points of the iteration that the stage has begun.
+    fn begin(&mut self, stage: &Stage<'_>) {
+        let grown = self.targets.assign(stage);
+        for (rough, level) in self.rough.iter_mut().zip(self.levels.0) {
+            *rough *= grown[level];
+        }
+        if let Some(maps) = &mut self.maps {
+            maps.begin(stage);
+        }
     }
 }
 
@@ -334,13 +331,7 @@ fn kernels<'t, const K: usize>(
 impl<const K: usize> Tracer for PhotonChains<K> {
     fn trace(&mut self, stage: &Stage<'_>, stop: Option<&AtomicBool>) -> bool {
         let mark = stop.is_some().then(|| self.mark());
-        let grown = self.targets.assign(stage);
-        for (rough, level) in self.rough.iter_mut().zip(self.levels.0) {
-            *rough *= grown[level];
-        }
-        if let Some(maps) = &mut self.maps {
-            maps.begin(stage);
-        }
+        self.begin(stage);
         if !self.run(stage, stop) {
             if let Some(mark) = mark {
                 self.take_back(mark);
@@ -354,9 +345,9 @@ impl<const K: usize> Tracer for PhotonChains<K> {
         let factors = self.normalise();
         self.collect(&factors);
         self.targets.learn(&factors, self.options.refinement);
-        let faults = self.ladders.iter().map(|chains| chains.faults).sum();
-        self.nonfinite
-            .count(faults, (self.iterations - 1) * stage.photons);
+        for (nonfinite, chains) in self.nonfinite.iter_mut().zip(&self.ladders) {
+            *nonfinite = nonfinite.and(chains.found);
+        }
         for level in 0..K {
             if self.normalisers[level][0] > 0.0 {
                 self.rough[level] = self.normalisers[level][0];
@@ -423,8 +414,17 @@ impl<const K: usize> Tracer for PhotonChains<K> {
         })
     }
 
-    fn nonfinite(&self) -> Nonfinite {
-        self.nonfinite
+    fn iteration(&self, stage: &Stage<'_>, place: Place) -> Option<u64> {
+        let at = self.step(stage, place)?;
+        Some(at.iteration)
+    }
+
+    fn replay(&mut self, stage: &mut Stage<'_>, place: Place) -> Vec<Event> {
+        self.show(stage, place)
+    }
+
+    fn nonfinite(&self) -> (u64, Vec<Place>) {
+        Nonfinite::all((0..).zip(self.nonfinite.iter().copied()))
     }
 
     fn film_counters(&self) -> Counters {

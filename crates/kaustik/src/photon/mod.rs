@@ -20,7 +20,7 @@ use kaustik_path::Event;
 use kaustik_scene::Scene;
 
 use crate::control::is_stopped;
-use crate::engine::{Engine, Nonfinite, add_counters, add_nonfinite};
+use crate::engine::{Engine, add_counters, add_nonfinite};
 use crate::independent::IndependentEngine;
 use crate::state::{Keep, Reader, StateError, Writer};
 use crate::{
@@ -42,11 +42,15 @@ trait Tracer: Send + Sync {
     /// all, and is as it was before.
     fn trace(&mut self, stage: &Stage<'_>, stop: Option<&AtomicBool>) -> bool;
 
-    /// Tells what happens in the light path of this number, of a tracer and a stage that have just been made.
-    /// `None`: light paths of this method are not made one by one.
-    fn replay(&mut self, _: &mut Stage<'_>, _step: u64) -> Option<Vec<Event>> {
+    /// The iteration of this place, where light paths follow from those of the iterations before; `None` where they follow
+    /// from their number.
+    fn iteration(&self, _: &Stage<'_>, _: Place) -> Option<u64> {
         None
     }
+
+    /// Tells what happens in the light path of this place, of a tracer and a stage that have just been made, or have come to
+    /// its [iteration](Self::iteration), which the stage has begun.
+    fn replay(&mut self, stage: &mut Stage<'_>, place: Place) -> Vec<Event>;
 
     /// Writes what there is between two iterations, beyond what is made anew.
     fn write(&self, out: &mut Writer<'_>) -> io::Result<()>;
@@ -70,7 +74,7 @@ trait Tracer: Send + Sync {
         None
     }
 
-    fn nonfinite(&self) -> Nonfinite;
+    fn nonfinite(&self) -> (u64, Vec<Place>);
 
     fn film_counters(&self) -> Counters;
 }
@@ -146,6 +150,11 @@ impl<'a> PhotonEngine<'a> {
     /// Iterations that were traced.
     fn done(&self) -> u64 {
         self.stage.iterations - u64::from(self.ready)
+    }
+
+    /// Sees to it that the stage has begun an iteration that was not traced yet.
+    fn begin(&mut self) {
+        self.ready = self.ready || self.stage.begin(None);
     }
 
     /// One iteration. `false`: it was stopped, and all is as it was before.
@@ -226,19 +235,27 @@ impl Engine for PhotonEngine<'_> {
     }
 
     fn nonfinite(&self) -> (u64, Vec<Place>) {
-        let photons = Nonfinite::all(std::iter::once((0, self.tracer.nonfinite())));
-        add_nonfinite(photons, Some(self.remainder.nonfinite()))
+        add_nonfinite(self.tracer.nonfinite(), Some(self.remainder.nonfinite()))
     }
 
-    /// Light paths are counted on the account of the first ladder, as they are in [`nonfinite`](Engine::nonfinite); with the
-    /// sample at this place of what photons cannot carry.
-    fn replay(&mut self, place: Place) -> Option<Vec<Event>> {
-        let mut events = match place.ladder {
-            0 => self.tracer.replay(&mut self.stage, place.step)?,
-            _ => Vec::new(),
-        };
+    /// The light path at this place, with the sample there of what photons cannot carry.
+    fn replay(&mut self, place: Place) -> Result<Vec<Event>, RenderError> {
+        if let Some(iteration) = self.tracer.iteration(&self.stage, place) {
+            while self.done() < iteration {
+                self.begin();
+                self.ready = false;
+                self.tracer.trace(&self.stage, None);
+            }
+            self.begin();
+        }
+        let mut events = self.tracer.replay(&mut self.stage, place);
         events.extend(self.remainder.replay(place)?);
-        Some(events)
+        Ok(events)
+    }
+
+    fn ahead(&self, place: Place) -> Option<u64> {
+        let iteration = self.tracer.iteration(&self.stage, place);
+        iteration.map_or(Some(0), |iteration| iteration.checked_sub(self.done()))
     }
 
     fn film_counters(&self) -> Counters {

@@ -14,7 +14,7 @@ use crate::control::is_stopped;
 use crate::engine::Nonfinite;
 use crate::mark::FilmMark;
 use crate::state::{Reader, StateError, Writer};
-use crate::{RenderError, RenderSettings};
+use crate::{Place, RenderError, RenderSettings};
 
 /// Light paths that one thread traces at a time.
 const CHUNK: u64 = 1024;
@@ -85,11 +85,14 @@ impl Tracer for IndependentPhotons {
         whole
     }
 
-    /// Iteration and light path follow from the number.
-    fn replay(&mut self, stage: &mut Stage<'_>, step: u64) -> Option<Vec<Event>> {
+    /// Iteration and light path follow from the number. All are counted on the account of the first ladder.
+    fn replay(&mut self, stage: &mut Stage<'_>, Place { ladder, step }: Place) -> Vec<Event> {
+        if ladder > 0 {
+            return Vec::new();
+        }
         stage.begin_at(step / stage.photons);
         let mut path = PhotonPath::default();
-        Some(trace(|| self.light_path(stage, step, &mut path)).1)
+        trace(|| self.light_path(stage, step, &mut path)).1
     }
 
     fn write(&self, out: &mut Writer<'_>) -> io::Result<()> {
@@ -107,8 +110,8 @@ impl Tracer for IndependentPhotons {
         Ok(develop(&[(&self.film, stage.factor())])?)
     }
 
-    fn nonfinite(&self) -> Nonfinite {
-        self.nonfinite
+    fn nonfinite(&self) -> (u64, Vec<Place>) {
+        Nonfinite::all(std::iter::once((0, self.nonfinite)))
     }
 
     fn film_counters(&self) -> Counters {

@@ -8,7 +8,7 @@ use kaustik_mcmc::{
     Draws, Estimate, Exponential, Extinct, Family, Ignore, LevelKernel, Metropolis, Pcg64Dxsm,
     Point, Population, Resampling, SampleGenerators, checked_densities, generator,
 };
-use kaustik_path::{Bidirectional, Contributions, Form, Sighting};
+use kaustik_path::{Bidirectional, Contributions, Form, PathBuilder, Sighting};
 use kaustik_scene::Scene;
 use rayon::prelude::*;
 
@@ -51,10 +51,19 @@ pub(crate) fn kernels<'a, const K: usize>(
     set: &ReplicaSet,
     steps: Steps,
 ) -> [LevelKernel<PathTarget<'a>, Mutation>; K] {
-    from_fn(|level| {
-        let large = if level == 0 { 1.0 } else { 0.0 };
-        LevelKernel::new(target, large, mutation(set, steps, level))
-    })
+    from_fn(|level| kernel(target, set, steps, level))
+}
+
+/// The kernel of one replica.
+#[inline]
+pub(crate) fn kernel<'a>(
+    target: PathTarget<'a>,
+    set: &ReplicaSet,
+    steps: Steps,
+    level: usize,
+) -> LevelKernel<PathTarget<'a>, Mutation> {
+    let large = if level == 0 { 1.0 } else { 0.0 };
+    LevelKernel::new(target, large, mutation(set, steps, level))
 }
 
 /// The engine of a type `Engine<K>` for as many replicas as have started.
@@ -75,7 +84,11 @@ macro_rules! for_so_many_replicas {
 pub(crate) use for_so_many_replicas;
 
 /// Anneals with the replicas that are asked for.
-pub(crate) fn start(scene: &Scene, builder: &Bidirectional, settings: &RenderSettings) -> Started {
+pub(crate) fn start(
+    scene: &Scene,
+    builder: &dyn PathBuilder,
+    settings: &RenderSettings,
+) -> Started {
     let set = &settings.options.replica_set();
     let nonfinite = AtomicU64::new(0);
     let target = PathTarget {

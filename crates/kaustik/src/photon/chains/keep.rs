@@ -21,7 +21,8 @@ struct Kept {
     levels: Vec<(AcceptanceAdaptation<Power>, f64, [f64; 2])>,
     visible: Option<Mean>,
     revival: Pcg64Dxsm,
-    nonfinite: Nonfinite,
+    /// Of each ladder.
+    nonfinite: Vec<Nonfinite>,
     counters: Counters,
     targets: targets::Kept,
 }
@@ -40,7 +41,7 @@ impl<const K: usize> PhotonChains<K> {
             levels: levels.collect(),
             visible: self.visible,
             revival: self.revival.clone(),
-            nonfinite: self.nonfinite,
+            nonfinite: self.nonfinite.clone(),
             counters: self.counters,
             targets: self.targets.kept(self.maps.is_some()),
         })?;
@@ -66,6 +67,7 @@ impl<const K: usize> PhotonChains<K> {
         let known = |(_, rough, _): &(_, f64, _)| rough.is_finite() && *rough > 0.0;
         if kept.iterations != iterations
             || kept.visible.is_some() != self.visible.is_some()
+            || kept.nonfinite.len() != self.ladders.len()
             || !levels.iter().all(known)
         {
             return Err(wrong("chains do not agree with their iterations"));
@@ -104,7 +106,8 @@ impl<const K: usize> PhotonChains<K> {
         self.adaptations = levels.map(|level| level.0);
         self.visible = kept.visible;
         self.revival = kept.revival;
-        self.nonfinite = kept.nonfinite.checked()?;
+        let nonfinite = kept.nonfinite.into_iter().map(Nonfinite::checked);
+        self.nonfinite = nonfinite.collect::<Result<_, _>>()?;
         self.counters = kept.counters;
         Ok(())
     }

@@ -1,0 +1,87 @@
+//! A step of a particle, shown once more.
+
+use std::sync::atomic::AtomicU64;
+
+use kaustik_mcmc::{Extinct, Metropolis, Population, Resampling, SampleGenerators, generator};
+use kaustik_path::{Event, note, trace};
+
+use super::{AnnealingEngine, Step, target};
+use crate::relt::start::{kernel, kernels, mutation};
+use crate::{Place, RenderError};
+
+impl<const K: usize> AnnealingEngine<'_, K> {
+    /// Takes the round of a place as far as its step, and tells what happens in that: a round follows from its number alone.
+    ///
+    /// # Errors
+    /// A level that the round did not come to.
+    pub(super) fn told_again(
+        &mut self,
+        Place { ladder, step }: Place,
+    ) -> Result<Vec<Event>, RenderError> {
+        let at = Step::of(step, self.particles, self.cost());
+        let Some(told) = self.told.iter_mut().find(|told| told.ladder == ladder) else {
+            return Ok(Vec::new());
+        };
+        told.rounds = at.round;
+        let told = told.next();
+        let nonfinite = AtomicU64::new(0);
+        let target = target(self.scene, self.builder.as_ref(), &nonfinite);
+        let (level, particle) = (at.level as usize, at.particle as usize);
+        if level == 0 {
+            let mut draws = SampleGenerators::new(self.seed, told(0)).at(at.particle);
+            let first = mutation(&self.set, self.steps, 0);
+            let sample = || {
+                tell(at);
+                Metropolis::start(&target, &self.family, 0, first, &mut draws)
+            };
+            return Ok(trace(sample).1);
+        }
+        let kernels = kernels::<K>(target, &self.set, self.steps);
+        let mut central = generator(self.seed, told(K));
+        let samples = self.samples(target, told(0), None).unwrap_or_default();
+        let population =
+            &mut Population::from_samples(samples, &self.family, Resampling::Systematic);
+        for (below, kernel) in kernels.iter().enumerate().take(level + 1) {
+            let came = population.advance(below, kernel, &mut central);
+            if let Err(Extinct { level: died }) = came {
+                return Err(RenderError::Setting {
+                    what: "the step",
+                    found: format!("{step}, at level {level} of round {}", at.round),
+                    expected: format!(
+                        "one below level {died}, which none of its particles reached"
+                    ),
+                });
+            }
+            if (1..level).contains(&below) {
+                let generators = SampleGenerators::new(self.seed, told(below));
+                self.climb((at.round, below, 1.0), &generators, population, None);
+            }
+        }
+        let mut draws = SampleGenerators::new(self.seed, told(level)).at(at.particle);
+        let mut deposit = self.deposit(level, 1.0, 1);
+        let kernel = kernel(target, &self.set, self.steps, level);
+        let particle = &mut population.particles_mut()[particle];
+        for _ in 0..at.step {
+            particle.step(&kernel, &self.family, &mut draws, &mut deposit);
+        }
+        let step = || {
+            tell(at);
+            let accepted = particle.step(&kernel, &self.family, &mut draws, &mut deposit);
+            note(|| Event::Decision { accepted });
+        };
+        Ok(trace(step).1)
+    }
+}
+
+/// Where the step lies.
+fn tell(at: Step) {
+    let numbers = [
+        ("round", at.round),
+        ("level", at.level),
+        ("particle", at.particle),
+        ("step", at.step),
+    ];
+    for (of, number) in numbers {
+        note(|| Event::Index { of, number });
+    }
+}

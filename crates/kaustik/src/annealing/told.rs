@@ -1,0 +1,60 @@
+//! What rounds have told.
+
+use kaustik_mcmc::Mean;
+use serde::{Deserialize, Serialize};
+
+use crate::engine::Nonfinite;
+
+/// What the rounds of a ladder have told.
+#[derive(Clone, Debug)]
+pub(super) struct Told<const K: usize> {
+    pub(super) ladder: u32,
+    pub(super) rounds: u64,
+    pub(super) levels: [Level; K],
+    /// Light of each round.
+    pub(super) light: Mean,
+    pub(super) nonfinite: Nonfinite,
+}
+
+/// What rounds have told of a level.
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
+pub(super) struct Level {
+    /// `Z_k` of each round, zero where the population died before.
+    pub(super) normaliser: Mean,
+    /// The density of independent samples.
+    pub(super) independent: Mean,
+    /// Light of the level in each round.
+    pub(super) share: Mean,
+    pub(super) moves: u64,
+    pub(super) accepted: u64,
+}
+
+impl<const K: usize> Told<K> {
+    pub(super) fn of(ladder: u32) -> Self {
+        Self {
+            ladder,
+            rounds: 0,
+            levels: [Level::default(); K],
+            light: Mean::new(),
+            nonfinite: Nonfinite::default(),
+        }
+    }
+
+    /// For each level of the next round a ladder that nothing else has, for its generators.
+    pub(super) fn next(&self) -> impl Fn(usize) -> u64 + use<K> {
+        let round = (u64::from(self.ladder) + 1) << 40 | self.rounds << 4;
+        move |level| round | level as u64
+    }
+
+    pub(super) fn merge(&mut self, other: &Self) {
+        self.rounds += other.rounds;
+        self.light.merge(&other.light);
+        for (level, other) in self.levels.iter_mut().zip(&other.levels) {
+            level.normaliser.merge(&other.normaliser);
+            level.independent.merge(&other.independent);
+            level.share.merge(&other.share);
+            level.moves += other.moves;
+            level.accepted += other.accepted;
+        }
+    }
+}
