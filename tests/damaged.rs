@@ -110,8 +110,8 @@ fn damaged_states_are_refused() {
 #[test]
 #[ignore = "ten thousand states"]
 fn ten_thousand_damaged_states_are_refused() {
-    damaged_states("cornell", 300);
-    damaged_states("glass-cube?light=0.8", 300);
+    damaged_states("cornell", 400);
+    damaged_states("glass-cube?light=0.8", 400);
 }
 
 #[test]

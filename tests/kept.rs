@@ -324,11 +324,17 @@ fn killed_renders_go_on() {
     killed(SCENES[1], "relt", 4);
 }
 
+/// All methods, or those that `KAUSTIK_METHODS` names.
 #[test]
-#[ignore = "an hour"]
+#[ignore = "hours"]
 fn renders_that_are_killed_a_hundred_times_go_on() {
+    let chosen = std::env::var("KAUSTIK_METHODS").ok();
+    let chosen = |method: &str| {
+        let names = chosen.as_ref();
+        names.is_none_or(|names| names.split(',').any(|name| name == method))
+    };
     for scene in SCENES {
-        for method in methods() {
+        for method in methods().into_iter().filter(|method| chosen(method)) {
             let resumed = killed(scene, method, 100);
             eprintln!("{scene} {method}: resumed {resumed} times, equal");
         }
