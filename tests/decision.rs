@@ -19,7 +19,7 @@ const OTHER_COINS: &[(&str, &str)] = &[
         "whether a point takes a large step",
     ),
     (
-        "crates/kaustik-mcmc/src/redistribute.rs",
+        "crates/kaustik-mcmc/src/redistribute/rounding.rs",
         "whether a start has one chain more",
     ),
 ];
