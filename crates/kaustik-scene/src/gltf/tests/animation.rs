@@ -335,9 +335,25 @@ fn busy() -> File {
     file
 }
 
+/// Two joints of the world: the first carries no mesh, so that nothing but the second tells where the still one belongs.
+fn apart() -> File {
+    let mut file = file();
+    file.json["nodes"] = json!([
+        { "children": [1], "name": "camera's" },
+        { "camera": 0 },
+        { "mesh": 0, "name": "moves" },
+        { "mesh": 0, "name": "still" }
+    ]);
+    file.json["scenes"] = json!([{ "nodes": [0, 2, 3] }]);
+    let target =
+        |node: usize| json!({ "sampler": 0, "target": { "node": node, "path": "translation" } });
+    file.json["animations"][0]["channels"] = json!([target(0), target(2)]);
+    file
+}
+
 #[test]
 fn what_moves_comes_back() {
-    for file in [file(), busy()] {
+    for file in [file(), busy(), apart()] {
         let loaded = load(&file).expect("a sound file");
         let d = loaded.description;
         assert!(!d.animation.is_empty());
