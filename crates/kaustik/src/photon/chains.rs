@@ -87,13 +87,14 @@ impl<const K: usize> PhotonChains<K> {
         space: Space,
     ) -> Result<Self, RenderError> {
         let options = settings.options.photon;
+        // Before there are films: a look at where points are takes memory of its own.
+        let mut targets = Targets::new(stage, options, levels, space);
+        targets.assign(stage);
         let mut films = Vec::with_capacity(K);
         for _ in 0..K {
             films.push(stage.film(settings)?);
         }
         let films: [Film; K] = films.try_into().unwrap_or_else(|_| unreachable!("K films"));
-        let mut targets = Targets::new(stage, options, levels, space);
-        targets.assign(stage);
         // Only the share of visible paths is the same in all iterations; of what moves that is not either: each instant
         // has its own, and the mean picture is not that of the mean share.
         let progressive = options.normalisation == Normalisation::Progressive
@@ -368,7 +369,7 @@ impl<const K: usize> Tracer for PhotonChains<K> {
     fn develop(&mut self, stage: &Stage<'_>) -> Result<Image, RenderError> {
         let factor = stage.cell_area() / self.iterations.max(1) as f64;
         let mut planes = [(); 3].map(|()| Vec::with_capacity(self.sums.len()));
-        for sum in &self.total() {
+        for sum in self.total() {
             let rgb = Rgb::from(Xyz(sum.map(|v| (v * factor) as f32))).0;
             for (plane, value) in planes.iter_mut().zip(rgb) {
                 plane.push(value);

@@ -64,16 +64,18 @@ impl<const K: usize> PhotonChains<K> {
         }
     }
 
-    /// XYZ of each pixel, summed over iterations.
-    pub(super) fn total(&self) -> Vec<[f64; 3]> {
+    /// XYZ of each pixel, summed over iterations: one after the other, as pictures are large.
+    pub(super) fn total(&self) -> impl ExactSizeIterator<Item = [f64; 3]> + '_ {
         let share = self.visible.as_ref().map_or(0.0, Mean::mean);
-        let mut sums = self.sums.clone();
-        for (sum, unscaled) in sums.iter_mut().zip(&self.unscaled) {
-            for (channel, more) in sum.iter_mut().zip(unscaled) {
-                *channel += share * more;
+        self.sums.iter().enumerate().map(move |(pixel, sum)| {
+            let mut sum = *sum;
+            if let Some(unscaled) = self.unscaled.get(pixel) {
+                for (channel, more) in sum.iter_mut().zip(unscaled) {
+                    *channel += share * more;
+                }
             }
-        }
-        sums
+            sum
+        })
     }
 }
 
