@@ -361,6 +361,10 @@ impl<'a> Work<'a> {
         pool: &rayon::ThreadPool,
         watch: &mut dyn Watch,
     ) -> Result<(), RenderError> {
+        if !engine.holds_back() {
+            watch.see(pool.install(|| self.rendered(engine, Outcome::Stopped))?);
+            return Ok(());
+        }
         let kept = self.snapshot(engine).state()?;
         watch.see(pool.install(|| self.rendered(engine, Outcome::Stopped))?);
         Ok(pool.install(|| take_up(engine, &kept, true))?)

@@ -338,9 +338,14 @@ impl<'a> Stage<'a> {
         low.distance(high)
     }
 
-    /// A film for contributions of single photons. Their size comes from the mean power of photons and the mean area
-    /// of discs, which are known even where the two never meet.
+    /// A film for contributions of single photons.
     pub(super) fn film(&self, settings: &RenderSettings) -> Result<Film, RenderError> {
+        Ok(Film::with_layout(&settings.layout(), self.quantum())?)
+    }
+
+    /// The unit of contributions of single photons. Their size comes from the mean power of photons and the mean area
+    /// of discs, which are known even where the two never meet.
+    pub(super) fn quantum(&self) -> Quantum {
         let of = |disc: &Disc| 1.0 / disc.area();
         let inverse: Mean = if self.scene.moves() {
             self.pilot(1, |disc, _| of(disc)).into_iter().collect()
@@ -348,9 +353,6 @@ impl<'a> Stage<'a> {
             self.points.discs().iter().map(of).collect()
         };
         let typical = self.typical_power() * inverse.mean() / std::f64::consts::PI;
-        Ok(Film::with_layout(
-            &settings.layout(),
-            Quantum::from_mean(typical),
-        )?)
+        Quantum::from_mean(typical)
     }
 }
