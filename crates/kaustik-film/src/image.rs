@@ -292,7 +292,9 @@ impl Image {
     /// Adds R, G, B to the main layer's pixels, row by row from the top; pixels for which there are none stay.
     pub fn add_pixels(&mut self, pixels: impl Iterator<Item = [f32; 3]>) {
         if let [r, g, b, ..] = &mut self.layers[0].channels[..] {
-            let planes = (r.samples.iter_mut()).zip(&mut g.samples).zip(&mut b.samples);
+            let planes = (r.samples.iter_mut())
+                .zip(&mut g.samples)
+                .zip(&mut b.samples);
             for (((r, g), b), [more_r, more_g, more_b]) in planes.zip(pixels) {
                 *r += more_r;
                 *g += more_g;

@@ -120,9 +120,7 @@ impl Lookup {
             for &entry in &self.entries[start as usize..end as usize] {
                 let disc = &discs[entry as usize];
                 let squared = squared(disc);
-                if (point - disc.center).length_squared() <= squared
-                    && self.is_of(grid, squared)
-                {
+                if (point - disc.center).length_squared() <= squared && self.is_of(grid, squared) {
                     found(entry);
                 }
             }

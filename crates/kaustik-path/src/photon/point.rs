@@ -84,13 +84,18 @@ impl Manner {
     }
 }
 
+/// Points that follow each other lie on a few materials: so many of the last functions are looked through before one is added.
+const RECENT: usize = 4;
+
 /// A scattering function and the direction that it is seen from.
 #[derive(Clone, Copy, Debug)]
 struct Listed {
-    bsdf: Bsdf,
-    frame: Frame,
+    /// Number of the function. It is large, and without a texture the same at all points of a material.
+    bsdf: u32,
+    /// Tangent, bitangent and shading normal. Single precision, as of the point's normals: there may be one a pixel.
+    frame: [Vec3; 3],
     /// Local direction toward the eye.
-    wo: DVec3,
+    wo: Vec3,
 }
 
 /// What a walk knows of the vertex that it ends in.
@@ -114,6 +119,7 @@ pub struct MeasurementPoints {
     discs: Vec<Disc>,
     points: Vec<MeasurementPoint>,
     listed: Vec<Listed>,
+    functions: Vec<Bsdf>,
 }
 
 impl MeasurementPoints {
@@ -122,6 +128,7 @@ impl MeasurementPoints {
         self.discs.clear();
         self.points.clear();
         self.listed.clear();
+        self.functions.clear();
     }
 
     /// Makes room for so many points in all, and no more than that.
@@ -143,8 +150,12 @@ impl MeasurementPoints {
 
     /// Takes all points of another list, after its own.
     pub fn append(&mut self, other: &Self) {
-        let first = self.listed.len() as u32;
-        self.listed.extend_from_slice(&other.listed);
+        let (first, function) = (self.listed.len() as u32, self.functions.len() as u32);
+        self.functions.extend_from_slice(&other.functions);
+        self.listed.extend(other.listed.iter().map(|listed| Listed {
+            bsdf: function + listed.bsdf,
+            ..*listed
+        }));
         self.discs.extend_from_slice(&other.discs);
         self.points.extend(other.points.iter().map(|point| {
             let mut point = *point;
@@ -175,10 +186,11 @@ impl MeasurementPoints {
             throughput *= seen.bsdf.eval(wo, up, Mode::Radiance);
             Scattering::Diffuse { front: wo.z > 0.0 }
         } else {
+            let bsdf = self.function(&seen.bsdf);
             self.listed.push(Listed {
-                bsdf: seen.bsdf,
-                frame: vertex.frame,
-                wo,
+                bsdf,
+                frame: [vertex.frame.x, vertex.frame.y, vertex.frame.z].map(|axis| axis.as_vec3()),
+                wo: wo.as_vec3(),
             });
             Scattering::Listed(self.listed.len() as u32 - 1)
         };
@@ -194,6 +206,16 @@ impl MeasurementPoints {
             edges: seen.edges,
             manner: Manner::new(scattering, seen.dispersive),
         });
+    }
+
+    /// The number of a scattering function, which is added if it is none of the last few.
+    fn function(&mut self, bsdf: &Bsdf) -> u32 {
+        let mut recent = (0..self.functions.len()).rev().take(RECENT);
+        let known = recent.find(|&at| self.functions[at] == *bsdf);
+        known.unwrap_or_else(|| {
+            self.functions.push(*bsdf);
+            self.functions.len() - 1
+        }) as u32
     }
 
     /// What a photon brings to a point, if it is within its disc: `C_k` of spec (1), for a photon path that is
@@ -225,7 +247,10 @@ impl MeasurementPoints {
     fn scattered(&self, point: &MeasurementPoint, photon: &Photon) -> (Spectrum, bool) {
         match point.manner.scattering() {
             Scattering::Diffuse { front } => (point.diffuse(photon, front), false),
-            Scattering::Listed(listed) => self.listed[listed as usize].scatter(point, photon),
+            Scattering::Listed(listed) => {
+                let listed = &self.listed[listed as usize];
+                listed.scatter(&self.functions[listed.bsdf as usize], point, photon)
+            }
         }
     }
 }
@@ -260,17 +285,16 @@ impl MeasurementPoint {
 
 impl Listed {
     #[inline]
-    fn scatter(&self, point: &MeasurementPoint, photon: &Photon) -> (Spectrum, bool) {
-        let wi = self.frame.to_local(photon.wi);
-        let ng = self.frame.to_local(point.normal.as_dvec3());
-        if !shading::sides_agree(self.wo, wi, ng) {
+    fn scatter(&self, bsdf: &Bsdf, point: &MeasurementPoint, photon: &Photon) -> (Spectrum, bool) {
+        let [x, y, z] = self.frame.map(|axis| axis.as_dvec3());
+        let (frame, wo) = (Frame { x, y, z }, self.wo.as_dvec3());
+        let wi = frame.to_local(photon.wi);
+        let ng = frame.to_local(point.normal.as_dvec3());
+        if !shading::sides_agree(wo, wi, ng) {
             return (Spectrum::ZERO, false);
         }
-        let f = self.bsdf.eval(self.wo, wi, Mode::Radiance);
-        (
-            f * photon.per_cosine(wi.z),
-            self.bsdf.dispersive_between(self.wo, wi),
-        )
+        let f = bsdf.eval(wo, wi, Mode::Radiance);
+        (f * photon.per_cosine(wi.z), bsdf.dispersive_between(wo, wi))
     }
 }
 
@@ -283,6 +307,40 @@ mod tests {
     fn a_point_is_small() {
         assert_eq!(size_of::<MeasurementPoint>(), 64);
         assert_eq!(size_of::<Disc>(), 16);
+        assert_eq!(size_of::<Listed>(), 52);
+    }
+
+    /// Two materials by turns, put together from two lists: every point has its own function, and there are few.
+    #[test]
+    fn points_share_scattering_functions() {
+        let rough =
+            |alpha| Bsdf::conductor(Spectrum::splat(1.5), Spectrum::splat(3.0), alpha, false);
+        let (kinds, mut all) = ([rough(0.4), rough(0.7)], MeasurementPoints::default());
+        for part in 0..2 {
+            let mut points = MeasurementPoints::default();
+            for at in 0..10 {
+                points.push(Seen {
+                    vertex: &Vertex::default(),
+                    bsdf: kinds[at % 2],
+                    wo: DVec3::new(0.6, 0.0, 0.8),
+                    throughput: Spectrum::splat(1.0),
+                    dispersive: at % 3 == part,
+                    edges: at as u32,
+                    raster: DVec2::splat(0.5),
+                    radius: 1.0,
+                });
+            }
+            all.append(&points);
+        }
+        assert_eq!((all.points.len(), all.functions.len()), (20, 4));
+        for (at, point) in all.points.iter().enumerate() {
+            let Scattering::Listed(listed) = point.manner.scattering() else {
+                panic!("point {at} has no function");
+            };
+            let function = all.listed[listed as usize].bsdf;
+            assert_eq!(all.functions[function as usize], kinds[at % 2], "{at}");
+            assert_eq!(point.manner.is_dispersive(), at % 10 % 3 == at / 10);
+        }
     }
 
     #[test]

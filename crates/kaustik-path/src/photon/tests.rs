@@ -38,9 +38,8 @@ fn a_lookup_finds_all_and_each_once() {
             let mut found = Vec::new();
             lookup.holding(&discs, point, |index| found.push(index as usize));
             found.sort_unstable();
-            let holds = |disc: &Disc| {
-                (point - disc.center).length_squared() <= disc.radius * disc.radius
-            };
+            let holds =
+                |disc: &Disc| (point - disc.center).length_squared() <= disc.radius * disc.radius;
             let expected: Vec<usize> = (0..discs.len()).filter(|&i| holds(&discs[i])).collect();
             met += expected.len();
             assert_eq!(found, expected, "query {query} of {count}");

@@ -43,6 +43,11 @@ impl IndependentEngine<'_> {
         result
     }
 
+    /// Lets go the memory of what a stop would need: until the engine advances again, nobody does.
+    pub(crate) fn forget_marks(&mut self) {
+        (self.mark, self.aside) = (Mark::default(), FilmMark::default());
+    }
+
     /// Goes back to where it was when it was told to advance last, if it could be stopped then.
     pub(crate) fn take_back(&mut self) {
         let Self {

@@ -373,7 +373,8 @@ impl<const K: usize> Tracer for PhotonChains<K> {
         self.take_from(from, iterations)
     }
 
-    fn add_to(&self, stage: &Stage<'_>, image: &mut Image) -> Result<(), RenderError> {
+    fn add_to(&mut self, stage: &Stage<'_>, image: &mut Image) -> Result<(), RenderError> {
+        self.first = mark::First::default();
         let factor = stage.cell_area() / self.iterations.max(1) as f64;
         // Every sweep is one light path of the first chain, whose normaliser is 1.
         let first = 1.0 / self.course(stage, self.ladders.len()).sweeps as f64;

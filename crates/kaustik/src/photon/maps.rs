@@ -95,7 +95,9 @@ impl Maps {
                 };
                 let [a, b, c] = sums[pixel];
                 sums[pixel] = [a + f64::from(*full), b + f64::from(*kernel), c + 1.0];
-                regions[pixel] = targets.region(disc, point).map_or(0.0, |region| region as f32);
+                regions[pixel] = targets
+                    .region(disc, point)
+                    .map_or(0.0, |region| region as f32);
             }
             let share = |a: f64, b: f64| if b > 0.0 { (a / b) as f32 } else { 0.0 };
             let plane = |of: fn(&[f64; 3]) -> [f64; 2]| {

@@ -59,7 +59,7 @@ trait Tracer: Send + Sync {
     fn take_up(&mut self, from: &mut Reader<'_>, iterations: u64) -> Result<(), StateError>;
 
     /// Adds the light of all iterations to a picture.
-    fn add_to(&self, stage: &Stage<'_>, image: &mut Image) -> Result<(), RenderError>;
+    fn add_to(&mut self, stage: &Stage<'_>, image: &mut Image) -> Result<(), RenderError>;
 
     /// Pictures of what chains follow, if they were asked for.
     fn layers(&self, _: &Stage<'_>) -> Vec<Layer> {
@@ -218,6 +218,7 @@ impl Engine for PhotonEngine<'_> {
     }
 
     fn develop(&mut self) -> Result<Image, RenderError> {
+        self.remainder.forget_marks();
         let mut image = self.remainder.picture()?;
         self.tracer.add_to(&self.stage, &mut image)?;
         Ok(image)

@@ -40,13 +40,7 @@ impl IndependentPhotons {
 
     /// The light path of this number, and what it brings to the points of its iteration. Returns how much was left out.
     #[inline]
-    fn light_path(
-        &self,
-        stage: &Stage<'_>,
-        step: u64,
-        film: &Film,
-        path: &mut PhotonPath,
-    ) -> u64 {
+    fn light_path(&self, stage: &Stage<'_>, step: u64, film: &Film, path: &mut PhotonPath) -> u64 {
         let ladders = self.generators.len() as u64;
         let generators = &self.generators[(step % ladders) as usize];
         let mut u = Independent::new(generators.at(step / ladders));
@@ -115,7 +109,7 @@ impl Tracer for IndependentPhotons {
         Ok(())
     }
 
-    fn add_to(&self, stage: &Stage<'_>, image: &mut Image) -> Result<(), RenderError> {
+    fn add_to(&mut self, stage: &Stage<'_>, image: &mut Image) -> Result<(), RenderError> {
         Ok(image.add(&develop(&[(&self.film, stage.factor())])?)?)
     }
 

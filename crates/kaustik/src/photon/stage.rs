@@ -267,7 +267,9 @@ impl<'a> Stage<'a> {
                 }
             }
             let discs = points.discs().iter().zip(points.points());
-            discs.map(|(disc, point)| of(disc, point)).collect::<Vec<T>>()
+            discs
+                .map(|(disc, point)| of(disc, point))
+                .collect::<Vec<T>>()
         };
         let found: Vec<Vec<T>> = chunks
             .map_init(MeasurementPoints::default, positions)

@@ -106,6 +106,8 @@ impl<const K: usize> Targets<K> {
         let largest = discs.iter().map(Disc::area).fold(0.0, f64::max);
         let kernel = |area: f64| inverse(area / largest);
         let leaves = self.leaves(stage);
+        // No more than that: there is one a pixel.
+        self.of_points.reserve_exact(points.len());
         match &mut self.regions {
             None => {
                 let space = &self.space;
@@ -205,15 +207,19 @@ impl<const K: usize> Targets<K> {
     }
 
     /// The leaf of each point.
-    fn leaves(&self, stage: &Stage<'_>) -> Vec<u32> {
+    fn leaves(&mut self, stage: &Stage<'_>) -> Vec<u32> {
+        let sums = self.sums.as_mut();
+        let mut leaves = sums.map_or(Vec::new(), RegionSums::take_leaves);
+        leaves.clear();
         let Some(regions) = &self.regions else {
-            return Vec::new();
+            return leaves;
         };
         let points = stage.map().points;
         let both = (points.discs().par_iter()).zip(points.points());
         both.with_min_len(4096)
             .map(|(disc, point)| regions.leaf(self.place(disc, point)))
-            .collect()
+            .collect_into_vec(&mut leaves);
+        leaves
     }
 
     /// `T_3` and `T_4` of each point; empty where nobody asks.
@@ -255,9 +261,6 @@ impl<const K: usize> Targets<K> {
 
 /// Position and normal.
 fn place(disc: &Disc, point: &MeasurementPoint, normals: f32) -> Place {
-    let ([x, y, z], [u, v, w]) = (
-        disc.center.to_array(),
-        (point.normal * normals).to_array(),
-    );
+    let ([x, y, z], [u, v, w]) = (disc.center.to_array(), (point.normal * normals).to_array());
     [x, y, z, u, v, w]
 }
