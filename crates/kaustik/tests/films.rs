@@ -137,15 +137,19 @@ fn few_films_are_held() {
     }
     let relt = films(Method::Relt, Direct::Lamps, 1);
     assert_eq!(relt, 5, "a film each for four replicas and for lamps");
-    // 600 MB are 289 bytes a pixel of 1920 x 1080.
-    for (method, most) in [
-        (Method::Sppm, 0.0),
-        (Method::PhotonVisibility, 0.0),
-        (Method::PhotonDensity, 0.0),
-        (Method::PhotonSpatial, 0.0),
-        (Method::PhotonImage, 0.0),
-    ] {
-        let found = bytes_a_pixel(method);
-        assert!(found <= most, "{method}: {found:.0} bytes a pixel");
+    // 600 MB are 289 bytes a pixel of 1920 x 1080; here what does not grow with the picture, as trees, has its part as well.
+    let limits = [
+        (Method::Sppm, 210.0),
+        (Method::PhotonVisibility, 230.0),
+        (Method::PhotonDensity, 320.0),
+        (Method::PhotonSpatial, 330.0),
+        (Method::PhotonImage, 330.0),
+    ];
+    let found = limits.map(|(method, _)| bytes_a_pixel(method));
+    for ((method, most), bytes) in limits.into_iter().zip(found) {
+        assert!(
+            bytes <= most,
+            "{method}: more than {most} of {found:.0?} bytes a pixel"
+        );
     }
 }
