@@ -87,7 +87,13 @@ fn damaged_states(name: &str, each: usize) {
                 ..settings.clone()
             };
             let nobody = &mut Keeper::default();
-            let done = resume(&scene, &more, &state, &mut Control::default(), nobody);
+            let done = resume(
+                &scene,
+                &more,
+                state.clone(),
+                &mut Control::default(),
+                nobody,
+            );
             deep += usize::from(!matches!(
                 done,
                 Err(RenderError::State(StateError::Other(_)))

@@ -72,7 +72,7 @@ pub(crate) fn resumed(
     resume(
         scene,
         settings,
-        &read(bytes),
+        read(bytes),
         &mut Control::default(),
         nobody,
     )
@@ -196,7 +196,7 @@ fn a_resumed_render_has_the_bits_of_one_that_went_through() {
             };
             let mut keeper = Keeper::default();
             let control = &mut Control::default();
-            let done = resume(&scene, &settings, &read(&state), control, &mut keeper);
+            let done = resume(&scene, &settings, read(&state), control, &mut keeper);
             let done = done.expect("a render");
             assert!(bits(&done.image) == through, "{what}, {threads} threads");
             assert_eq!(done.outcome, Outcome::Complete);
@@ -257,7 +257,7 @@ fn a_stopped_render_goes_on() {
             stop: Some(&stop),
             progress: None,
         };
-        resume(&scene, &settings, &state, &mut control, &mut again).expect("a render");
+        resume(&scene, &settings, state, &mut control, &mut again).expect("a render");
         let state = again.states.last().expect("a state");
         let done = resumed(&scene, &settings, state).expect("a render");
         assert!(bits(&done.image) == through, "{what}");

@@ -39,7 +39,7 @@ pub(crate) fn run(words: &RenderWords) -> Result<ExitCode, Failure> {
         height,
         ..settings
     };
-    finish(words, &settings, &scene, &source, state.as_ref(), &signals)
+    finish(words, &settings, &scene, &source, state, &signals)
 }
 
 /// The state to go on from; refuses what could not be kept or read before the scene is loaded.
@@ -103,7 +103,7 @@ fn finish(
     settings: &RenderSettings,
     scene: &Scene,
     source: &Source,
-    state: Option<&State>,
+    state: Option<State>,
     signals: &Signals,
 ) -> Result<ExitCode, Failure> {
     let mut checkpoints = Checkpoints::new(words, settings, source, signals);

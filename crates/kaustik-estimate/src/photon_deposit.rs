@@ -33,7 +33,7 @@ pub struct PhotonDeposit<'a, const K: usize> {
     /// From the unit square to pixels.
     pub scale: Scale,
     /// A film for each level.
-    pub films: &'a [Film; K],
+    pub films: [&'a Film; K],
     /// Rough normalisers, > 0.
     pub rough: [f64; K],
     /// How chains share.
@@ -85,7 +85,7 @@ impl<const K: usize> Recorder<PhotonValue, K> for PhotonDeposit<'_, K> {
         for meeting in &visit.value.meetings {
             let photon = &photons[meeting.photon as usize];
             let sound = (self.map).splat(
-                &self.films[level],
+                self.films[level],
                 self.scale,
                 photon,
                 meeting.point as usize,

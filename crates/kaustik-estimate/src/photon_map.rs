@@ -25,7 +25,7 @@ impl PhotonMap<'_> {
     #[inline]
     pub fn meetings(&self, photon: &Photon, mut meet: impl FnMut(usize)) {
         let points = self.points.points();
-        self.lookup.holding(photon.position, |index| {
+        (self.lookup).holding(self.points.discs(), photon.position, |index| {
             if points[index as usize].accepts(photon, self.max_edges) {
                 meet(index as usize);
             }

@@ -66,6 +66,12 @@ impl<const K: usize> RegionSums<K> {
         self
     }
 
+    /// The leaves of the iteration that has ended, for whoever wants their memory for the next.
+    #[must_use]
+    pub fn take_leaves(&mut self) -> Vec<u32> {
+        std::mem::take(&mut self.leaves)
+    }
+
     /// Begins an iteration: all is zero.
     pub fn begin(&mut self, leaves: Vec<u32>) {
         self.leaves = leaves;

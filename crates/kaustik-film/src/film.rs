@@ -272,6 +272,13 @@ impl Film {
         self.add_sums(other.sums(), &other.counters())
     }
 
+    /// Makes the film black, for sums of another unit: its memory serves again.
+    pub fn renew(&mut self, quantum: Quantum) {
+        self.clear();
+        self.quantum = quantum;
+        self.inverse = quantum.inverse();
+    }
+
     /// Makes the film black again and its counters zero. Wants the film alone, so that no add is lost.
     pub fn clear(&mut self) {
         for sum in &mut self.sums {

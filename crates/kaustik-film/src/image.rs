@@ -267,6 +267,14 @@ impl Image {
         ]
     }
 
+    /// The main layer's R, G and B planes alone.
+    #[must_use]
+    pub fn into_rgb(self) -> [Vec<f32>; 3] {
+        let layers = self.layers.into_iter().take(1);
+        let mut channels = layers.flat_map(|main| main.channels);
+        [(); 3].map(|()| channels.next().map_or(Vec::new(), |c| c.samples))
+    }
+
     /// The main layer's R, G, B of a pixel by its index, row by row from the top.
     pub(crate) fn pixel(&self, index: usize) -> [f64; 3] {
         self.rgb().map(|plane| f64::from(plane[index]))
@@ -277,6 +285,20 @@ impl Image {
         for channel in self.layers[0].channels.iter_mut().take(3) {
             for (index, sample) in channel.samples.iter_mut().enumerate() {
                 *sample *= factor(index);
+            }
+        }
+    }
+
+    /// Adds R, G, B to the main layer's pixels, row by row from the top; pixels for which there are none stay.
+    pub fn add_pixels(&mut self, pixels: impl Iterator<Item = [f32; 3]>) {
+        if let [r, g, b, ..] = &mut self.layers[0].channels[..] {
+            let planes = (r.samples.iter_mut())
+                .zip(&mut g.samples)
+                .zip(&mut b.samples);
+            for (((r, g), b), [more_r, more_g, more_b]) in planes.zip(pixels) {
+                *r += more_r;
+                *g += more_g;
+                *b += more_b;
             }
         }
     }

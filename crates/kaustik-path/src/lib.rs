@@ -35,7 +35,7 @@ pub use endpoint::Endpoint;
 pub use features::{Features, features};
 pub use light::LightTracing;
 pub use photon::{
-    Lookup, MeasurementPoint, MeasurementPoints, MeasurementWalk, Photon, PhotonPath,
+    Disc, Lookup, MeasurementPoint, MeasurementPoints, MeasurementWalk, Photon, PhotonPath,
     PhotonTracing, Remainder,
 };
 pub use rays::Rays;

@@ -34,6 +34,11 @@ pub(crate) trait Engine: Keep {
     /// The picture of all steps taken. For the end: what chains hold back is added first.
     fn develop(&mut self) -> Result<Image, RenderError>;
 
+    /// Does [`develop`](Self::develop) change what goes on from there?
+    fn holds_back(&self) -> bool {
+        true
+    }
+
     /// The chains so far.
     fn chain_statistics(&self) -> Option<ChainStatistics> {
         None

@@ -22,6 +22,7 @@ use crate::cells::{Cells, Tour};
 use crate::control::is_stopped;
 use crate::engine::{Engine, Nonfinite, STRIDE, add_rays};
 use crate::erpt_pss::{Chains, Paths, PssRedistribution};
+use crate::mark::FilmMark;
 use crate::render::builder_settings;
 use crate::stratified::mix;
 use crate::{Budget, ChainStatistics, Place, RenderError, RenderSettings, StateError};
@@ -51,6 +52,8 @@ pub(crate) struct IndependentEngine<'a> {
     redistribution: Option<PssRedistribution>,
     /// Where the last whole pass ended, where only whole ones count.
     mark: Mark,
+    /// What the film holds while it is lent.
+    aside: FilmMark,
 }
 
 /// One ladder: sample `step` is made from (seed, ladder, step) alone.
@@ -171,6 +174,7 @@ impl<'a> IndependentEngine<'a> {
             lit: scene.has_light(),
             redistribution: None,
             mark: Mark::default(),
+            aside: FilmMark::default(),
         })
     }
 

@@ -116,14 +116,14 @@ pub fn render_watched(
 
 /// As [`render_watched`], from where another render was: the picture has the bits of a render that nothing
 /// interrupted, for any number of threads. The budget is that of both together and may be larger than the
-/// first was.
+/// first was. The state, which may be as large as the films, is let go once it is taken up.
 ///
 /// # Errors
 /// As [`render_watched`]; a state of another scene, method, setting or share, or a damaged one.
 pub fn resume(
     scene: &Scene,
     settings: &RenderSettings,
-    state: &State,
+    state: State,
     control: &mut Control<'_>,
     watch: &mut dyn Watch,
 ) -> Result<Rendered, RenderError> {
@@ -133,19 +133,19 @@ pub fn resume(
 fn render_from(
     scene: &Scene,
     settings: &RenderSettings,
-    state: Option<&State>,
+    state: Option<State>,
     control: &mut Control<'_>,
     watch: &mut dyn Watch,
 ) -> Result<Rendered, RenderError> {
     check(scene, settings)?;
-    if let Some(state) = state {
+    if let Some(state) = &state {
         state.check(scene, settings)?;
     }
     let pool = pool(settings.threads)?;
     let mut work = Work::new(scene, settings);
     let mut engine = pool.install(|| engine(scene, settings))?;
     if let Some(state) = state {
-        pool.install(|| work.take_up(engine.as_mut(), state, true))?;
+        pool.install(|| work.take_up(engine.as_mut(), &state, true))?;
     }
     work.begin();
     watch.begins();
@@ -361,6 +361,10 @@ impl<'a> Work<'a> {
         pool: &rayon::ThreadPool,
         watch: &mut dyn Watch,
     ) -> Result<(), RenderError> {
+        if !engine.holds_back() {
+            watch.see(pool.install(|| self.rendered(engine, Outcome::Stopped))?);
+            return Ok(());
+        }
         let kept = self.snapshot(engine).state()?;
         watch.see(pool.install(|| self.rendered(engine, Outcome::Stopped))?);
         Ok(pool.install(|| take_up(engine, &kept, true))?)

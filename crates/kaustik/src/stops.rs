@@ -240,7 +240,7 @@ fn broken_renders_go_on() {
                         stop: Some(stop),
                         progress: None,
                     };
-                    match &state {
+                    match state {
                         None => render_watched(&scene, &settings, &mut control, &mut keeper),
                         Some(state) => resume(&scene, &settings, state, &mut control, &mut keeper),
                     }
@@ -254,7 +254,7 @@ fn broken_renders_go_on() {
             }
             let state = keeper.0.take().expect("a state");
             let mut control = Control::default();
-            let done = resume(&scene, &settings, &state, &mut control, &mut keeper);
+            let done = resume(&scene, &settings, state, &mut control, &mut keeper);
             let done = done.expect("a render");
             assert!(bits(&done.image) == bits(&through.image), "{what}: {count}");
             assert_eq!(done.statistics.steps, through.statistics.steps, "{what}");

@@ -6,14 +6,15 @@
 
 use glam::Vec3;
 
+use super::Disc;
+
 /// Grids are this many powers of two apart at most; smaller balls go into the finest grid.
 const MOST_GRIDS: i32 = 24;
 
-/// The balls of one iteration by place. Memory is reused.
+/// The discs of one iteration by place, each as the ball around it. It knows them by their numbers; who asks has them.
+/// Memory is reused.
 #[derive(Clone, Debug, Default)]
 pub struct Lookup {
-    /// Centre and squared radius.
-    balls: Vec<[f32; 4]>,
     grids: Vec<Grid>,
     /// Where each bucket begins in `entries`, and one more for the end of the last.
     starts: Vec<u32>,
@@ -31,40 +32,35 @@ struct Grid {
 }
 
 impl Lookup {
-    /// Sorts balls, given by centre and radius (finite, > 0), in the place of those that were there. Their numbers are
-    /// their positions.
-    pub fn rebuild(&mut self, balls: impl Iterator<Item = (Vec3, f32)>) {
-        self.balls.clear();
+    /// Sorts discs (finite, radii > 0) in the place of those that were there.
+    pub fn rebuild(&mut self, discs: &[Disc]) {
         self.bounds = [Vec3::INFINITY, Vec3::NEG_INFINITY];
-        for (center, radius) in balls {
+        for &Disc { center, radius } in discs {
             let [min, max] = self.bounds;
             self.bounds = [
                 min.min(center - Vec3::splat(radius)),
                 max.max(center + Vec3::splat(radius)),
             ];
-            self.balls
-                .push([center.x, center.y, center.z, radius * radius]);
         }
-        let largest = self.balls.iter().map(|ball| level(ball[3])).max();
-        let smallest = self.balls.iter().map(|ball| level(ball[3])).min();
-        let top = largest.unwrap_or(0);
-        let bottom = smallest.unwrap_or(0).max(top - MOST_GRIDS);
+        let levels = discs.iter().map(|disc| level(squared(disc)));
+        let top = levels.clone().max().unwrap_or(0);
+        let bottom = levels.min().unwrap_or(0).max(top - MOST_GRIDS);
         self.grids.clear();
         self.grids.extend((bottom..=top).map(|level| Grid {
             scale: power_of_two(-level),
             salt: (level as u32).wrapping_mul(0x9e37_79b9),
         }));
-        let buckets = (2 * self.balls.len()).next_power_of_two().max(2);
+        let buckets = (2 * discs.len()).next_power_of_two().max(2);
         self.mask = buckets as u32 - 1;
-        self.fill(bottom);
+        self.fill(discs, bottom);
     }
 
     /// Counts, then places: every bucket's balls lie together, in the order of their numbers.
-    fn fill(&mut self, bottom: i32) {
+    fn fill(&mut self, discs: &[Disc], bottom: i32) {
         self.starts.clear();
         self.starts.resize(self.mask as usize + 2, 0);
-        for index in 0..self.balls.len() {
-            let cells = self.cells(index, bottom);
+        for disc in discs {
+            let cells = self.cells(disc, bottom);
             for bucket in cells.iter() {
                 self.starts[bucket as usize + 1] += 1;
             }
@@ -74,10 +70,12 @@ impl Lookup {
         }
         let total = self.starts[self.mask as usize + 1];
         self.entries.clear();
+        // No more than that: it may be several numbers a pixel.
+        self.entries.reserve_exact(total as usize);
         self.entries.resize(total as usize, 0);
         // Filled from behind, each start ends at its own place.
-        for index in (0..self.balls.len()).rev() {
-            let cells = self.cells(index, bottom);
+        for (index, disc) in discs.iter().enumerate().rev() {
+            let cells = self.cells(disc, bottom);
             for bucket in cells.iter() {
                 let end = &mut self.starts[bucket as usize + 1];
                 *end -= 1;
@@ -91,9 +89,9 @@ impl Lookup {
     }
 
     /// The buckets of a ball, each once.
-    fn cells(&self, index: usize, bottom: i32) -> Cells {
-        let [x, y, z, squared] = self.balls[index];
-        let (center, radius) = (Vec3::new(x, y, z), squared.sqrt());
+    fn cells(&self, disc: &Disc, bottom: i32) -> Cells {
+        let squared = squared(disc);
+        let (center, radius) = (disc.center, squared.sqrt());
         let grid = self.grids[(level(squared) - bottom).max(0) as usize];
         // A little more, so that rounding leaves nothing out.
         let reach = Vec3::splat(radius * 1.0001);
@@ -109,9 +107,9 @@ impl Lookup {
         cells
     }
 
-    /// Calls `found` with the number of every ball that holds the point, each once.
+    /// Calls `found` with the number of every disc, of those that it was built of, whose ball holds the point, each once.
     #[inline]
-    pub fn holding(&self, point: Vec3, mut found: impl FnMut(u32)) {
+    pub fn holding(&self, discs: &[Disc], point: Vec3, mut found: impl FnMut(u32)) {
         let [min, max] = self.bounds;
         if !(point.cmpge(min).all() && point.cmple(max).all()) {
             return;
@@ -120,10 +118,9 @@ impl Lookup {
             let bucket = (grid.bucket(grid.cell(point)) & self.mask) as usize;
             let (start, end) = (self.starts[bucket], self.starts[bucket + 1]);
             for &entry in &self.entries[start as usize..end as usize] {
-                let [x, y, z, squared] = self.balls[entry as usize];
-                if (point - Vec3::new(x, y, z)).length_squared() <= squared
-                    && self.is_of(grid, squared)
-                {
+                let disc = &discs[entry as usize];
+                let squared = squared(disc);
+                if (point - disc.center).length_squared() <= squared && self.is_of(grid, squared) {
                     found(entry);
                 }
             }
@@ -153,6 +150,11 @@ impl Grid {
         }
         hash.wrapping_mul(0xc2b2_ae35) ^ (hash >> 13)
     }
+}
+
+#[inline]
+fn squared(disc: &Disc) -> f32 {
+    disc.radius * disc.radius
 }
 
 /// The least power of two (its exponent) that is at least the diameter, for a squared radius.

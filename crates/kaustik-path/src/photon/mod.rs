@@ -20,5 +20,5 @@ mod tests;
 pub use camera::MeasurementWalk;
 pub use light::{Photon, PhotonPath, PhotonTracing};
 pub use lookup::Lookup;
-pub use point::{MeasurementPoint, MeasurementPoints};
+pub use point::{Disc, MeasurementPoint, MeasurementPoints};
 pub use remainder::Remainder;

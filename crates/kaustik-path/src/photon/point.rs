@@ -13,44 +13,89 @@ use crate::contributions::colour;
 /// Normals that differ by more (about 84 degrees) belong to different surfaces.
 const LEAST_AGREEMENT: f32 = 0.1;
 
-/// A point that the camera sees, with the disc around it in which photons count.
-#[derive(Clone, Copy, Debug)]
-pub struct MeasurementPoint {
-    /// World position.
-    pub position: Vec3,
-    /// Radius of the disc in scene units, > 0.
+/// Where photons count: around a point that the camera sees.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Disc {
+    /// World position of the point.
+    pub center: Vec3,
+    /// In scene units, > 0.
     pub radius: f32,
-    /// Unit geometric normal of the surface's front.
-    pub normal: Vec3,
-    /// Edges of the walk from the camera.
-    pub edges: u32,
+}
+
+/// A point that the camera sees, but for its [`Disc`].
+///
+/// There is one a pixel: it takes 64 bytes, and a look at it one line of a cache.
+#[derive(Clone, Copy, Debug)]
+#[repr(align(64))]
+pub struct MeasurementPoint {
     /// Point of the image: the unit square over the whole image.
     pub raster: DVec2,
     /// What the camera walk carries; times the scattering function where that is constant.
     throughput: Spectrum,
+    /// Unit geometric normal of the surface's front.
+    pub normal: Vec3,
     /// The shading normal.
     shading: Vec3,
-    scattering: Scattering,
-    /// The camera walk has refracted where the index depends on the wavelength.
-    dispersive: bool,
+    /// Edges of the walk from the camera.
+    pub edges: u32,
+    manner: Manner,
 }
 
-/// How light leaves toward the eye.
+/// How light leaves toward the eye, and whether the camera walk has refracted where the index depends on the wavelength (the
+/// highest bit).
 #[derive(Clone, Copy, Debug)]
+struct Manner(u32);
+
+/// How light leaves toward the eye.
+#[derive(Clone, Copy, Debug, PartialEq)]
 enum Scattering {
     /// Evenly, from the front or from the back: the value is in the throughput.
     Diffuse { front: bool },
-    /// As the entry of a list says.
+    /// As the entry of a list says; it is not as long as to reach the numbers that stand for the others.
     Listed(u32),
 }
+
+impl Manner {
+    const DISPERSIVE: u32 = 1 << 31;
+    const FRONT: u32 = Self::DISPERSIVE - 1;
+    const BACK: u32 = Self::FRONT - 1;
+
+    fn new(scattering: Scattering, dispersive: bool) -> Self {
+        let low = match scattering {
+            Scattering::Diffuse { front: true } => Self::FRONT,
+            Scattering::Diffuse { front: false } => Self::BACK,
+            Scattering::Listed(index) => index,
+        };
+        Self(low | (u32::from(dispersive) << 31))
+    }
+
+    #[inline]
+    fn scattering(self) -> Scattering {
+        match self.0 & !Self::DISPERSIVE {
+            Self::FRONT => Scattering::Diffuse { front: true },
+            Self::BACK => Scattering::Diffuse { front: false },
+            index => Scattering::Listed(index),
+        }
+    }
+
+    #[inline]
+    fn is_dispersive(self) -> bool {
+        self.0 & Self::DISPERSIVE != 0
+    }
+}
+
+/// Points that follow each other lie on a few materials: so many of the last functions are looked through before one is added.
+const RECENT: usize = 4;
 
 /// A scattering function and the direction that it is seen from.
 #[derive(Clone, Copy, Debug)]
 struct Listed {
-    bsdf: Bsdf,
-    frame: Frame,
+    /// Number of the function. It is large, and without a texture the same at all points of a material.
+    bsdf: u32,
+    /// Tangent, bitangent and shading normal. Single precision, as of the point's normals: there may be one a pixel.
+    frame: [Vec3; 3],
     /// Local direction toward the eye.
-    wo: DVec3,
+    wo: Vec3,
 }
 
 /// What a walk knows of the vertex that it ends in.
@@ -70,21 +115,32 @@ pub(super) struct Seen<'a> {
 /// The points of one iteration. Memory is reused.
 #[derive(Clone, Debug, Default)]
 pub struct MeasurementPoints {
+    /// Apart from the rest: a lookup goes through many of them for each point that it finds.
+    discs: Vec<Disc>,
     points: Vec<MeasurementPoint>,
     listed: Vec<Listed>,
+    functions: Vec<Bsdf>,
 }
 
 impl MeasurementPoints {
     /// Forgets everything but the memory.
     pub fn clear(&mut self) {
+        self.discs.clear();
         self.points.clear();
         self.listed.clear();
+        self.functions.clear();
     }
 
     /// Makes room for so many points in all, and no more than that.
     pub fn reserve(&mut self, count: usize) {
         let more = count.saturating_sub(self.points.len());
+        self.discs.reserve_exact(more);
         self.points.reserve_exact(more);
+    }
+
+    /// The discs of the points, in the same order.
+    pub fn discs(&self) -> &[Disc] {
+        &self.discs
     }
 
     /// The points, in the order in which they were made.
@@ -94,12 +150,18 @@ impl MeasurementPoints {
 
     /// Takes all points of another list, after its own.
     pub fn append(&mut self, other: &Self) {
-        let first = self.listed.len() as u32;
-        self.listed.extend_from_slice(&other.listed);
+        let (first, function) = (self.listed.len() as u32, self.functions.len() as u32);
+        self.functions.extend_from_slice(&other.functions);
+        self.listed.extend(other.listed.iter().map(|listed| Listed {
+            bsdf: function + listed.bsdf,
+            ..*listed
+        }));
+        self.discs.extend_from_slice(&other.discs);
         self.points.extend(other.points.iter().map(|point| {
             let mut point = *point;
-            if let Scattering::Listed(index) = &mut point.scattering {
-                *index += first;
+            if let Scattering::Listed(index) = point.manner.scattering() {
+                let dispersive = point.manner.is_dispersive();
+                point.manner = Manner::new(Scattering::Listed(first + index), dispersive);
             }
             point
         }));
@@ -124,24 +186,36 @@ impl MeasurementPoints {
             throughput *= seen.bsdf.eval(wo, up, Mode::Radiance);
             Scattering::Diffuse { front: wo.z > 0.0 }
         } else {
+            let bsdf = self.function(&seen.bsdf);
             self.listed.push(Listed {
-                bsdf: seen.bsdf,
-                frame: vertex.frame,
-                wo,
+                bsdf,
+                frame: [vertex.frame.x, vertex.frame.y, vertex.frame.z].map(|axis| axis.as_vec3()),
+                wo: wo.as_vec3(),
             });
             Scattering::Listed(self.listed.len() as u32 - 1)
         };
-        self.points.push(MeasurementPoint {
-            position: vertex.surface.position,
+        self.discs.push(Disc {
+            center: vertex.surface.position,
             radius,
-            normal: vertex.normal.as_vec3(),
-            edges: seen.edges,
+        });
+        self.points.push(MeasurementPoint {
             raster: seen.raster,
             throughput,
+            normal: vertex.normal.as_vec3(),
             shading: vertex.frame.z.as_vec3(),
-            scattering,
-            dispersive: seen.dispersive,
+            edges: seen.edges,
+            manner: Manner::new(scattering, seen.dispersive),
         });
+    }
+
+    /// The number of a scattering function, which is added if it is none of the last few.
+    fn function(&mut self, bsdf: &Bsdf) -> u32 {
+        let mut recent = (0..self.functions.len()).rev().take(RECENT);
+        let known = recent.find(|&at| self.functions[at] == *bsdf);
+        known.unwrap_or_else(|| {
+            self.functions.push(*bsdf);
+            self.functions.len() - 1
+        }) as u32
     }
 
     /// What a photon brings to a point, if it is within its disc: `C_k` of spec (1), for a photon path that is
@@ -149,12 +223,12 @@ impl MeasurementPoints {
     #[inline]
     pub fn contribution(&self, index: usize, photon: &Photon, wavelengths: &Wavelengths) -> Xyz {
         let point = &self.points[index];
-        let kernel = 1.0 / (PI * f64::from(point.radius) * f64::from(point.radius));
+        let kernel = 1.0 / self.discs[index].area();
         let (f, dispersive) = self.scattered(point, photon);
         let value = point.throughput * photon.power * f * (kernel as f32);
         colour(
             value,
-            dispersive || point.dispersive || photon.dispersive,
+            dispersive || point.manner.is_dispersive() || photon.dispersive,
             wavelengths,
         )
     }
@@ -171,20 +245,25 @@ impl MeasurementPoints {
     /// The scattering function toward the eye; has it told wavelengths apart?
     #[inline]
     fn scattered(&self, point: &MeasurementPoint, photon: &Photon) -> (Spectrum, bool) {
-        match point.scattering {
+        match point.manner.scattering() {
             Scattering::Diffuse { front } => (point.diffuse(photon, front), false),
-            Scattering::Listed(listed) => self.listed[listed as usize].scatter(point, photon),
+            Scattering::Listed(listed) => {
+                let listed = &self.listed[listed as usize];
+                listed.scatter(&self.functions[listed.bsdf as usize], point, photon)
+            }
         }
     }
 }
 
-impl MeasurementPoint {
-    /// Area of the disc, `s_k`.
+impl Disc {
+    /// `s_k`.
     #[inline]
     pub fn area(&self) -> f64 {
         PI * f64::from(self.radius) * f64::from(self.radius)
     }
+}
 
+impl MeasurementPoint {
     /// May a photon that lies within the radius count here: does its surface look the same way, and is the whole path
     /// of at most `max_edges` edges?
     #[inline]
@@ -206,16 +285,74 @@ impl MeasurementPoint {
 
 impl Listed {
     #[inline]
-    fn scatter(&self, point: &MeasurementPoint, photon: &Photon) -> (Spectrum, bool) {
-        let wi = self.frame.to_local(photon.wi);
-        let ng = self.frame.to_local(point.normal.as_dvec3());
-        if !shading::sides_agree(self.wo, wi, ng) {
+    fn scatter(&self, bsdf: &Bsdf, point: &MeasurementPoint, photon: &Photon) -> (Spectrum, bool) {
+        let [x, y, z] = self.frame.map(|axis| axis.as_dvec3());
+        let (frame, wo) = (Frame { x, y, z }, self.wo.as_dvec3());
+        let wi = frame.to_local(photon.wi);
+        let ng = frame.to_local(point.normal.as_dvec3());
+        if !shading::sides_agree(wo, wi, ng) {
             return (Spectrum::ZERO, false);
         }
-        let f = self.bsdf.eval(self.wo, wi, Mode::Radiance);
-        (
-            f * photon.per_cosine(wi.z),
-            self.bsdf.dispersive_between(self.wo, wi),
-        )
+        let f = bsdf.eval(wo, wi, Mode::Radiance);
+        (f * photon.per_cosine(wi.z), bsdf.dispersive_between(wo, wi))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// One a pixel of a large picture.
+    #[test]
+    fn a_point_is_small() {
+        assert_eq!(size_of::<MeasurementPoint>(), 64);
+        assert_eq!(size_of::<Disc>(), 16);
+        assert_eq!(size_of::<Listed>(), 52);
+    }
+
+    /// Two materials by turns, put together from two lists: every point has its own function, and there are few.
+    #[test]
+    fn points_share_scattering_functions() {
+        let rough =
+            |alpha| Bsdf::conductor(Spectrum::splat(1.5), Spectrum::splat(3.0), alpha, false);
+        let (kinds, mut all) = ([rough(0.4), rough(0.7)], MeasurementPoints::default());
+        for part in 0..2 {
+            let mut points = MeasurementPoints::default();
+            for at in 0..10 {
+                points.push(Seen {
+                    vertex: &Vertex::default(),
+                    bsdf: kinds[at % 2],
+                    wo: DVec3::new(0.6, 0.0, 0.8),
+                    throughput: Spectrum::splat(1.0),
+                    dispersive: at % 3 == part,
+                    edges: at as u32,
+                    raster: DVec2::splat(0.5),
+                    radius: 1.0,
+                });
+            }
+            all.append(&points);
+        }
+        assert_eq!((all.points.len(), all.functions.len()), (20, 4));
+        for (at, point) in all.points.iter().enumerate() {
+            let Scattering::Listed(listed) = point.manner.scattering() else {
+                panic!("point {at} has no function");
+            };
+            let function = all.listed[listed as usize].bsdf;
+            assert_eq!(all.functions[function as usize], kinds[at % 2], "{at}");
+            assert_eq!(point.manner.is_dispersive(), at % 10 % 3 == at / 10);
+        }
+    }
+
+    #[test]
+    fn a_manner_has_what_it_was_made_of() {
+        let listed = [0, 1, 77, Manner::BACK - 1].map(Scattering::Listed);
+        let diffuse = [true, false].map(|front| Scattering::Diffuse { front });
+        for scattering in listed.into_iter().chain(diffuse) {
+            for dispersive in [false, true] {
+                let manner = Manner::new(scattering, dispersive);
+                assert_eq!(manner.scattering(), scattering);
+                assert_eq!(manner.is_dispersive(), dispersive);
+            }
+        }
     }
 }

@@ -7,7 +7,7 @@ use kaustik_mcmc::{Draws, Independent, generator, sample_generator};
 use kaustik_scene::{Scene, SceneOptions, builtin};
 use kaustik_spectrum::{WavelengthSampling, Wavelengths};
 
-use super::{Lookup, MeasurementPoints, MeasurementWalk, PhotonPath, PhotonTracing};
+use super::{Disc, Lookup, MeasurementPoints, MeasurementWalk, PhotonPath, PhotonTracing};
 use crate::BuilderSettings;
 use tree::Tree;
 
@@ -21,27 +21,26 @@ fn a_lookup_finds_all_and_each_once() {
     };
     let mut lookup = Lookup::default();
     for count in [0, 1, 3000] {
-        let balls: Vec<(Vec3, f32)> = (0..count)
-            .map(|_| {
-                let center = place(&mut draws);
-                (center, 10f32.powf(5.0 * draws.uniform() as f32 - 4.5))
+        let discs: Vec<Disc> = (0..count)
+            .map(|_| Disc {
+                center: place(&mut draws),
+                radius: 10f32.powf(5.0 * draws.uniform() as f32 - 4.5),
             })
             .collect();
-        lookup.rebuild(balls.iter().copied());
+        lookup.rebuild(&discs);
         let mut met = 0;
         for query in 0..4000 {
-            let point = match balls.get(query) {
+            let point = match discs.get(query) {
                 // Within a ball, however small.
-                Some((center, radius)) => *center + Vec3::splat(0.5 * radius),
+                Some(disc) => disc.center + Vec3::splat(0.5 * disc.radius),
                 None => place(&mut draws),
             };
             let mut found = Vec::new();
-            lookup.holding(point, |index| found.push(index as usize));
+            lookup.holding(&discs, point, |index| found.push(index as usize));
             found.sort_unstable();
-            let holds = |(center, radius): &(Vec3, f32)| {
-                (point - *center).length_squared() <= radius * radius
-            };
-            let expected: Vec<usize> = (0..balls.len()).filter(|&i| holds(&balls[i])).collect();
+            let holds =
+                |disc: &Disc| (point - disc.center).length_squared() <= disc.radius * disc.radius;
+            let expected: Vec<usize> = (0..discs.len()).filter(|&i| holds(&discs[i])).collect();
             met += expected.len();
             assert_eq!(found, expected, "query {query} of {count}");
         }
@@ -83,14 +82,14 @@ fn points_and_photons(words: &str, side: u32, paths: u64) -> (MeasurementPoints,
 #[test]
 fn grids_and_a_tree_find_the_same() {
     let (points, photons) = points_and_photons("ring-and-sphere", 48, 500);
-    let balls = || points.points().iter().map(|p| (p.position, p.radius));
+    let balls = || points.discs().iter().map(|disc| (disc.center, disc.radius));
     let mut lookup = Lookup::default();
-    lookup.rebuild(balls());
+    lookup.rebuild(points.discs());
     let tree = Tree::new(balls());
     let mut total = 0;
     for photon in photons {
         let (mut a, mut b) = (Vec::new(), Vec::new());
-        lookup.holding(photon, |index| a.push(index));
+        lookup.holding(points.discs(), photon, |index| a.push(index));
         tree.holding(photon, &mut |index| b.push(index));
         a.sort_unstable();
         b.sort_unstable();
@@ -105,11 +104,11 @@ fn grids_and_a_tree_find_the_same() {
 fn how_long_a_look_takes() {
     for (words, side) in [("cornell", 256), ("ring-and-sphere", 512)] {
         let (points, photons) = points_and_photons(words, side, 100_000);
-        let balls = || points.points().iter().map(|p| (p.position, p.radius));
+        let balls = || points.discs().iter().map(|disc| (disc.center, disc.radius));
         let mut lookup = Lookup::default();
-        lookup.rebuild(balls());
+        lookup.rebuild(points.discs());
         let start = Instant::now();
-        lookup.rebuild(balls());
+        lookup.rebuild(points.discs());
         let built = start.elapsed();
         let start = Instant::now();
         let tree = Tree::new(balls());
@@ -118,7 +117,7 @@ fn how_long_a_look_takes() {
         for _ in 0..3 {
             let start = Instant::now();
             for &photon in &photons {
-                lookup.holding(photon, |_| sums[0] += 1);
+                lookup.holding(points.discs(), photon, |_| sums[0] += 1);
             }
             times.push(start.elapsed());
             let start = Instant::now();

@@ -1,5 +1,6 @@
 //! Where whole passes ended: a pass that is broken off is taken back to there.
 
+use kaustik_film::Film;
 use kaustik_path::Rays;
 
 use super::IndependentEngine;
@@ -29,6 +30,22 @@ impl IndependentEngine<'_> {
             let chains = s.chains.as_deref().map(Chains::kept);
             (s.step, s.nonfinite, s.rays, chains)
         }));
+    }
+
+    /// Lends the film, black, to work that has another use for its memory. It holds what it held afterwards.
+    pub(crate) fn lend<T>(&mut self, work: impl FnOnce(&mut Film) -> T) -> T {
+        let quantum = self.film.quantum();
+        self.aside.set(&self.film);
+        self.film.renew(quantum);
+        let result = work(&mut self.film);
+        self.film.renew(quantum);
+        self.aside.take_back(&mut self.film);
+        result
+    }
+
+    /// Lets go the memory of what a stop would need: until the engine advances again, nobody does.
+    pub(crate) fn forget_marks(&mut self) {
+        (self.mark, self.aside) = (Mark::default(), FilmMark::default());
     }
 
     /// Goes back to where it was when it was told to advance last, if it could be stopped then.

@@ -10,7 +10,7 @@ use std::io;
 use std::sync::atomic::AtomicBool;
 
 use kaustik_estimate::{PhotonLevels, PhotonTarget, PhotonValue};
-use kaustik_film::{Counters, Film, Image, Layer};
+use kaustik_film::{Counters, Film, Image, Layer, Quantum};
 use kaustik_mcmc::{
     Acceptance, AcceptanceAdaptation, Draws, Ignore, Independent, Ladder, Mean, Metropolis,
     Pcg64Dxsm, Point, PointKernel, Pool, Power, SampleGenerators, Statistics, Target, generator,
@@ -24,7 +24,7 @@ use super::maps::Maps;
 use super::stage::Stage;
 use super::targets::{Space, Targets};
 use crate::control::is_stopped;
-use crate::engine::Nonfinite;
+use crate::engine::{Nonfinite, add_counters};
 use crate::photon_options::Normalisation;
 use crate::state::{Reader, StateError, Writer};
 use crate::statistics::{PhotonLevel, PhotonStatistics};
@@ -47,15 +47,17 @@ pub(super) struct PhotonChains<const K: usize> {
     levels: PhotonLevels<K>,
     options: PhotonOptions,
     ladders: Vec<Chains<K>>,
-    films: [Film; K],
+    /// Of all levels but the last, which has one that is lent. Black between two iterations, but for what the first chain has
+    /// brought in all where visibility's normaliser is still to come.
+    films: Vec<Film>,
+    first: mark::First,
     targets: Targets<K>,
     adaptations: [AcceptanceAdaptation<Power>; K],
     /// Rough normalisers: those of the iteration before.
     rough: [f64; K],
-    /// XYZ of each pixel, summed over iterations.
+    /// XYZ of each pixel, summed over iterations; where visibility's normaliser is still to come without it, and of all chains
+    /// but the first.
     sums: Vec<[f64; 3]>,
-    /// The same of all chains but the first where visibility's normaliser is still to come.
-    unscaled: Vec<[f64; 3]>,
     /// Of visibility, over iterations; `None` where each iteration has its own.
     visible: Option<Mean>,
     revival: Pcg64Dxsm,
@@ -87,13 +89,12 @@ impl<const K: usize> PhotonChains<K> {
         space: Space,
     ) -> Result<Self, RenderError> {
         let options = settings.options.photon;
-        let mut films = Vec::with_capacity(K);
-        for _ in 0..K {
-            films.push(stage.film(settings)?);
-        }
-        let films: [Film; K] = films.try_into().unwrap_or_else(|_| unreachable!("K films"));
+        // Before there are films: a look at where points are takes memory of its own.
         let mut targets = Targets::new(stage, options, levels, space);
         targets.assign(stage);
+        let quantum = stage.quantum();
+        let films = (1..K).map(|_| Film::with_layout(&settings.layout(), quantum));
+        let films = films.collect::<Result<_, _>>()?;
         // Only the share of visible paths is the same in all iterations; of what moves that is not either: each instant
         // has its own, and the mean picture is not that of the mean share.
         let progressive = options.normalisation == Normalisation::Progressive
@@ -105,15 +106,11 @@ impl<const K: usize> PhotonChains<K> {
             options,
             ladders: Vec::new(),
             films,
+            first: mark::First::default(),
             targets,
             adaptations: std::array::from_fn(|_| adaptation.clone()),
             rough: [1.0; K],
             sums: vec![[0.0; 3]; settings.pixels() as usize],
-            unscaled: if progressive {
-                vec![[0.0; 3]; settings.pixels() as usize]
-            } else {
-                Vec::new()
-            },
             visible: progressive.then(Mean::new),
             revival: generator(settings.seed, REVIVAL_LADDER),
             maps: options.maps.then(|| Maps::new(settings)),
@@ -270,10 +267,10 @@ impl<const K: usize> PhotonChains<K> {
 
     /// The iteration itself: chains go on from where they were, under targets that have changed. `false`: it was
     /// stopped.
-    fn run(&mut self, stage: &Stage<'_>, stop: Option<&AtomicBool>) -> bool {
+    fn run(&mut self, stage: &Stage<'_>, spare: &Film, stop: Option<&AtomicBool>) -> bool {
         self.read_anew(stage);
         let mut ladders = std::mem::take(&mut self.ladders);
-        let iteration = self.shared(stage, ladders.len());
+        let iteration = self.shared(stage, spare, ladders.len());
         ladders
             .par_iter_mut()
             .enumerate()
@@ -285,14 +282,19 @@ impl<const K: usize> PhotonChains<K> {
     }
 
     /// What so many ladders share in the iteration that the stage has begun.
-    fn shared<'t>(&'t self, stage: &'t Stage<'_>, ladders: usize) -> Iteration<'t, K> {
+    fn shared<'t>(
+        &'t self,
+        stage: &'t Stage<'_>,
+        spare: &'t Film,
+        ladders: usize,
+    ) -> Iteration<'t, K> {
         Iteration {
             target: self.target(stage),
             levels: &self.levels,
             number: self.iterations,
             course: self.course(stage, ladders),
             scale: stage.scale,
-            films: &self.films,
+            films: std::array::from_fn(|level| self.films.get(level).unwrap_or(spare)),
             rough: self.rough,
             combine: self.options.combine,
             regions: self.targets.sums(),
@@ -307,6 +309,11 @@ impl<const K: usize> PhotonChains<K> {
             sweeps: stage.photons.div_ceil(K as u64),
             ladders: ladders as u64,
         }
+    }
+
+    /// The unit of films.
+    fn quantum(&self) -> Quantum {
+        self.films[0].quantum()
     }
 
     /// Targets of the points of the iteration that the stage has begun.
@@ -329,10 +336,11 @@ fn kernels<'t, const K: usize>(
 }
 
 impl<const K: usize> Tracer for PhotonChains<K> {
-    fn trace(&mut self, stage: &Stage<'_>, stop: Option<&AtomicBool>) -> bool {
+    fn trace(&mut self, stage: &Stage<'_>, spare: &mut Film, stop: Option<&AtomicBool>) -> bool {
         let mark = stop.is_some().then(|| self.mark());
         self.begin(stage);
-        if !self.run(stage, stop) {
+        spare.renew(self.quantum());
+        if !self.run(stage, spare, stop) {
             if let Some(mark) = mark {
                 self.take_back(mark);
             }
@@ -343,7 +351,7 @@ impl<const K: usize> Tracer for PhotonChains<K> {
             maps.end(stage);
         }
         let factors = self.normalise();
-        self.collect(&factors);
+        self.collect(spare, &factors);
         self.targets.learn(&factors, self.options.refinement);
         for (nonfinite, chains) in self.nonfinite.iter_mut().zip(&self.ladders) {
             *nonfinite = nonfinite.and(chains.found);
@@ -365,19 +373,14 @@ impl<const K: usize> Tracer for PhotonChains<K> {
         self.take_from(from, iterations)
     }
 
-    fn develop(&mut self, stage: &Stage<'_>) -> Result<Image, RenderError> {
+    fn add_to(&mut self, stage: &Stage<'_>, image: &mut Image) -> Result<(), RenderError> {
+        self.first = mark::First::default();
         let factor = stage.cell_area() / self.iterations.max(1) as f64;
-        let mut planes = [(); 3].map(|()| Vec::with_capacity(self.sums.len()));
-        for sum in &self.total() {
-            let rgb = Rgb::from(Xyz(sum.map(|v| (v * factor) as f32))).0;
-            for (plane, value) in planes.iter_mut().zip(rgb) {
-                plane.push(value);
-            }
-        }
-        let layout = self.films[0].layout();
-        let (crop, full) = (layout.crop, [layout.width, layout.height]);
-        let image = Image::from_rgb(crop.width(), crop.height(), planes)?;
-        Ok(image.placed([crop.x0 as i32, crop.y0 as i32], full))
+        // Every sweep is one light path of the first chain, whose normaliser is 1.
+        let first = 1.0 / self.course(stage, self.ladders.len()).sweeps as f64;
+        let pixels = self.total(first);
+        image.add_pixels(pixels.map(|sum| Rgb::from(Xyz(sum.map(|v| (v * factor) as f32))).0));
+        Ok(())
     }
 
     fn layers(&self, stage: &Stage<'_>) -> Vec<Layer> {
@@ -419,8 +422,8 @@ impl<const K: usize> Tracer for PhotonChains<K> {
         Some(at.iteration)
     }
 
-    fn replay(&mut self, stage: &mut Stage<'_>, place: Place) -> Vec<Event> {
-        self.show(stage, place)
+    fn replay(&mut self, stage: &mut Stage<'_>, spare: &mut Film, place: Place) -> Vec<Event> {
+        self.show(stage, spare, place)
     }
 
     fn nonfinite(&self) -> (u64, Vec<Place>) {
@@ -428,6 +431,6 @@ impl<const K: usize> Tracer for PhotonChains<K> {
     }
 
     fn film_counters(&self) -> Counters {
-        self.counters
+        add_counters(self.counters, self.films[0].counters())
     }
 }

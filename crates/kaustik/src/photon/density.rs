@@ -38,8 +38,8 @@ pub(super) fn pilot(scene: &Scene, settings: &RenderSettings) -> DensityTarget {
             let at = |u: f64, count: usize| ((u * count as f64).max(0.0) as usize).min(count - 1);
             at(raster.y, rows) * columns + at(raster.x, columns)
         };
-        for (index, point) in points.iter().enumerate() {
-            areas[pixel(index)] += point.area();
+        for (index, disc) in map.points.discs().iter().enumerate() {
+            areas[pixel(index)] += disc.area();
         }
         let chunk = |path: &mut PhotonPath, chunk: u64| {
             for number in chunk * CHUNK..((chunk + 1) * CHUNK).min(stage.photons) {

@@ -87,13 +87,17 @@ impl Maps {
         if !of_points.is_empty() {
             let mut sums = vec![[0.0_f64; 3]; self.sums.len()];
             let mut regions = vec![0.0_f32; self.sums.len()];
-            for (point, [kernel, full]) in stage.map().points.points().iter().zip(of_points) {
+            let points = stage.map().points;
+            let both = points.discs().iter().zip(points.points());
+            for ((disc, point), [kernel, full]) in both.zip(of_points) {
                 let Some(pixel) = self.pixel(point) else {
                     continue;
                 };
                 let [a, b, c] = sums[pixel];
                 sums[pixel] = [a + f64::from(*full), b + f64::from(*kernel), c + 1.0];
-                regions[pixel] = targets.region(point).map_or(0.0, |region| region as f32);
+                regions[pixel] = targets
+                    .region(disc, point)
+                    .map_or(0.0, |region| region as f32);
             }
             let share = |a: f64, b: f64| if b > 0.0 { (a / b) as f32 } else { 0.0 };
             let plane = |of: fn(&[f64; 3]) -> [f64; 2]| {

@@ -15,7 +15,7 @@ mod targets;
 use std::io;
 use std::sync::atomic::AtomicBool;
 
-use kaustik_film::{Counters, Image, Layer};
+use kaustik_film::{Counters, Film, Image, Layer};
 use kaustik_path::Event;
 use kaustik_scene::Scene;
 
@@ -38,9 +38,9 @@ const SEED: u64 = 0x5E3D_0F1B_9C27_A684;
 
 /// How the light paths of an iteration are drawn, and where what they bring is kept.
 trait Tracer: Send + Sync {
-    /// Traces the light paths of the iteration that the stage has begun. `false`: it was stopped before it had traced them
-    /// all, and is as it was before.
-    fn trace(&mut self, stage: &Stage<'_>, stop: Option<&AtomicBool>) -> bool;
+    /// Traces the light paths of the iteration that the stage has begun, with a film beside its own that nobody needs
+    /// meanwhile; it is black, and may be left as it comes. `false`: it was stopped before it had traced them all, and is as it was before.
+    fn trace(&mut self, stage: &Stage<'_>, spare: &mut Film, stop: Option<&AtomicBool>) -> bool;
 
     /// The iteration of this place, where light paths follow from those of the iterations before; `None` where they follow
     /// from their number.
@@ -49,8 +49,8 @@ trait Tracer: Send + Sync {
     }
 
     /// Tells what happens in the light path of this place, of a tracer and a stage that have just been made, or have come to
-    /// its [iteration](Self::iteration), which the stage has begun.
-    fn replay(&mut self, stage: &mut Stage<'_>, place: Place) -> Vec<Event>;
+    /// its [iteration](Self::iteration), which the stage has begun. With a film as [`trace`](Self::trace) has it.
+    fn replay(&mut self, stage: &mut Stage<'_>, spare: &mut Film, place: Place) -> Vec<Event>;
 
     /// Writes what there is between two iterations, beyond what is made anew.
     fn write(&self, out: &mut Writer<'_>) -> io::Result<()>;
@@ -58,8 +58,8 @@ trait Tracer: Send + Sync {
     /// Takes it up, after so many iterations.
     fn take_up(&mut self, from: &mut Reader<'_>, iterations: u64) -> Result<(), StateError>;
 
-    /// The picture of all iterations.
-    fn develop(&mut self, stage: &Stage<'_>) -> Result<Image, RenderError>;
+    /// Adds the light of all iterations to a picture.
+    fn add_to(&mut self, stage: &Stage<'_>, image: &mut Image) -> Result<(), RenderError>;
 
     /// Pictures of what chains follow, if they were asked for.
     fn layers(&self, _: &Stage<'_>) -> Vec<Layer> {
@@ -177,11 +177,17 @@ impl<'a> PhotonEngine<'a> {
         if self.remainder.advance(&self.passes, stop) < steps {
             return false;
         }
-        let whole = self.tracer.trace(&self.stage, stop);
+        let whole = self.photons(stop);
         if !whole {
             self.remainder.take_back();
         }
         whole
+    }
+
+    /// The light paths of an iteration. What is to be rendered beside them rests, and lends them its film.
+    fn photons(&mut self, stop: Option<&AtomicBool>) -> bool {
+        let Self { stage, tracer, .. } = self;
+        (self.remainder).lend(|spare| tracer.trace(stage, spare, stop))
     }
 }
 
@@ -212,9 +218,14 @@ impl Engine for PhotonEngine<'_> {
     }
 
     fn develop(&mut self) -> Result<Image, RenderError> {
-        let mut image = self.tracer.develop(&self.stage)?;
-        image.add(&self.remainder.picture()?)?;
+        self.remainder.forget_marks();
+        let mut image = self.remainder.picture()?;
+        self.tracer.add_to(&self.stage, &mut image)?;
         Ok(image)
+    }
+
+    fn holds_back(&self) -> bool {
+        false
     }
 
     fn chain_statistics(&self) -> Option<ChainStatistics> {
@@ -226,9 +237,8 @@ impl Engine for PhotonEngine<'_> {
     }
 
     fn layers(&self) -> Result<Vec<Layer>, RenderError> {
-        let image = self.remainder.picture()?;
-        let channels = ["R", "G", "B"].into_iter().zip(image.rgb());
-        let channels = channels.map(|(name, plane)| (name, plane.to_vec()));
+        let planes = self.remainder.picture()?.into_rgb();
+        let channels = ["R", "G", "B"].into_iter().zip(planes);
         let mut layers = vec![Layer::new("remainder", channels.collect())];
         layers.extend(self.tracer.layers(&self.stage));
         Ok(layers)
@@ -244,11 +254,12 @@ impl Engine for PhotonEngine<'_> {
             while self.done() < iteration {
                 self.begin();
                 self.ready = false;
-                self.tracer.trace(&self.stage, None);
+                self.photons(None);
             }
             self.begin();
         }
-        let mut events = self.tracer.replay(&mut self.stage, place);
+        let Self { stage, tracer, .. } = self;
+        let mut events = (self.remainder).lend(|spare| tracer.replay(stage, spare, place));
         events.extend(self.remainder.replay(place)?);
         Ok(events)
     }

@@ -12,7 +12,6 @@ use super::Tracer;
 use super::stage::Stage;
 use crate::control::is_stopped;
 use crate::engine::Nonfinite;
-use crate::mark::FilmMark;
 use crate::state::{Reader, StateError, Writer};
 use crate::{Place, RenderError, RenderSettings};
 
@@ -24,8 +23,6 @@ pub(super) struct IndependentPhotons {
     generators: Vec<SampleGenerators>,
     film: Film,
     nonfinite: Nonfinite,
-    /// Where the last iteration ended.
-    mark: FilmMark,
 }
 
 impl IndependentPhotons {
@@ -38,26 +35,25 @@ impl IndependentPhotons {
                 .collect(),
             film: stage.film(settings)?,
             nonfinite: Nonfinite::default(),
-            mark: FilmMark::default(),
         })
     }
 
     /// The light path of this number, and what it brings to the points of its iteration. Returns how much was left out.
     #[inline]
-    fn light_path(&self, stage: &Stage<'_>, step: u64, path: &mut PhotonPath) -> u64 {
+    fn light_path(&self, stage: &Stage<'_>, step: u64, film: &Film, path: &mut PhotonPath) -> u64 {
         let ladders = self.generators.len() as u64;
         let generators = &self.generators[(step % ladders) as usize];
         let mut u = Independent::new(generators.at(step / ladders));
         (stage.tracing).build(stage.scene(), stage.wavelengths(), &mut u, path);
-        (stage.map()).deposit(&self.film, stage.scale, path, 1.0)
+        (stage.map()).deposit(film, stage.scale, path, 1.0)
     }
 }
 
 impl Tracer for IndependentPhotons {
-    fn trace(&mut self, stage: &Stage<'_>, stop: Option<&AtomicBool>) -> bool {
-        if stop.is_some() {
-            self.mark.set(&self.film);
-        }
+    fn trace(&mut self, stage: &Stage<'_>, spare: &mut Film, stop: Option<&AtomicBool>) -> bool {
+        // Apart, until it is whole.
+        spare.renew(self.film.quantum());
+        let film = &*spare;
         let before = (stage.iterations - 1) * stage.photons;
         let chunk = |path: &mut PhotonPath, chunk: u64| {
             let mut faults = Nonfinite::default();
@@ -66,7 +62,7 @@ impl Tracer for IndependentPhotons {
             }
             for number in chunk * CHUNK..((chunk + 1) * CHUNK).min(stage.photons) {
                 let step = before + number;
-                faults.count(self.light_path(stage, step, path), step);
+                faults.count(self.light_path(stage, step, film, path), step);
             }
             faults
         };
@@ -79,20 +75,27 @@ impl Tracer for IndependentPhotons {
         let whole = !is_stopped(stop);
         if whole {
             self.nonfinite = self.nonfinite.and(found);
-        } else {
-            self.mark.take_back(&mut self.film);
+            // It was made for the same picture, and has the same unit.
+            let merged = self.film.merge(spare);
+            debug_assert!(merged.is_ok());
         }
         whole
     }
 
     /// Iteration and light path follow from the number. All are counted on the account of the first ladder.
-    fn replay(&mut self, stage: &mut Stage<'_>, Place { ladder, step }: Place) -> Vec<Event> {
+    fn replay(
+        &mut self,
+        stage: &mut Stage<'_>,
+        spare: &mut Film,
+        Place { ladder, step }: Place,
+    ) -> Vec<Event> {
         if ladder > 0 {
             return Vec::new();
         }
         stage.begin_at(step / stage.photons);
         let mut path = PhotonPath::default();
-        trace(|| self.light_path(stage, step, &mut path)).1
+        spare.renew(self.film.quantum());
+        trace(|| self.light_path(stage, step, spare, &mut path)).1
     }
 
     fn write(&self, out: &mut Writer<'_>) -> io::Result<()> {
@@ -106,8 +109,8 @@ impl Tracer for IndependentPhotons {
         Ok(())
     }
 
-    fn develop(&mut self, stage: &Stage<'_>) -> Result<Image, RenderError> {
-        Ok(develop(&[(&self.film, stage.factor())])?)
+    fn add_to(&mut self, stage: &Stage<'_>, image: &mut Image) -> Result<(), RenderError> {
+        Ok(image.add(&develop(&[(&self.film, stage.factor())])?)?)
     }
 
     fn nonfinite(&self) -> (u64, Vec<Place>) {

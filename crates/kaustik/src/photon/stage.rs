@@ -7,7 +7,7 @@ use kaustik_estimate::{PhotonMap, Scale};
 use kaustik_film::{Film, Quantum};
 use kaustik_mcmc::{Draws, Independent, Mean, SampleGenerators};
 use kaustik_path::{
-    Lookup, MeasurementPoint, MeasurementPoints, MeasurementWalk, PhotonPath, PhotonTracing,
+    Disc, Lookup, MeasurementPoint, MeasurementPoints, MeasurementWalk, PhotonPath, PhotonTracing,
 };
 use kaustik_scene::Scene;
 use kaustik_spectrum::{WavelengthSampling, Wavelengths};
@@ -24,7 +24,7 @@ use crate::{RenderError, RenderSettings};
 const CAMERA_LADDER: u64 = u64::MAX - 2048;
 const PILOT_LADDER: u64 = u64::MAX;
 /// Cells whose points one thread makes at a time.
-const CHUNK: u64 = 2048;
+const CHUNK: u64 = 512;
 /// Chunks that are made before they are put together: what this takes beside the points themselves is bounded.
 const BATCH: u64 = 64;
 /// The golden ratio less one: its multiples fill the unit interval evenly.
@@ -193,8 +193,7 @@ impl<'a> Stage<'a> {
         if !self.look(index, stop) {
             return false;
         }
-        let balls = self.points.points().iter();
-        self.lookup.rebuild(balls.map(|p| (p.position, p.radius)));
+        self.lookup.rebuild(self.points.discs());
         true
     }
 
@@ -247,7 +246,7 @@ impl<'a> Stage<'a> {
     pub(super) fn pilot<T: Send + Clone>(
         &self,
         passes: u64,
-        of: impl Fn(&MeasurementPoint) -> T + Sync,
+        of: impl Fn(&Disc, &MeasurementPoint) -> T + Sync,
     ) -> Vec<T> {
         let instants = self.instants();
         let stride = (self.cells.count() * passes).div_ceil(MOST_LOOKS).max(1);
@@ -267,8 +266,10 @@ impl<'a> Stage<'a> {
                     );
                 }
             }
-            let points = points.points().iter();
-            points.map(&of).collect::<Vec<T>>()
+            let discs = points.discs().iter().zip(points.points());
+            discs
+                .map(|(disc, point)| of(disc, point))
+                .collect::<Vec<T>>()
         };
         let found: Vec<Vec<T>> = chunks
             .map_init(MeasurementPoints::default, positions)
@@ -333,25 +334,27 @@ impl<'a> Stage<'a> {
 
     /// Diagonal of the box around the points.
     pub(super) fn reach(&self) -> f32 {
-        let at = self.points.points().iter().map(|point| point.position);
+        let at = self.points.discs().iter().map(|disc| disc.center);
         let low = at.clone().reduce(Vec3::min).unwrap_or_default();
         let high = at.reduce(Vec3::max).unwrap_or_default();
         low.distance(high)
     }
 
-    /// A film for contributions of single photons. Their size comes from the mean power of photons and the mean area
-    /// of discs, which are known even where the two never meet.
+    /// A film for contributions of single photons.
     pub(super) fn film(&self, settings: &RenderSettings) -> Result<Film, RenderError> {
-        let of = |point: &MeasurementPoint| 1.0 / point.area();
+        Ok(Film::with_layout(&settings.layout(), self.quantum())?)
+    }
+
+    /// The unit of contributions of single photons. Their size comes from the mean power of photons and the mean area
+    /// of discs, which are known even where the two never meet.
+    pub(super) fn quantum(&self) -> Quantum {
+        let of = |disc: &Disc| 1.0 / disc.area();
         let inverse: Mean = if self.scene.moves() {
-            self.pilot(1, of).into_iter().collect()
+            self.pilot(1, |disc, _| of(disc)).into_iter().collect()
         } else {
-            self.points.points().iter().map(of).collect()
+            self.points.discs().iter().map(of).collect()
         };
         let typical = self.typical_power() * inverse.mean() / std::f64::consts::PI;
-        Ok(Film::with_layout(
-            &settings.layout(),
-            Quantum::from_mean(typical),
-        )?)
+        Quantum::from_mean(typical)
     }
 }

@@ -1,7 +1,7 @@
 //! What chains follow: the targets of measurement points, and the regions that they go by.
 
 use kaustik_estimate::{DensityTarget, Learnt, Place, Refinement, RegionSums, Regions, inverse};
-use kaustik_path::MeasurementPoint;
+use kaustik_path::{Disc, MeasurementPoint};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
@@ -67,7 +67,7 @@ impl<const K: usize> Targets<K> {
         } else {
             0.0
         };
-        let place = |point: &MeasurementPoint| place(point, normals);
+        let place = |disc: &Disc, point: &MeasurementPoint| place(disc, point, normals);
         let regions = wanted.then(|| match &space {
             Space::World | Space::Densities(_) => {
                 Regions::spatial(&mut stage.pilot(PILOT_PASSES, place))
@@ -102,29 +102,32 @@ impl<const K: usize> Targets<K> {
         if self.plain {
             return [1.0; 4];
         }
-        let points = stage.map().points.points();
-        let largest = points.iter().map(|p| p.area()).fold(0.0, f64::max);
+        let (discs, points) = (stage.map().points.discs(), stage.map().points.points());
+        let largest = discs.iter().map(Disc::area).fold(0.0, f64::max);
         let kernel = |area: f64| inverse(area / largest);
         let leaves = self.leaves(stage);
+        // No more than that: there is one a pixel.
+        self.of_points.reserve_exact(points.len());
         match &mut self.regions {
             None => {
                 let space = &self.space;
-                let of = |point: &MeasurementPoint| match space {
+                let of = |(disc, point): (&Disc, &MeasurementPoint)| match space {
                     Space::Densities(map) => map.at(point.raster.x, point.raster.y),
-                    _ => kernel(point.area()) as f32,
+                    _ => kernel(disc.area()) as f32,
                 };
-                self.of_points.extend(points.iter().map(|p| [of(p); 2]));
+                let of = discs.iter().zip(points).map(|both| [of(both); 2]);
+                self.of_points.extend(of);
             }
             Some(regions) => {
                 let mut areas = vec![0.0; regions.leaves()];
-                for (point, &leaf) in points.iter().zip(&leaves) {
-                    areas[leaf as usize] += point.area();
+                for (disc, &leaf) in discs.iter().zip(&leaves) {
+                    areas[leaf as usize] += disc.area();
                 }
                 regions.set_areas(&areas);
                 let densities = regions.densities();
                 self.of_points
-                    .extend(points.iter().zip(&leaves).map(|(point, &leaf)| {
-                        let kernel = kernel(point.area());
+                    .extend(discs.iter().zip(&leaves).map(|(disc, &leaf)| {
+                        let kernel = kernel(disc.area());
                         let full = kernel * inverse(densities[leaf as usize]);
                         [kernel as f32, full as f32]
                     }));
@@ -193,25 +196,30 @@ impl<const K: usize> Targets<K> {
     }
 
     /// Where a point lies in the tree.
-    fn place(&self, point: &MeasurementPoint) -> Place {
+    fn place(&self, disc: &Disc, point: &MeasurementPoint) -> Place {
         match &self.space {
             Space::Image => {
                 let [x, y] = point.raster.as_vec2().to_array();
                 [x, y, 0.0, 0.0, 0.0, 0.0]
             }
-            _ => place(point, self.normals),
+            _ => place(disc, point, self.normals),
         }
     }
 
     /// The leaf of each point.
-    fn leaves(&self, stage: &Stage<'_>) -> Vec<u32> {
+    fn leaves(&mut self, stage: &Stage<'_>) -> Vec<u32> {
+        let sums = self.sums.as_mut();
+        let mut leaves = sums.map_or(Vec::new(), RegionSums::take_leaves);
+        leaves.clear();
         let Some(regions) = &self.regions else {
-            return Vec::new();
+            return leaves;
         };
-        let points = stage.map().points.points().par_iter().with_min_len(4096);
-        points
-            .map(|point| regions.leaf(self.place(point)))
-            .collect()
+        let points = stage.map().points;
+        let both = (points.discs().par_iter()).zip(points.points());
+        both.with_min_len(4096)
+            .map(|(disc, point)| regions.leaf(self.place(disc, point)))
+            .collect_into_vec(&mut leaves);
+        leaves
     }
 
     /// `T_3` and `T_4` of each point; empty where nobody asks.
@@ -220,9 +228,9 @@ impl<const K: usize> Targets<K> {
     }
 
     /// The region of each point, if there are any.
-    pub(super) fn region(&self, point: &MeasurementPoint) -> Option<u32> {
+    pub(super) fn region(&self, disc: &Disc, point: &MeasurementPoint) -> Option<u32> {
         let regions = self.regions.as_ref()?;
-        Some(regions.regions()[regions.leaf(self.place(point)) as usize])
+        Some(regions.regions()[regions.leaf(self.place(disc, point)) as usize])
     }
 
     /// Where visits tell about regions.
@@ -252,10 +260,7 @@ impl<const K: usize> Targets<K> {
 }
 
 /// Position and normal.
-fn place(point: &MeasurementPoint, normals: f32) -> Place {
-    let ([x, y, z], [u, v, w]) = (
-        point.position.to_array(),
-        (point.normal * normals).to_array(),
-    );
+fn place(disc: &Disc, point: &MeasurementPoint, normals: f32) -> Place {
+    let ([x, y, z], [u, v, w]) = (disc.center.to_array(), (point.normal * normals).to_array());
     [x, y, z, u, v, w]
 }

@@ -13,7 +13,7 @@
 mod error;
 mod header;
 mod keep;
-mod packed;
+pub(crate) mod packed;
 mod reader;
 mod snapshot;
 mod stored;

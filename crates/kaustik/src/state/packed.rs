@@ -23,7 +23,7 @@ fn pack_block(sums: &[i64], bytes: &mut Vec<u8>) {
 }
 
 /// Packs sums and hands on pieces of bytes.
-pub(super) fn pack<E>(
+pub(crate) fn pack<E>(
     sums: impl Iterator<Item = i64>,
     mut take: impl FnMut(&[u8]) -> Result<(), E>,
 ) -> Result<(), E> {
@@ -49,7 +49,7 @@ pub(super) fn pack<E>(
 }
 
 /// So many packed sums, the first of these bytes.
-pub(super) struct Packed<'a> {
+pub(crate) struct Packed<'a> {
     rest: &'a [u8],
     left: usize,
     /// Sums that are left of the block, and the width of each.
@@ -59,7 +59,7 @@ pub(super) struct Packed<'a> {
 
 impl<'a> Packed<'a> {
     /// Splits them off `bytes`; `None` if these are not so many sums.
-    pub(super) fn split(bytes: &'a [u8], count: usize) -> Option<(Self, &'a [u8])> {
+    pub(crate) fn split(bytes: &'a [u8], count: usize) -> Option<(Self, &'a [u8])> {
         let (mut rest, mut left) = (bytes, count);
         while left > 0 {
             let (&width, sums) = rest.split_first()?;

@@ -74,21 +74,21 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// As many numbers as there are to be.
-    pub(crate) fn numbers(&mut self, count: usize) -> Result<Vec<f64>, StateError> {
+    /// As many numbers as there is room for.
+    pub(crate) fn numbers(&mut self, room: &mut [f64]) -> Result<(), StateError> {
         let length = self.section(NUMBERS, 8)?;
         let bytes = self.take(length * 8)?;
-        if length != count {
+        if length != room.len() {
             return Err(StateError::damaged(
                 "a list of numbers is of another length",
             ));
         }
-        let numbers = bytes.chunks_exact(8).map(|bytes| {
-            let mut number = [0; 8];
-            number.copy_from_slice(bytes);
-            f64::from_le_bytes(number)
-        });
-        Ok(numbers.collect())
+        for (number, bytes) in room.iter_mut().zip(bytes.chunks_exact(8)) {
+            let mut word = [0; 8];
+            word.copy_from_slice(bytes);
+            *number = f64::from_le_bytes(word);
+        }
+        Ok(())
     }
 
     /// Fills a film: of the first state it has these sums alone, those of others are added.

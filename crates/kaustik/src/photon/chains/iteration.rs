@@ -69,7 +69,7 @@ pub(super) struct Iteration<'a, const K: usize> {
     pub(super) number: u64,
     pub(super) course: Course<K>,
     pub(super) scale: Scale,
-    pub(super) films: &'a [Film; K],
+    pub(super) films: [&'a Film; K],
     pub(super) rough: [f64; K],
     pub(super) combine: Combine,
     pub(super) regions: Option<&'a RegionSums<K>>,

@@ -45,8 +45,10 @@ impl<const K: usize> PhotonChains<K> {
             counters: self.counters,
             targets: self.targets.kept(self.maps.is_some()),
         })?;
+        if self.visible.is_some() {
+            out.film(&self.films[0])?;
+        }
         out.numbers(self.sums.as_flattened().iter())?;
-        out.numbers(self.unscaled.as_flattened().iter())?;
         if let Some(maps) = &self.maps {
             out.numbers(maps.sums().as_flattened().iter())?;
         }
@@ -80,10 +82,12 @@ impl<const K: usize> PhotonChains<K> {
             Reader::count(count)?;
         }
         self.targets.take_up(kept.targets, self.maps.is_some())?;
-        fill(self.sums.as_flattened_mut(), from)?;
-        fill(self.unscaled.as_flattened_mut(), from)?;
+        if self.visible.is_some() {
+            from.film(&mut self.films[0])?;
+        }
+        from.numbers(self.sums.as_flattened_mut())?;
         if let Some(sums) = self.maps.as_mut().map(Maps::sums_mut) {
-            fill(sums.as_flattened_mut(), from)?;
+            from.numbers(sums.as_flattened_mut())?;
         }
         for chains in &mut self.ladders {
             let (draws, ladder): KeptLadder<K> = from.value()?;
@@ -111,10 +115,4 @@ impl<const K: usize> PhotonChains<K> {
         self.counters = kept.counters;
         Ok(())
     }
-}
-
-/// As many numbers as there is room for.
-fn fill(room: &mut [f64], from: &mut Reader<'_>) -> Result<(), StateError> {
-    room.copy_from_slice(&from.numbers(room.len())?);
-    Ok(())
 }

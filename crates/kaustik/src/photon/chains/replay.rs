@@ -1,6 +1,7 @@
 //! A step of a chain of photons, shown once more.
 
 use kaustik_estimate::{PhotonLevels, PhotonValue};
+use kaustik_film::Film;
 use kaustik_mcmc::{Recorder, Statistics, Visit};
 use kaustik_path::{Event, Role, note, trace};
 
@@ -19,14 +20,15 @@ impl<const K: usize> PhotonChains<K> {
     /// Tells what happens in the step at this place, of the iteration that the stage has begun: the path where the chain is,
     /// the one that it may go to, and what either brings to the picture in the sweep of this step. Other ladders stay where
     /// they are: nobody learns from them before the iteration ends.
-    pub(super) fn show(&mut self, stage: &Stage<'_>, place: Place) -> Vec<Event> {
+    pub(super) fn show(&mut self, stage: &Stage<'_>, spare: &mut Film, place: Place) -> Vec<Event> {
         let Some(step) = self.step(stage, place) else {
             return Vec::new();
         };
         self.begin(stage);
         self.read_anew(stage);
         let mut ladders = std::mem::take(&mut self.ladders);
-        let iteration = self.shared(stage, ladders.len());
+        spare.renew(self.quantum());
+        let iteration = self.shared(stage, spare, ladders.len());
         let mut heard = Heard {
             sweep: step.sweep,
             level: step.level,

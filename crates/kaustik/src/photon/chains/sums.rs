@@ -1,5 +1,8 @@
 //! What an iteration adds to the picture.
 
+use std::iter::once;
+
+use kaustik_film::Film;
 use kaustik_mcmc::{Mean, SteppingStone};
 
 use super::PhotonChains;
@@ -40,20 +43,21 @@ impl<const K: usize> PhotonChains<K> {
         })
     }
 
-    /// Adds the films' light to the picture, and makes them black. What waits for visibility's normaliser is added without it.
-    pub(super) fn collect(&mut self, factors: &[f64; K]) {
+    /// Adds the films' light to the picture, and makes them black. What waits for visibility's normaliser is added without it;
+    /// where anything does, the light of the first chain stays on its film, as its factor is always the same.
+    pub(super) fn collect(&mut self, spare: &mut Film, factors: &[f64; K]) {
         let share = self.visible.as_ref().map(Mean::mean);
-        for (level, (film, factor)) in self.films.iter_mut().zip(factors).enumerate() {
+        let films = self.films.iter_mut().chain(once(spare));
+        for (level, (film, factor)) in films.zip(factors).enumerate() {
             let mut scale = factor * film.quantum().value();
-            let sums = match share {
-                Some(share) if level > 0 => {
-                    scale = if share > 0.0 { scale / share } else { 0.0 };
-                    &mut self.unscaled
+            if let Some(share) = share {
+                if level == 0 {
+                    continue;
                 }
-                _ => &mut self.sums,
-            };
+                scale = if share > 0.0 { scale / share } else { 0.0 };
+            }
             let mut raw = film.sums();
-            for sum in sums {
+            for sum in &mut self.sums {
                 for channel in sum {
                     *channel += raw.next().unwrap_or_default() as f64 * scale;
                 }
@@ -64,16 +68,18 @@ impl<const K: usize> PhotonChains<K> {
         }
     }
 
-    /// XYZ of each pixel, summed over iterations.
-    pub(super) fn total(&self) -> Vec<[f64; 3]> {
-        let share = self.visible.as_ref().map_or(0.0, Mean::mean);
-        let mut sums = self.sums.clone();
-        for (sum, unscaled) in sums.iter_mut().zip(&self.unscaled) {
-            for (channel, more) in sum.iter_mut().zip(unscaled) {
-                *channel += share * more;
+    /// XYZ of each pixel, summed over iterations: one after the other, as pictures are large. `first` turns what stays on the
+    /// first film into shares of the picture, as [`normalise`](Self::normalise) has it.
+    pub(super) fn total(&self, first: f64) -> impl Iterator<Item = [f64; 3]> + '_ {
+        let scale = first * self.films[0].quantum().value();
+        let share = self.visible.as_ref().map(Mean::mean);
+        let mut raw = self.films[0].sums();
+        self.sums.iter().map(move |sum| match share {
+            None => *sum,
+            Some(share) => {
+                sum.map(|channel| raw.next().unwrap_or_default() as f64 * scale + share * channel)
             }
-        }
-        sums
+        })
     }
 }
 
