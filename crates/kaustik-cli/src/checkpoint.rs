@@ -52,6 +52,12 @@ impl<'a> Checkpoints<'a> {
         }
     }
 
+    /// Where all that was rendered is kept, if the last state could be written.
+    pub(crate) fn kept(&self) -> Option<&Path> {
+        let there = self.written > 0 && self.failure.is_none();
+        self.path.filter(|_| there)
+    }
+
     /// Says what states cost and whether they are there; is the last one?
     pub(crate) fn report(&self, words: &OutputWords, statistics: &RenderStatistics) -> bool {
         let Some(path) = self.path else {

@@ -1,5 +1,6 @@
 //! `kaustik render`.
 
+use std::path::Path;
 use std::process::ExitCode;
 use std::time::Duration;
 
@@ -126,6 +127,10 @@ fn finish(
         );
     } else {
         note_layers(words, outcome, &rendered);
+        let rendered = match checkpoints.kept() {
+            Some(state) if outcome == Outcome::Stopped => soon_written(words, state, rendered),
+            _ => rendered,
+        };
         picture::write(&words.outputs, source, settings, rendered)?;
         picture::report(&words.outputs, outcome, &statistics);
     }
@@ -143,6 +148,28 @@ fn note_layers(words: &RenderWords, outcome: Outcome, rendered: &Rendered) {
     if outcome == Outcome::Stopped && !words.outputs.no_features && !there {
         let left_out = "note: stopped: the picture is without albedo, normal and depth";
         remark(&words.outputs, left_out);
+    }
+}
+
+/// More samples of pictures take seconds to compress.
+const SOON: u64 = 1 << 25;
+
+/// What a render that was stopped writes where a state holds all of it: of a picture that would take seconds to write no more than
+/// the main layer.
+fn soon_written(words: &RenderWords, state: &Path, rendered: Rendered) -> Rendered {
+    let image = &rendered.image;
+    let planes: usize = image.layers().iter().map(|l| l.channels.len()).sum();
+    if planes as u64 * image.pixels() as u64 <= SOON {
+        return rendered;
+    }
+    let left_out = format!(
+        "note: stopped: the picture is without its other layers, which `kaustik merge {}` makes from the state",
+        state.display()
+    );
+    remark(&words.outputs, &left_out);
+    Rendered {
+        image: rendered.image.without_layers(),
+        ..rendered
     }
 }
 

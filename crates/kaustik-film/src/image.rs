@@ -267,6 +267,13 @@ impl Image {
         ]
     }
 
+    /// The picture alone, with its metadata and without the other layers.
+    #[must_use]
+    pub fn without_layers(mut self) -> Self {
+        self.layers.truncate(1);
+        self
+    }
+
     /// The main layer's R, G and B planes alone.
     #[must_use]
     pub fn into_rgb(self) -> [Vec<f32>; 3] {
