@@ -266,7 +266,7 @@ fn a_small_disk_fills_up() {
 fn fill_up(disk: &Path) {
     let file = |name: &str| path(disk, name);
     let (state, exr, png) = (file("a.state"), file("a.exr"), file("a.png"));
-    // A state of 24 bytes a pixel fits once, but not twice: the old one stays.
+    // A state of some 15 bytes a pixel fits once, but not twice: the old one stays.
     let big = |spp: &'static str, more: &[&str]| {
         let mut words = vec![
             "render",
@@ -275,7 +275,7 @@ fn fill_up(disk: &Path) {
             "path",
             "-q",
             "--width",
-            "180",
+            "210",
         ];
         words.extend(["--spp", spp, "--max-depth", "4"]);
         words.extend(more);
