@@ -12,6 +12,7 @@ mod formats;
 mod geometry;
 mod hierarchy;
 mod hostile;
+mod images;
 mod linear;
 mod mutate;
 mod surface;

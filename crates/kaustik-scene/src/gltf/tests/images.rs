@@ -1,0 +1,87 @@
+//! Images that are decoded side by side: what is told and what is taken is as one by one.
+
+use serde_json::{Value, json};
+
+use super::file::{File, png};
+use super::surface::crc32;
+use crate::description::Pixels;
+use crate::gltf::{ErrorKind, LoadOptions};
+
+const SIDE: u32 = 64;
+
+fn with_images(sources: Vec<Option<Vec<u8>>>) -> File {
+    let mut file = File::empty();
+    let mut image = |source: Option<Vec<u8>>| match source {
+        Some(bytes) => json!({ "bufferView": file.view(&bytes) }),
+        None => json!({}),
+    };
+    let images: Vec<Value> = sources.into_iter().map(&mut image).collect();
+    file.json["images"] = json!(images);
+    file
+}
+
+/// A header that is sound, with half of the data.
+fn half() -> Vec<u8> {
+    let whole = png(SIDE, SIDE);
+    whole[..whole.len() / 2].to_vec()
+}
+
+/// A header that promises too much.
+fn lie() -> Vec<u8> {
+    let mut bytes = png(1, 1);
+    bytes[16..20].copy_from_slice(&30_000_u32.to_be_bytes());
+    let sum = crc32(&bytes[12..29]);
+    bytes[29..33].copy_from_slice(&sum.to_be_bytes());
+    bytes
+}
+
+#[test]
+fn the_first_broken_image_is_told() {
+    let good = || Some(png(SIDE, SIDE));
+    for (later, what) in [
+        (Some(half()), "data that does not decode"),
+        (Some(lie()), "a header that lies"),
+        (None, "no source at all"),
+    ] {
+        let error = with_images(vec![good(), Some(half()), good(), later]).error();
+        assert_eq!(error.kind(), ErrorKind::Image, "{what}: {error}");
+        assert_eq!(error.place(), "/images/1", "before {what}: {error}");
+    }
+}
+
+/// Each image in its own place, and each texture with its image, however many are decoded at a time.
+#[test]
+fn images_keep_their_order() {
+    let sides: Vec<u32> = (1..=40).rev().collect();
+    let images = sides.iter().map(|&side| Some(png(side, 1))).collect();
+    let mut file = with_images(images);
+    file.json["textures"] = (0..sides.len()).map(|i| json!({ "source": i })).collect();
+    let d = file.clean();
+    let width = |index: usize| d.images[index].width;
+    assert!((0..d.images.len()).map(width).eq(sides.iter().copied()));
+    let of_textures = d.textures.iter().map(|texture| width(texture.image));
+    assert!(of_textures.eq(sides));
+    for image in &d.images {
+        let Pixels::Rgba8(pixels) = &image.pixels else {
+            panic!("bytes expected");
+        };
+        let last = image.width as u8 - 1;
+        assert_eq!(pixels[pixels.len() - 4..], [last, 0, 7, 200]);
+    }
+}
+
+/// Memory to work in counts for those that are decoded at the time: what is enough for one after the other is enough.
+#[test]
+fn images_that_fit_one_by_one_fit() {
+    let file = with_images(vec![Some(png(SIDE, SIDE)); 12]);
+    let kept = file.load().memory;
+    let scratch = u64::from(4 * SIDE * SIDE);
+    let within = |bytes| file.load_with(&LoadOptions::default().with_max_memory(bytes));
+    let loaded = within(kept + scratch).expect("room for one at a time");
+    assert_eq!(loaded.description.images.len(), 12);
+    let error = within(kept + scratch - 1).unwrap_err();
+    assert_eq!(
+        (error.kind(), error.place()),
+        (ErrorKind::Budget, "/images/11")
+    );
+}
