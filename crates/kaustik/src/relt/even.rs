@@ -4,7 +4,9 @@
 //! visits of all chains, fall on pixels by chance. Where light is easy to find, this chance is most of the
 //! noise: a pixel that is visited 48 times in place of 60 is dark by a fifth, however well each visit knows its
 //! light. So a ladder also walks over the cells of a grid, a sample in each, as `bdpt` does. These samples
-//! count in the heuristic as more of the uniform replica's, and take part in no exchange.
+//! count in the heuristic as more of the uniform replica's, and take part in no exchange. The normaliser counts them as if
+//! they fell by chance: they know the light of the picture at least as well as such samples do, so that its stated error
+//! is rather too large for them.
 
 use kaustik_estimate::{PathTarget, ReplicaDeposit, ReplicaFamily};
 use kaustik_mcmc::{
@@ -142,8 +144,7 @@ impl Even {
                     value: &self.value,
                     densities: &densities,
                     weight: 1.0,
-                    // not for the normaliser: the errors of sums and ladders are those of samples that fall by chance
-                    independent: 0.0,
+                    independent: 1.0,
                 });
             }
             self.step += 1;
