@@ -68,7 +68,9 @@ impl Rival {
             ..
         } = self;
         match method {
-            Method::Pssmlt => format!("{method} {builder:?} {p_large} {spp}"),
+            Method::Pssmlt | Method::PssmltMultistage => {
+                format!("{method} {builder:?} {p_large} {spp}")
+            }
             _ => format!("{method} {spp}"),
         }
     }
@@ -133,6 +135,8 @@ fn methods_agree_roughly() {
         Rival::new(Method::ErptPss, 16),
         Rival::new(Method::Mlt, 64),
         Rival::new(Method::Erpt, 16),
+        Rival::new(Method::PssmltMultistage, 32),
+        Rival::new(Method::MltMultistage, 64),
     ];
     assert_agreement("cornell", 16, &rivals.map(|r| r.within(0.2)), 8, 1.0);
 }
@@ -158,6 +162,7 @@ agreement_on! {
         Rival::new(Method::Light, 600), Rival::new(Method::Pssmlt, 5_000), Rival::new(Method::Bdpt, 300),
         Rival::new(Method::Mmlt, 10_000),
         Rival::new(Method::Mlt, 5_000), Rival::new(Method::Erpt, 400),
+        Rival::new(Method::PssmltMultistage, 5_000), Rival::new(Method::MltMultistage, 5_000),
     ];
     methods_agree_on_direct_light: "cornell-direct", 200, [
         Rival::new(Method::Light, 600), Rival::new(Method::Pssmlt, 4_000), Rival::new(Method::Bdpt, 200),
@@ -179,6 +184,8 @@ agreement_on! {
         Rival::new(Method::Mmlt, 7_000).within(0.03),
         Rival::new(Method::Mlt, 5_000).within(0.03),
         Rival::new(Method::Erpt, 1_500).within(0.03),
+        Rival::new(Method::PssmltMultistage, 3_500).within(0.03),
+        Rival::new(Method::MltMultistage, 5_000).within(0.03),
     ];
     methods_agree_on_glass_cube: "glass-cube?light=0.8", 14_000, [
         Rival::new(Method::Light, 1_000),

@@ -28,6 +28,8 @@ mod brightness;
 mod by_the_book;
 /// Orthographic cameras, lenses with blades, windows of the image: in every method.
 mod cameras;
+/// Renders that go on beside a test.
+mod child;
 /// States that are damaged.
 mod damaged;
 /// Direct light beside chains.
@@ -58,8 +60,12 @@ mod replay;
 mod replicas;
 /// Nothing depends on the unit of length.
 mod scale;
+/// Renders that are told to stop.
+mod signals;
 /// Renders of hours: memory, descriptors, signals.
 mod soak;
+/// Stages that even out the picture.
+mod stages;
 /// States: resumed, merged, refused.
 mod state;
 /// What the tests of whole renders share.

@@ -12,7 +12,8 @@ const SIDE: u32 = 16;
 const SEEDS: std::ops::Range<u64> = 0..8;
 const AGAIN: std::ops::Range<u64> = 100..132;
 
-/// Methods without bias, with samples a pixel that make their tiles certain to some per cent.
+/// Methods without bias, with samples a pixel that make their tiles certain to some per cent. Stages are made of `mlt` and `pssmlt`;
+/// their windows have a test of their own.
 const RIVALS: [(Method, u64); 8] = [
     (Method::Light, 256),
     (Method::Bdpt, 128),

@@ -1,19 +1,20 @@
-//! The command and its states: checkpoints, signals, kills, merges, disks that are full, folders that go away.
+//! The command and its states: checkpoints, kills, merges, disks that are full, folders that go away.
 #![cfg(unix)]
 
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
-use std::process::{Child, Command, Output, Stdio};
+use std::process::Output;
 use std::time::{Duration, Instant};
 
 use kaustik::Method;
 use kaustik::film::{Keep, Limits, read};
 
+use crate::child::{ENDLESS, begin, signal, wait_for};
 use crate::words::{kaustik, path, refused};
 
 /// Words of a small render of a method, with more.
-fn words<'a>(method: &'a str, spp: &'a str, more: &[&'a str]) -> Vec<&'a str> {
+pub(crate) fn words<'a>(method: &'a str, spp: &'a str, more: &[&'a str]) -> Vec<&'a str> {
     words_of("builtin:cornell", method, spp, more)
 }
 
@@ -39,11 +40,11 @@ fn methods() -> Vec<&'static str> {
     Method::ALL.into_iter().map(Method::name).collect()
 }
 
-fn told(output: &Output) -> String {
+pub(crate) fn told(output: &Output) -> String {
     String::from_utf8_lossy(&output.stderr).into_owned()
 }
 
-fn done(words: &[&str]) -> String {
+pub(crate) fn done(words: &[&str]) -> String {
     let output = kaustik(words);
     assert!(output.status.success(), "{words:?}: {}", told(&output));
     assert!(output.stdout.is_empty());
@@ -51,7 +52,7 @@ fn done(words: &[&str]) -> String {
 }
 
 /// All layers, to the bit.
-fn picture(file: &str) -> BTreeMap<String, Vec<u32>> {
+pub(crate) fn picture(file: &str) -> BTreeMap<String, Vec<u32>> {
     let image = read(Path::new(file), &Limits::default(), Keep::All).expect("a picture");
     let layers = image.layers().iter().map(|layer| {
         let samples = layer.channels.iter().flat_map(|channel| &channel.samples);
@@ -97,7 +98,8 @@ fn shares_are_merged() {
     let (a, b, c) = (file("a"), file("b"), file("c"));
     let (all, one, on) = (file("all.exr"), file("one.exr"), file("on.exr"));
     for method in methods() {
-        if method == "sppm" || method.starts_with("photon") {
+        let has_shares = method.parse().is_ok_and(Method::has_shares);
+        if !has_shares {
             continue;
         }
         done(&words(
@@ -178,94 +180,6 @@ fn what_cannot_go_on_is_refused() {
         &words("path", "2", &["--checkpoint-every", "5s"]),
         &["--checkpoint"],
     );
-}
-
-/// A render that nobody waits for the end of.
-fn begin(words: &[&str]) -> Child {
-    Command::new(env!("CARGO_BIN_EXE_kaustik"))
-        .args(words)
-        .stderr(Stdio::piped())
-        .spawn()
-        .expect("the command runs")
-}
-
-fn signal(child: &Child, name: &str) {
-    let kill = Command::new("kill")
-        .args(["-s", name, &child.id().to_string()])
-        .status();
-    assert!(kill.expect("kill runs").success());
-}
-
-/// Waits until a file is there; again and again for another one, if `old` is given.
-fn wait_for(file: &str, old: Option<&fs::Metadata>) -> fs::Metadata {
-    let start = Instant::now();
-    loop {
-        if let Ok(now) = fs::metadata(file) {
-            let new = old.is_none_or(|old| old.modified().ok() != now.modified().ok());
-            if new {
-                return now;
-            }
-        }
-        assert!(start.elapsed() < Duration::from_secs(60), "no {file}");
-        std::thread::sleep(Duration::from_millis(10));
-    }
-}
-
-/// More samples than a test will wait for.
-const ENDLESS: &str = "10000000";
-
-#[test]
-fn signals_write_state_and_image() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let file = |name: &str| path(folder.path(), name);
-    for (name, status) in [("INT", 130), ("TERM", 143)] {
-        let (state, part) = (file(name), file("part.exr"));
-        let more = [
-            "--checkpoint",
-            &state,
-            "--checkpoint-every",
-            "100ms",
-            "-o",
-            &part,
-        ];
-        let mut child = begin(&words("pssmlt", ENDLESS, &more));
-        wait_for(&state, None);
-        signal(&child, name);
-        let sent = Instant::now();
-        assert_eq!(child.wait().expect("it ends").code(), Some(status));
-        assert!(sent.elapsed() < Duration::from_secs(10));
-        assert!(!picture(&part).is_empty());
-        // Picture and state are of one moment: resumed without anything left to do, the state is that picture.
-        let again = file("again.exr");
-        let small = ["--resume", &state, "-o", &again];
-        done(&words("pssmlt", "1", &small));
-        assert!(picture(&again) == picture(&part), "{name}");
-    }
-}
-
-#[test]
-fn hanging_up_writes_both_and_goes_on() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let file = |name: &str| path(folder.path(), name);
-    let (state, part) = (file("s"), file("part.exr"));
-    let more = [
-        "--checkpoint",
-        &state,
-        "--checkpoint-every",
-        "150ms",
-        "-o",
-        &part,
-    ];
-    let mut child = begin(&words("pssmlt", ENDLESS, &more));
-    wait_for(&state, None);
-    assert!(!Path::new(&part).exists());
-    signal(&child, "HUP");
-    let first = wait_for(&part, None);
-    signal(&child, "HUP");
-    wait_for(&part, Some(&first));
-    assert!(child.try_wait().expect("a child").is_none(), "it goes on");
-    signal(&child, "TERM");
-    assert_eq!(child.wait().expect("it ends").code(), Some(143));
 }
 
 /// Killed at any moment, a render loses at most an interval, and what it goes on to is what it would have been. Tells how
@@ -394,89 +308,4 @@ fn a_folder_that_goes_away_costs_a_state_at_most() {
     kaustik::State::read(Path::new(&state)).expect("the last state");
     // Nothing is left lying about.
     assert_eq!(fs::read_dir(&there).expect("a folder").count(), 1);
-}
-
-/// Before the first sample there is nothing to write: a signal ends the render at once, and leaves nothing, not even a lock.
-#[test]
-fn a_signal_in_a_pilot_leaves_nothing() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let (exr, lock) = (
-        path(folder.path(), "a.exr"),
-        path(folder.path(), ".a.exr.lock"),
-    );
-    for (name, status) in [("INT", 130), ("TERM", 143)] {
-        let mut words = vec!["render", "builtin:cornell", "--method", "pssmlt"];
-        words.extend(["--set", "pilot=10000000", "--threads", "1", "-o", &exr]);
-        let child = begin(&words);
-        wait_for(&lock, None);
-        // Loading takes no time, the pilot many seconds.
-        std::thread::sleep(Duration::from_millis(500));
-        let sent = Instant::now();
-        signal(&child, name);
-        let output = child.wait_with_output().expect("it ends");
-        assert!(sent.elapsed() < Duration::from_secs(2));
-        assert_eq!(output.status.code(), Some(status));
-        let said = told(&output);
-        assert!(said.contains("before the first sample"), "{said}");
-        assert_eq!(fs::read_dir(folder.path()).expect("a folder").count(), 0);
-    }
-}
-
-/// A pass or iteration that a signal breaks off is taken back: the state is that of whole ones, or of none, and goes on to the
-/// picture of a render that nothing interrupted.
-#[test]
-fn a_broken_pass_is_taken_back() {
-    broken_passes("bdpt", "400", "heuristic=power");
-    broken_passes("erpt", "48", "chains=1");
-    broken_passes("photon-spatial", "64", "photons=200000");
-}
-
-fn broken_passes(method: &str, width: &str, set: &str) {
-    let folder = tempfile::tempdir().expect("a folder");
-    let file = |name: &str| path(folder.path(), name);
-    let (state, whole, through) = (file("s"), file("whole.exr"), file("through.exr"));
-    let words = |spp: &'static str, more: &[&str]| -> Vec<String> {
-        let mut words = vec![
-            "render",
-            "builtin:cornell",
-            "--method",
-            method,
-            "--spp",
-            spp,
-        ];
-        words.extend([
-            "--width",
-            width,
-            "--max-depth",
-            "4",
-            "--no-features",
-            "--set",
-            set,
-        ]);
-        words.extend(more);
-        words.into_iter().map(str::to_owned).collect()
-    };
-    let run = |words: &[String]| done(&words.iter().map(String::as_str).collect::<Vec<_>>());
-    run(&words("3", &["-o", &through]));
-    let mut states = 0;
-    for wait in [60, 300, 1500] {
-        // As many passes as of the whole: a fast machine takes no more, and may be done before the signal.
-        let part = words("3", &["--checkpoint", &state, "--threads", "1"]);
-        let child = begin(&part.iter().map(String::as_str).collect::<Vec<_>>());
-        std::thread::sleep(Duration::from_millis(wait));
-        signal(&child, "INT");
-        let output = child.wait_with_output().expect("it ends");
-        let status = output.status.code();
-        assert!(matches!(status, Some(0 | 130)), "{}", told(&output));
-        if Path::new(&state).exists() {
-            states += 1;
-            run(&words("3", &["--resume", &state, "-o", &whole]));
-            assert!(
-                picture(&whole) == picture(&through),
-                "{method} after {wait} ms"
-            );
-            fs::remove_file(&state).expect("a state");
-        }
-    }
-    assert!(states > 0, "{method}");
 }

@@ -22,7 +22,7 @@ const AGAIN: std::ops::Range<u64> = 100..124;
 const STILLS: u64 = 32;
 
 /// Methods whose mean is that of path tracing, with samples a pixel that make their tiles certain to some per cent.
-const EXACT: [(Method, u64); 9] = [
+const EXACT: [(Method, u64); 11] = [
     (Method::Path, 128),
     (Method::Light, 256),
     (Method::Bdpt, 128),
@@ -32,6 +32,8 @@ const EXACT: [(Method, u64); 9] = [
     (Method::ErptPss, 64),
     (Method::Mlt, 1024),
     (Method::Erpt, 64),
+    (Method::MltMultistage, 1024),
+    (Method::PssmltMultistage, 512),
 ];
 
 /// Iterations of photon methods, as many as there are still pictures, and light paths of each: chains need some to
@@ -345,6 +347,8 @@ fn threads_do_not_show_in_what_moves() {
         Method::Erpt,
         Method::Sppm,
         Method::PhotonSpatial,
+        Method::MltMultistage,
+        Method::PssmltMultistage,
     ] {
         let (one, four) = (of(method, 1), of(method, 4));
         assert_eq!(bits(&one), bits(&four), "{method}");
@@ -360,6 +364,7 @@ fn states_keep_the_time() {
         Method::Erpt,
         Method::Sppm,
         Method::PhotonVisibility,
+        Method::MltMultistage,
     ] {
         let [half, whole] = [4, 8].map(|spp| settings(method, SIDE, spp));
         let resumed = resumed(&scene, &whole, &last_state(&scene, &half)).expect("a render");

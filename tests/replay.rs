@@ -358,6 +358,8 @@ fn every_method_is_replayed() {
             Method::Relt,
             Method::Mlt,
             Method::Annealing,
+            Method::MltMultistage,
+            Method::PssmltMultistage,
         ];
         match lamps {
             Ok(events) => assert!(beside.contains(&method) && !events.is_empty()),

@@ -7,7 +7,7 @@ use kaustik::film::Filter;
 use kaustik::scene::Scene;
 use kaustik::{
     Budget, Control, Direct, Energy, Method, Mis, Normalisation, Options, Outcome, Progress,
-    RenderError, RenderSettings, Rendered, Snapshot, Source, State, StateError, Steps,
+    RenderError, RenderSettings, Rendered, Snapshot, Source, StageLadder, State, StateError, Steps,
     TargetFunction, Watch, merge, render_watched, resume, whole,
 };
 
@@ -147,6 +147,17 @@ pub(crate) fn cases() -> Vec<(String, RenderSettings)> {
     add("in the middle of a pass", Method::Path, |s| {
         s.budget = Budget::Total(12 * u64::from(SIDE * SIDE) + 77);
     });
+    // Some steps of a ladder short of a stage's end, and beyond the last.
+    for method in [Method::MltMultistage, Method::PssmltMultistage] {
+        add("of many stages", method, |s| {
+            s.options.ladders = 3;
+            s.options.stages.budget = 8;
+        });
+        add("of two stages", method, |s| {
+            s.options.ladders = 3;
+            s.options.stages.ladder = StageLadder::Two;
+        });
+    }
     add("filtered", Method::Path, |s| {
         s.filter = Filter::new("tent", Some(1.5)).expect("a filter");
     });
@@ -290,7 +301,7 @@ fn shares_add_up_to_the_whole() {
     for (what, settings) in cases() {
         if !settings.method.has_shares() {
             let half = RenderSettings {
-                ladders: Some(0..32),
+                ladders: Some(0..settings.options.ladders / 2),
                 ..settings
             };
             let refused = render_watched(

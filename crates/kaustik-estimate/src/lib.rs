@@ -2,7 +2,7 @@
 //!
 //! A chain knows values and densities; a film knows splats. Between them stands what a visit
 //! is worth: [`PathTarget`] evaluates paths, [`ScalarContribution`] reads the chain's density
-//! off them, [`KelemenDeposit`] weighs and splats every visit. [`ReplicaFamily`] and
+//! off them ([`MappedContribution`]: times a [`RasterMap`]), [`KelemenDeposit`] weighs and splats every visit. [`ReplicaFamily`] and
 //! [`ReplicaDeposit`] do the same for replica exchange.
 
 mod density_target;
@@ -10,6 +10,7 @@ mod deposit;
 mod photon_deposit;
 mod photon_map;
 mod photon_target;
+mod raster_map;
 mod region_sums;
 mod regions;
 mod replica_set;
@@ -24,10 +25,11 @@ pub use kaustik_path::ScalarTarget;
 pub use photon_deposit::{Combine, PhotonDeposit, TOUCH};
 pub use photon_map::PhotonMap;
 pub use photon_target::{Meeting, PhotonLevels, PhotonTarget, PhotonValue};
+pub use raster_map::RasterMap;
 pub use region_sums::{RegionSums, Witnesses};
 pub use regions::{LeafTally, Learnt, Place, Refinement, Regions, inverse};
 pub use replica_set::{ClassWeights, ReplicaSet, ReplicaSetError};
 pub use replicas::{ReplicaDeposit, ReplicaFamily, ReplicaWeights, light};
-pub use scalar::{Contribution, ScalarContribution};
+pub use scalar::{Contribution, MappedContribution, ScalarContribution};
 pub use shares::Shares;
 pub use target::{CountedTarget, PathTarget};

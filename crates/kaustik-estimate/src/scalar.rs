@@ -3,6 +3,8 @@
 use kaustik_mcmc::Family;
 use kaustik_path::{Contributions, ScalarTarget};
 
+use crate::RasterMap;
+
 /// How what one point contributes makes one scalar.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Contribution {
@@ -40,5 +42,28 @@ impl Family<Contributions, 1> for ScalarContribution {
     #[inline]
     fn densities(&self, value: &Contributions) -> [f64; 1] {
         [self.of(value)]
+    }
+}
+
+/// The same times a weight where each splat falls: the target of a stage of multi-stage PSSMLT (spec: stf-photon.md 10).
+///
+/// The sum alone: a largest path has no place in the image of its own.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MappedContribution {
+    /// Which scalar of a colour.
+    pub target: ScalarTarget,
+    /// The weights.
+    pub map: RasterMap,
+}
+
+impl Family<Contributions, 1> for MappedContribution {
+    #[inline]
+    fn densities(&self, value: &Contributions) -> [f64; 1] {
+        let splats = value.splats().iter();
+        let weighted = splats.map(|splat| {
+            let raster = [splat.raster.x, splat.raster.y];
+            self.target.of(splat.xyz) * self.map.at(raster)
+        });
+        [weighted.sum()]
     }
 }

@@ -267,7 +267,14 @@ mod tests {
         for (number, samples) in [(2, 1400.0), (3, 24.0), (4, 5625.0), (5, 24.0), (6, 24.0)] {
             assert_eq!(of("erpt", number).budgets, per_pixel(&[samples]));
         }
-        for (number, minutes) in [(1, 30.0), (4, 10.0), (7, 60.0), (10, 5.0), (11, 60.0)] {
+        for (number, minutes) in [
+            (1, 30.0),
+            (4, 10.0),
+            (7, 60.0),
+            (9, 60.0),
+            (10, 5.0),
+            (11, 60.0),
+        ] {
             let study = of("spatial-target", number);
             assert_eq!((study.width, study.height), (960, 540));
             assert_eq!(study.budgets.amounts.last(), Some(&(60.0 * minutes)));

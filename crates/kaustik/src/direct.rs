@@ -41,6 +41,10 @@ pub(crate) fn are_lamps(settings: &RenderSettings) -> bool {
         Method::Pssmlt | Method::Mmlt | Method::Relt | Method::Mlt => {
             settings.options.direct == Direct::Lamps
         }
+        // These have no light of two edges apart.
+        Method::MltMultistage | Method::PssmltMultistage => {
+            settings.options.direct != Direct::Together
+        }
         method => method == Method::Annealing,
     }
 }

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use crate::state::{Keep, Reader, StateError};
 use crate::{
     ChainStatistics, DirectStatistics, EnergyStatistics, MutationStatistics, PhotonStatistics,
-    Place, RenderError, RenderSettings, ReplicaStatistics,
+    Place, RenderError, RenderSettings, ReplicaStatistics, StageStatistics,
 };
 
 /// A method at work: ladders that can be driven on, films that can be developed, and a state that can be kept.
@@ -69,6 +69,11 @@ pub(crate) trait Engine: Keep {
         None
     }
 
+    /// The stages of a multi-stage method so far, that at work last.
+    fn stage_statistics(&self) -> Vec<StageStatistics> {
+        Vec::new()
+    }
+
     /// Parts of the picture, each weighted as it is in the whole. After [`develop`](Self::develop).
     fn layers(&self) -> Result<Vec<Layer>, RenderError> {
         Ok(Vec::new())
@@ -83,7 +88,7 @@ pub(crate) trait Engine: Keep {
     /// there is not.
     fn replay(&mut self, place: Place) -> Result<Vec<Event>, RenderError>;
 
-    /// Iterations of the whole render that [`replay`](Self::replay) has to run before it comes to the one of this place; `None`:
+    /// Iterations or stages of the whole render that [`replay`](Self::replay) has to run before it comes to the one of this place; `None`:
     /// it is past it.
     fn ahead(&self, _place: Place) -> Option<u64> {
         Some(0)

@@ -132,6 +132,21 @@ impl<'a> ErptEngine<'a> {
         }
     }
 
+    /// What streams share, and the streams.
+    fn parts<'s>(&'s mut self, stop: Option<&'s AtomicBool>) -> (Job<'s>, &'s mut [Stream]) {
+        let job = Job {
+            space: &self.space,
+            options: &self.options,
+            perturbations: Perturbations::new(&self.space, &self.options, self.size),
+            films: &self.films,
+            cells: self.cells,
+            seed: self.seed,
+            pilot: self.pilot.mean(),
+            stop,
+        };
+        (job, &mut self.streams)
+    }
+
     fn lost(&self, on: bool, place: usize) -> Option<f64> {
         on.then(|| self.lost.get(place).map_or(0.0, |lost| lost.share))
     }
@@ -143,17 +158,8 @@ impl Engine for ErptEngine<'_> {
         if stop.is_some() {
             self.mark();
         }
-        let job = Job {
-            space: &self.space,
-            options: &self.options,
-            perturbations: Perturbations::new(&self.space, &self.options, self.size),
-            films: &self.films,
-            cells: self.cells,
-            seed: self.seed,
-            pilot: self.pilot.mean(),
-            stop,
-        };
-        self.streams
+        let (job, streams) = self.parts(stop);
+        streams
             .par_iter_mut()
             .zip(plan)
             .with_max_len(1)
@@ -243,17 +249,8 @@ impl Engine for ErptEngine<'_> {
         if self.grain(ladder) == 0 {
             return Ok(Vec::new());
         }
-        let job = Job {
-            space: &self.space,
-            options: &self.options,
-            perturbations: Perturbations::new(&self.space, &self.options, self.size),
-            films: &self.films,
-            cells: self.cells,
-            seed: self.seed,
-            pilot: self.pilot.mean(),
-            stop: None,
-        };
-        let stream = self.streams.first_mut();
+        let (job, streams) = self.parts(None);
+        let stream = streams.first_mut();
         Ok(stream.map_or(Vec::new(), |stream| stream.replay(&job, step)))
     }
 

@@ -89,7 +89,7 @@ impl PssRedistribution {
             nonfinite: &nonfinite,
         };
         let mut weights = Mean::new();
-        pilot(target, family, settings, PILOT_LADDER, 0..options.pilot)
+        pilot(target, &family, settings, PILOT_LADDER, 0..options.pilot)
             .into_iter()
             .filter(|density| density.is_finite())
             .for_each(|density| weights.push(density));

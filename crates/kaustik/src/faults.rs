@@ -8,7 +8,7 @@ use kaustik_path::{
     Bidirectional, Contributions, Event, Form, LightTracing, PathBuilder, Unidirectional,
 };
 use kaustik_pss::{Coordinates, Stream};
-use kaustik_scene::{Scene, SceneOptions, builtin};
+use kaustik_scene::Scene;
 use kaustik_spectrum::Xyz;
 
 use crate::builders::builder;
@@ -20,7 +20,7 @@ use crate::pssmlt::PssmltEngine;
 use crate::relt::start::replica_builder;
 use crate::render::builder_settings;
 use crate::stratified::mix;
-use crate::{Budget, Method, Place, RenderSettings, annealing};
+use crate::{Budget, Method, Place, RenderSettings, annealing, small};
 
 /// What becomes of the contributions that chance picks.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -111,23 +111,14 @@ const METHODS: [Method; 6] = [
 ];
 
 fn a_scene() -> Scene {
-    let description = builtin::load("cornell").expect("a built-in scene");
-    let options = SceneOptions {
-        width: SIDE,
-        height: SIDE,
-        ..SceneOptions::default()
-    };
-    Scene::new(&description, &options).expect("a sound scene")
+    small::scene("cornell", [SIDE; 2])
 }
 
 fn settings(method: Method) -> RenderSettings {
     let mut settings = RenderSettings {
-        method,
-        width: SIDE,
-        height: SIDE,
         budget: Budget::PerPixel(100),
         max_depth: 8,
-        ..RenderSettings::default()
+        ..small::settings(method, [SIDE; 2])
     };
     settings.options.pilot = 5_000;
     settings.options.ladders = 8;

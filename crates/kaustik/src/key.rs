@@ -19,12 +19,26 @@ pub struct Key {
 }
 
 const EVERY: &[Method] = &Method::ALL;
-const WALKS: &[Method] = &[Method::Pssmlt, Method::ErptPss];
-const SMALL_STEPS: &[Method] = &[Method::Pssmlt, Method::Mmlt, Method::ErptPss];
+const WALKS: &[Method] = &[Method::Pssmlt, Method::ErptPss, Method::PssmltMultistage];
+const SINGLE: &[Method] = &[Method::Pssmlt, Method::ErptPss];
+const SMALL_STEPS: &[Method] = &[
+    Method::Pssmlt,
+    Method::Mmlt,
+    Method::ErptPss,
+    Method::PssmltMultistage,
+];
+const LARGE_STEPS: &[Method] = &[Method::Pssmlt, Method::Mmlt, Method::PssmltMultistage];
 const REDISTRIBUTION: &[Method] = &[Method::ErptPss, Method::Erpt];
 const ENERGY: &[Method] = &[Method::Erpt];
 const CHAINS: &[Method] = &[Method::Pssmlt, Method::Mmlt];
-const NORMALISED: &[Method] = &[Method::Pssmlt, Method::Mmlt, Method::Mlt];
+const NORMALISED: &[Method] = &[
+    Method::Pssmlt,
+    Method::Mmlt,
+    Method::Mlt,
+    Method::MltMultistage,
+    Method::PssmltMultistage,
+];
+const STAGED: &[Method] = &[Method::MltMultistage, Method::PssmltMultistage];
 const DIRECT: &[Method] = &[
     Method::Pssmlt,
     Method::Mmlt,
@@ -41,12 +55,14 @@ const METROPOLIS: &[Method] = &[
     Method::Annealing,
     Method::Mlt,
     Method::Erpt,
+    Method::MltMultistage,
+    Method::PssmltMultistage,
 ];
 const MULTIPLEXED: &[Method] = &[Method::Mmlt];
 const EXCHANGE: &[Method] = &[Method::Relt];
 const REPLICAS: &[Method] = &[Method::Relt, Method::Annealing];
-const VEACH: &[Method] = &[Method::Mlt];
-const PATHS: &[Method] = &[Method::Mlt, Method::Erpt];
+const VEACH: &[Method] = &[Method::Mlt, Method::MltMultistage];
+const PATHS: &[Method] = &[Method::Mlt, Method::Erpt, Method::MltMultistage];
 
 /// All keys.
 pub const KEYS: &[Key] = &[
@@ -77,7 +93,8 @@ pub const KEYS: &[Key] = &[
         default: "100000",
         range: "1..=10000000",
         meaning: "independent samples at the start: they choose the chains' first states, estimate the \
-                  normalisation and fix the film's quantum (path, light, bdpt: a hundredth of it)",
+                  normalisation and fix the film's quantum (path, light, bdpt: a hundredth of it; multi-stage methods: \
+                  as many again, shared by the stages after the first)",
         methods: &[
             Method::Path,
             Method::Light,
@@ -92,6 +109,8 @@ pub const KEYS: &[Key] = &[
             Method::PhotonDensity,
             Method::PhotonSpatial,
             Method::PhotonImage,
+            Method::MltMultistage,
+            Method::PssmltMultistage,
         ],
     },
     Key {
@@ -99,7 +118,13 @@ pub const KEYS: &[Key] = &[
         default: "on",
         range: "on|off",
         meaning: "join every vertex to an emitter; off: emitters are found by running into them",
-        methods: &[Method::Path, Method::Pssmlt, Method::ErptPss, Method::Erpt],
+        methods: &[
+            Method::Path,
+            Method::Pssmlt,
+            Method::ErptPss,
+            Method::Erpt,
+            Method::PssmltMultistage,
+        ],
     },
     Key {
         name: "builder",
@@ -122,6 +147,7 @@ pub const KEYS: &[Key] = &[
             Method::Relt,
             Method::ErptPss,
             Method::Annealing,
+            Method::PssmltMultistage,
         ],
     },
     Key {
@@ -144,14 +170,14 @@ pub const KEYS: &[Key] = &[
         default: "sum",
         range: "sum|maximum",
         meaning: "how what one point contributes makes one scalar: the sum, or the largest single path",
-        methods: WALKS,
+        methods: SINGLE,
     },
     Key {
         name: "plarge",
         default: "0.3",
         range: "0 < p <= 1",
         meaning: "probability of a large step (Kelemen reports about 0.5 as best)",
-        methods: CHAINS,
+        methods: LARGE_STEPS,
     },
     Key {
         name: "mutation",
@@ -184,6 +210,36 @@ pub const KEYS: &[Key] = &[
                   (erpt-pss: nothing; erpt: also by mirrors and glass, by its own samples), nothing, or all \
                   paths of at most two edges",
         methods: DIRECT,
+    },
+    Key {
+        name: "direct",
+        default: "lamps",
+        range: "lamps|together",
+        meaning: "what independent samples beside the stages see to: emitters and surroundings seen directly, or nothing",
+        methods: STAGED,
+    },
+    Key {
+        name: "stages",
+        default: "widths",
+        range: "widths|two",
+        meaning: "the maps that stages go by: of widths 1, 2, 4, ... for a quarter of the budget, then of ten widths from half of the \
+                  image's to all of it; or one of a quarter of its width, after a sixteenth of the budget (Veach 1997)",
+        methods: STAGED,
+    },
+    Key {
+        name: "budget",
+        default: "64",
+        range: "1..=1000000",
+        meaning: "mutations a pixel that the stages are laid out for, whatever the render takes: beyond them, stages of the full \
+                  width begin where the mutations have doubled",
+        methods: STAGED,
+    },
+    Key {
+        name: "floor",
+        default: "0.01",
+        range: "0 < floor <= 1",
+        meaning: "what a pixel counts as at least where a stage evens out the picture, as a share of the mean",
+        methods: STAGED,
     },
     Key {
         name: "normaliser",

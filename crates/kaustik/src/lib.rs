@@ -26,6 +26,7 @@ mod annealing;
 mod builders;
 mod carried;
 mod cells;
+mod chains;
 mod choices;
 mod control;
 mod direct;
@@ -58,7 +59,10 @@ mod replica_statistics;
 #[cfg(test)]
 mod retold;
 mod settings;
+#[cfg(test)]
+mod small;
 mod sobol;
+mod stages;
 mod state;
 mod statistics;
 #[cfg(test)]
@@ -84,10 +88,11 @@ pub use render::{Outcome, Rendered, Watch, render, render_watched, resume};
 pub use replay::{replay, replay_from};
 pub use replica_statistics::{ReplicaLevel, ReplicaStatistics};
 pub use settings::{Budget, RenderSettings};
+pub use stages::{StageLadder, StageOptions};
 pub use state::{Snapshot, Source, State, StateError};
 pub use statistics::{
     ChainStatistics, DirectStatistics, MutationStatistics, PhotonLevel, PhotonStatistics, Place,
-    RayStatistics, RenderStatistics,
+    RayStatistics, RenderStatistics, StageStatistics,
 };
 pub use threads::on_threads;
 

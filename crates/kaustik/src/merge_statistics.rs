@@ -181,6 +181,7 @@ impl RenderStatistics {
         self.mutations = Vec::new();
         self.energy = None;
         self.photons = None;
+        self.stages = Vec::new();
     }
 }
 

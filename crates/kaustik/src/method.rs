@@ -39,11 +39,15 @@ pub enum Method {
     PhotonSpatial,
     /// The same with regions of the image.
     PhotonImage,
+    /// [`Mlt`](Self::Mlt) in stages that even out the relative error (Hoberock and Hart 2010).
+    MltMultistage,
+    /// [`Pssmlt`](Self::Pssmlt) in such stages.
+    PssmltMultistage,
 }
 
 impl Method {
     /// All methods.
-    pub const ALL: [Self; 15] = [
+    pub const ALL: [Self; 17] = [
         Self::Path,
         Self::Light,
         Self::Bdpt,
@@ -59,6 +63,8 @@ impl Method {
         Self::PhotonDensity,
         Self::PhotonSpatial,
         Self::PhotonImage,
+        Self::MltMultistage,
+        Self::PssmltMultistage,
     ];
 
     /// The name on the command line.
@@ -79,6 +85,8 @@ impl Method {
             Self::PhotonDensity => "photon-density",
             Self::PhotonSpatial => "photon-spatial",
             Self::PhotonImage => "photon-image",
+            Self::MltMultistage => "mlt-multistage",
+            Self::PssmltMultistage => "pssmlt-multistage",
         }
     }
 
@@ -128,11 +136,17 @@ impl Method {
                 "photon mapping with chains that even out the relative error, by regions of space (Gruson et al. 2016)"
             }
             Self::PhotonImage => "the same with regions of the image (Gruson et al. 2016)",
+            Self::MltMultistage => {
+                "mlt in stages, each evened out by the picture of those before it (Hoberock, Hart 2010)"
+            }
+            Self::PssmltMultistage => {
+                "pssmlt in stages, each evened out by the picture of those before it (Hoberock, Hart 2010)"
+            }
         }
     }
 
     /// Are its ladders independent, so that processes can each run a share of them? Those of photon methods learn
-    /// from each other in every iteration.
+    /// from each other in every iteration, those of multi-stage methods in every stage.
     pub fn has_shares(self) -> bool {
         !matches!(
             self,
@@ -141,6 +155,8 @@ impl Method {
                 | Self::PhotonDensity
                 | Self::PhotonSpatial
                 | Self::PhotonImage
+                | Self::MltMultistage
+                | Self::PssmltMultistage
         )
     }
 

@@ -5,41 +5,35 @@
 //! that b / M times the visits of M mutations are an unbiased picture from the first step on. Between
 //! mutations further samples are made, so that b becomes better while the picture does.
 
-use std::io;
+mod keep;
+mod pool;
+
 use std::ops::Range;
 use std::sync::atomic::AtomicBool;
 
 use glam::DVec2;
+use kaustik_estimate::RasterMap;
 use kaustik_film::{Counters, Film, Image, Quantum, develop};
-use kaustik_mcmc::{
-    Mean, Metropolis, Mixture, Move, Pcg64Dxsm, Pool, SampleGenerators, Statistics, Visit,
-    generator, sample_generator,
-};
+use kaustik_mcmc::{Mean, Metropolis, Mixture, Move, Pcg64Dxsm, Pool, Statistics, Visit};
 use kaustik_mutate::{
     BidirectionalMutation, CausticPerturbation, EveryPerturbation, LensMutation, LensPerturbation,
     Path, PathSpace, Radii, Run, Seeds, TimeMutation, Told, WavelengthMutation, WrittenPath,
 };
-use kaustik_path::{Event, Role, trace};
+use kaustik_path::{Event, Role};
 use kaustik_scene::Scene;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
+use crate::chains::{self, LadderChain};
 use crate::control::is_stopped;
 use crate::engine::{Engine, Nonfinite, STRIDE, add_counters, add_nonfinite};
 use crate::lamps::Lamps;
 use crate::render::builder_settings;
-use crate::state::{Keep, Reader, StateError, Writer};
 use crate::{
     ChainStatistics, Jitter, MutationStatistics, Mutations, Normaliser, Options, Place,
     RenderError, RenderSettings,
 };
 
-/// The pool's samples come from a ladder that no render has.
-const POOL_LADDER: u64 = u64::MAX;
-/// So does the choice of the starts.
-const CHOICE_LADDER: u64 = u64::MAX - 1;
-/// And so do the samples between mutations, from here on one ladder for each chain.
-const FRESH_LADDERS: u64 = u64::MAX - 65_536;
 /// A sample for so many mutations: it takes the time of a few.
 const EACH: u64 = 64;
 
@@ -54,6 +48,8 @@ const SHARES: [f64; KINDS] = [1.0, 1.0, 1.0, 1.0, 0.25, 0.25, 0.5, 1.0];
 pub(crate) struct MltEngine<'a> {
     space: PathSpace<'a>,
     options: Options,
+    /// What the density of a path is multiplied by, where it falls.
+    map: RasterMap,
     chains: Vec<Chain>,
     film: Film,
     lamps: Option<Lamps<'a>>,
@@ -78,14 +74,31 @@ struct Chain<M = Metropolis<(), Path, 1>> {
 /// As it is kept.
 type Kept = Chain<Metropolis<(), WrittenPath, 1>>;
 
+/// The weight of a path's place in the image.
+fn weight(map: &RasterMap, path: &Path) -> f64 {
+    let raster = path.raster();
+    map.at([raster.x, raster.y])
+}
+
 /// The family of one density.
-fn density(path: &Path) -> [f64; 1] {
-    [path.density()]
+fn density(map: &RasterMap) -> impl Fn(&Path) -> [f64; 1] {
+    |path| [path.density() * weight(map, path)]
 }
 
 impl<'a> MltEngine<'a> {
     /// Fills the pool and starts the chains.
     pub(crate) fn new(scene: &'a Scene, settings: &RenderSettings) -> Result<Self, RenderError> {
+        let lamps = Lamps::new(scene, settings)?;
+        Self::with_map(scene, settings, RasterMap::even(), lamps)
+    }
+
+    /// With these weights on the image.
+    pub(crate) fn with_map(
+        scene: &'a Scene,
+        settings: &RenderSettings,
+        map: RasterMap,
+        lamps: Option<Lamps<'a>>,
+    ) -> Result<Self, RenderError> {
         let options = settings.options;
         let size = DVec2::new(f64::from(settings.width), f64::from(settings.height));
         let space = PathSpace {
@@ -94,15 +107,16 @@ impl<'a> MltEngine<'a> {
             target: options.target,
             pixels: size,
         };
-        let pool = Pool::new(pool(&space, settings));
+        let pool = Pool::new(pool::weights(&space, &map, settings));
         let b = pool.normaliser().mean();
         Ok(Self {
-            chains: start_chains(&space, &pool, settings),
+            chains: pool::start_chains(&space, &map, &pool, settings),
             film: Film::with_layout(&settings.layout(), Quantum::from_mean(b / 3.0))?,
-            lamps: Lamps::new(scene, settings)?,
+            lamps,
             pool: *pool.normaliser(),
             space,
             options,
+            map,
             size,
             ladders: settings.ladder_range(),
         })
@@ -184,6 +198,7 @@ impl<'a> MltEngine<'a> {
             space,
             names: &Mutations::NAMES,
         };
+        let density = density(&self.map);
         let mut record = |visit: Visit<'_, Path, 1>| self.deposit(&visit);
         let running = self.options.normaliser == Normaliser::Running;
         let instant = chain.metropolis.value().time();
@@ -194,11 +209,11 @@ impl<'a> MltEngine<'a> {
             }
             let step = chain.metropolis.statistics().steps;
             if running && step % EACH == 0 {
-                let weight = seeds.sample(path, &mut chain.fresh);
-                if weight > 0.0 {
-                    space.tell(path, Role::Sampled(weight));
+                let sampled = seeds.sample(path, &mut chain.fresh);
+                if sampled > 0.0 {
+                    space.tell(path, Role::Sampled(sampled));
                 }
-                chain.see(weight, step);
+                chain.see(sampled * weight(&self.map, path), step);
             }
             (chain.metropolis).step(&kernel, &density, &mut chain.draws, &mut record);
         }
@@ -215,22 +230,28 @@ impl<'a> MltEngine<'a> {
         mean
     }
 
-    /// Adds the pool's `b` times the path's colour, whose scalar is 1, at its raster point.
+    /// Adds the pool's `b` times the path's colour, whose scalar is 1, at its raster point, over the weight that its density has
+    /// there.
     fn deposit(&self, visit: &Visit<'_, Path, 1>) {
         let at = visit.value.raster() * self.size;
-        let weight = visit.weight * self.pool.mean();
+        let weight = visit.weight * self.pool.mean() / weight(&self.map, visit.value);
         if weight > 0.0 {
             (self.film).splat_weighted(at.x, at.y, visit.value.colour(), weight);
         }
     }
 
-    /// All chains' statistics, in the order of the ladders.
     fn statistics(&self) -> Statistics<1> {
-        let mut all = Statistics::new();
-        for chain in &self.chains {
-            all.merge(chain.metropolis.statistics());
-        }
-        all
+        chains::statistics(&self.chains)
+    }
+}
+
+impl<V: Default> LadderChain for Chain<Metropolis<(), V, 1>> {
+    fn ladder(&self) -> u32 {
+        self.ladder
+    }
+
+    fn statistics(&self) -> &Statistics<1> {
+        self.metropolis.statistics()
     }
 }
 
@@ -243,48 +264,6 @@ impl Chain {
             self.nonfinite.count(1, step);
         }
     }
-}
-
-/// Weights of independent samples, in parallel, in the order of their indices.
-fn pool(space: &PathSpace<'_>, settings: &RenderSettings) -> Vec<f64> {
-    let generators = SampleGenerators::new(settings.seed, POOL_LADDER);
-    (0..settings.options.pilot as usize)
-        .into_par_iter()
-        .with_min_len(256)
-        .map_init(
-            || (Seeds::new(space), Path::default()),
-            |(seeds, path), index| seeds.sample(path, &mut generators.at(index as u64)),
-        )
-        .collect()
-}
-
-/// A chain for every ladder of this process; none if the pool saw nothing. All ladders choose, so that a
-/// share of them starts as it would among all.
-fn start_chains(space: &PathSpace<'_>, pool: &Pool, settings: &RenderSettings) -> Vec<Chain> {
-    let mut choice = generator(settings.seed, CHOICE_LADDER);
-    let range = settings.ladder_range();
-    let mut seeds = Seeds::new(space);
-    let mut chains = Vec::new();
-    for ladder in 0..settings.options.ladders {
-        let Some(start) = pool.choose(&mut choice) else {
-            break;
-        };
-        if !range.contains(&ladder) {
-            continue;
-        }
-        let mut path = Path::default();
-        let mut draws = sample_generator(settings.seed, POOL_LADDER, start.index);
-        seeds.sample(&mut path, &mut draws);
-        chains.push(Chain {
-            ladder,
-            nonfinite: Nonfinite::default(),
-            draws: generator(settings.seed, u64::from(ladder)),
-            fresh: generator(settings.seed, FRESH_LADDERS + u64::from(ladder)),
-            independent: Mean::new(),
-            metropolis: Metropolis::at((), path, &density, 0),
-        });
-    }
-    chains
 }
 
 impl Engine for MltEngine<'_> {
@@ -363,15 +342,14 @@ impl Engine for MltEngine<'_> {
         add_nonfinite(own, self.lamps.as_ref().map(Lamps::nonfinite))
     }
 
-    /// The chain goes on to the step from its start; lamps have no part in it.
-    fn replay(&mut self, Place { step, .. }: Place) -> Result<Vec<Event>, RenderError> {
+    /// Lamps have no part in it.
+    fn replay(&mut self, place: Place) -> Result<Vec<Event>, RenderError> {
         let mut chains = std::mem::take(&mut self.chains);
-        let Some(chain) = chains.first_mut() else {
-            // The pool saw no light: nothing is tried.
-            return Ok(Vec::new());
-        };
-        self.drive(chain, step, None);
-        Ok(trace(|| self.drive(chain, 1, None)).1)
+        let events = chains::replay(&mut chains, place, |chain, steps| {
+            self.drive(chain, steps, None);
+        });
+        self.chains = chains;
+        Ok(events)
     }
 
     fn film_counters(&self) -> Counters {
@@ -381,92 +359,6 @@ impl Engine for MltEngine<'_> {
 
     fn is_lit(&self) -> bool {
         self.pool.mean() > 0.0 || self.lamps.as_ref().is_some_and(Lamps::is_lit)
-    }
-}
-
-/// Film and chains; the pool is filled again, and compared.
-impl Keep for MltEngine<'_> {
-    fn taken(&self) -> Vec<u64> {
-        let mut taken = vec![0; self.ladders.len()];
-        let chains = self.chains.iter().map(|c| c.metropolis.statistics().steps);
-        taken
-            .iter_mut()
-            .zip(chains)
-            .for_each(|(taken, steps)| *taken = steps);
-        taken
-    }
-
-    fn write(&self, out: &mut Writer<'_>) -> io::Result<()> {
-        out.value(&self.pool)?;
-        out.film(&self.film)?;
-        if let Some(lamps) = &self.lamps {
-            lamps.write(out)?;
-        }
-        (self.chains.iter()).try_for_each(|chain| out.value(&chain.written()))
-    }
-
-    fn take_up(&mut self, from: &mut Reader<'_>) -> Result<(), StateError> {
-        let pool: Mean = from.value()?;
-        if pool != self.pool {
-            return Err(StateError::pilot(pool.mean(), self.pool.mean()));
-        }
-        from.film(&mut self.film)?;
-        let passes = self.lamps.as_mut().map(|lamps| lamps.take_up(from));
-        let passes = passes.transpose()?;
-        let ladders = from.ladders();
-        let mut taken = 0;
-        for chain in (self.chains.iter_mut()).filter(|c| ladders.contains(&c.ladder)) {
-            *chain = from.value::<Kept>()?.checked(chain.ladder, &self.space)?;
-            taken += chain.metropolis.statistics().steps;
-        }
-        if passes != self.lamps.as_ref().map(|lamps| lamps.due(taken)) {
-            return Err(StateError::damaged(
-                "its lamps do not keep up with its chains",
-            ));
-        }
-        let steps = self.statistics().steps;
-        if let Some(lamps) = &mut self.lamps {
-            lamps.keep_up(steps);
-        }
-        Ok(())
-    }
-}
-
-impl Chain {
-    fn written(&self) -> Kept {
-        Chain {
-            ladder: self.ladder,
-            nonfinite: self.nonfinite,
-            draws: self.draws.clone(),
-            fresh: self.fresh.clone(),
-            independent: self.independent,
-            metropolis: (self.metropolis).with_value(self.metropolis.value().written()),
-        }
-    }
-}
-
-impl Kept {
-    /// Refuses what no chain of this ladder can have written.
-    fn checked(self, ladder: u32, space: &PathSpace<'_>) -> Result<Chain, StateError> {
-        let statistics = self.metropolis.statistics();
-        let steps = Reader::count(statistics.steps)?;
-        let moves = statistics.moves.iter().map(|kind| kind.proposed);
-        let counts = moves.chain([self.independent.count(), statistics.defects]);
-        if self.ladder != ladder || counts.max() > Some(steps) {
-            return Err(StateError::damaged("a chain does not agree with itself"));
-        }
-        let path = space.read(self.metropolis.value());
-        let path = path.filter(|p| p.density().to_bits() == self.metropolis.density().to_bits());
-        let path =
-            path.ok_or_else(|| StateError::damaged("a chain's path is none of the scene"))?;
-        Ok(Chain {
-            ladder,
-            nonfinite: self.nonfinite.checked()?,
-            draws: self.draws,
-            fresh: self.fresh,
-            independent: self.independent,
-            metropolis: self.metropolis.with_value(path),
-        })
     }
 }
 

@@ -14,7 +14,7 @@ use crate::choices::{
 };
 use crate::key::KEYS;
 use crate::method::Method;
-use crate::{Mutations, PhotonOptions};
+use crate::{Mutations, PhotonOptions, StageOptions};
 
 /// All settings; a method reads those that [`Method::keys`] lists.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -59,6 +59,7 @@ pub struct Options {
     /// Radians, least and most.
     pub angles: [f64; 2],
     pub photon: PhotonOptions,
+    pub stages: StageOptions,
 }
 
 impl Default for Options {
@@ -99,6 +100,7 @@ impl Default for Options {
             jitter: Jitter::default(),
             angles: [1e-4, 0.1],
             photon: PhotonOptions::default(),
+            stages: StageOptions::default(),
         }
     }
 }
@@ -153,7 +155,9 @@ impl Options {
                     .collect::<Vec<_>>()
                     .join(", "),
             })?;
-        let known = key.name != "normaliser" || key.range.split('|').any(|word| word == value);
+        // Words that only other methods know.
+        let shared = matches!(key.name, "normaliser" | "direct");
+        let known = !shared || key.range.split('|').any(|word| word == value);
         known
             .then(|| self.assign(key.name, value))
             .flatten()

@@ -1,78 +1,36 @@
 //! Primary sample space Metropolis light transport (Kelemen et al. 2002; spec: pss-and-pssmlt.md).
 
+mod keep;
+mod pilot;
+mod small;
+
 use std::cell::Cell;
-use std::io;
-use std::ops::Range;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use kaustik_estimate::{CountedTarget, KelemenDeposit, Mis, PathTarget, ScalarContribution, Scale};
 use kaustik_film::{Counters, Film, Image, Quantum, develop};
-use kaustik_mcmc::{
-    Draws, Exponential, Mean, Metropolis, Mutation, Pcg64Dxsm, Point, PointKernel, Pool,
-    SampleGenerators, Statistics, Uniform, generator, sample, sample_generator,
-};
-use kaustik_path::{Contributions, Event, PathBuilder, Rays, trace};
+use kaustik_mcmc::{Family, Mean, Metropolis, Pcg64Dxsm, Point, PointKernel, Pool, Statistics};
+use kaustik_path::{Contributions, Event, PathBuilder, Rays};
 use kaustik_scene::Scene;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use crate::builders::builder;
+use crate::chains::{self, LadderChain};
 use crate::control::is_stopped;
 use crate::engine::{Engine, Nonfinite, STRIDE, add_counters, add_nonfinite, add_rays};
 use crate::lamps::Lamps;
-use crate::state::{Keep, Reader, StateError, Writer};
-use crate::{ChainStatistics, Normaliser, Options, Place, RenderError, RenderSettings, SmallStep};
+use crate::{ChainStatistics, Normaliser, Options, Place, RenderError, RenderSettings};
+use pilot::{rough_constant, start_chains};
 
-/// The pilot's samples come from a ladder that no render has.
-pub(crate) const PILOT_LADDER: u64 = u64::MAX;
-/// So does the choice of the starts.
-const CHOICE_LADDER: u64 = u64::MAX - 1;
-/// And so do the samples that fix the constant in the weights: it must not depend on the pool, or the
-/// product of both would be biased (spec 4.4).
-const CONSTANT_LADDER: u64 = u64::MAX - 2;
-/// It needs to be no better than roughly right.
-const CONSTANT_SHARE: u64 = 10;
-/// Where light is hard to find at all, so many times the pool's samples look for it.
-const PATIENCE: u64 = 10;
+pub(crate) use pilot::{PILOT_LADDER, pilot};
+pub(crate) use small::Small;
 
-/// Either kind of small step.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-pub(crate) enum Small {
-    Kelemen(Exponential),
-    Uniform(Uniform),
-}
-
-impl Mutation for Small {
-    #[inline(always)]
-    fn mutate<D: Draws + ?Sized>(&self, x: f64, draws: &mut D) -> f64 {
-        match self {
-            Self::Kelemen(mutation) => mutation.mutate(x, draws),
-            Self::Uniform(mutation) => mutation.mutate(x, draws),
-        }
-    }
-
-    fn mixed_after(&self) -> u64 {
-        match self {
-            Self::Kelemen(mutation) => mutation.mixed_after(),
-            Self::Uniform(mutation) => mutation.mixed_after(),
-        }
-    }
-}
-
-impl Small {
-    pub(crate) fn new(step: SmallStep) -> Self {
-        match step {
-            SmallStep::Kelemen(s1, s2) => Self::Kelemen(Exponential::new(s1, s2)),
-            SmallStep::Uniform(fraction) => Self::Uniform(Uniform::new(fraction)),
-        }
-    }
-}
-
-/// Chains on one pair of films.
-pub(crate) struct PssmltEngine<'a> {
+/// Chains on one pair of films, which follow a density of what a point contributes.
+pub(crate) struct PssmltEngine<'a, F = ScalarContribution> {
     scene: &'a Scene,
     builder: Box<dyn PathBuilder + 'a>,
-    family: ScalarContribution,
+    family: F,
     options: Options,
     chains: Vec<Chain>,
     chain_film: Film,
@@ -113,6 +71,21 @@ impl<'a> PssmltEngine<'a> {
             target: options.target,
             contribution: options.contribution,
         };
+        let lamps = Lamps::new(scene, settings)?;
+        Self::of_family(scene, settings, builder, family, lamps)
+    }
+}
+
+impl<'a, F: Family<Contributions, 1> + Send + Sync> PssmltEngine<'a, F> {
+    /// Over the paths of this builder, by the density of this family.
+    pub(crate) fn of_family(
+        scene: &'a Scene,
+        settings: &RenderSettings,
+        builder: Box<dyn PathBuilder + 'a>,
+        family: F,
+        lamps: Option<Lamps<'a>>,
+    ) -> Result<Self, RenderError> {
+        let options = settings.options;
         let nonfinite = AtomicU64::new(0);
         let target = PathTarget {
             scene,
@@ -121,20 +94,21 @@ impl<'a> PssmltEngine<'a> {
         };
         let pool = Pool::new(pilot(
             target,
-            family,
+            &family,
             settings,
             PILOT_LADDER,
             0..options.pilot,
         ));
-        // Kelemen's printed weights want b itself, the others a constant that knows nothing of the pool.
+        // Kelemen's printed weights want b itself, the split ones a constant that knows nothing of the pool; without weights of
+        // large steps it cancels.
         let of_pool = Some(pool.normaliser().mean()).filter(|b| *b > 0.0);
-        let rough = || rough_constant(target, family, settings);
+        let rough = || rough_constant(target, &family, settings);
         let b0 = match options.mis {
-            Mis::Printed => of_pool.or_else(rough),
-            Mis::Split | Mis::Off => rough().or(of_pool),
+            Mis::Printed | Mis::Off => of_pool.or_else(rough),
+            Mis::Split => rough().or(of_pool),
         }
         .unwrap_or(0.0);
-        let chains = start_chains(target, family, &pool, settings)?;
+        let chains = start_chains(target, &family, &pool, settings)?;
         let layout = settings.layout();
         let quantum = Quantum::from_mean(b0 / 3.0);
         let large_film = match options.mis {
@@ -148,7 +122,7 @@ impl<'a> PssmltEngine<'a> {
             chains,
             chain_film: Film::with_layout(&layout, quantum)?,
             large_film,
-            lamps: Lamps::new(scene, settings)?,
+            lamps,
             pool: *pool.normaliser(),
             b0,
             scale: Scale {
@@ -203,13 +177,8 @@ impl<'a> PssmltEngine<'a> {
         chain.rays = rays.get();
     }
 
-    /// All chains' statistics, in the order of the ladders.
     fn statistics(&self) -> Statistics<1> {
-        let mut all = Statistics::new();
-        for chain in &self.chains {
-            all.merge(chain.metropolis.statistics());
-        }
-        all
+        chains::statistics(&self.chains)
     }
 
     /// The estimate of `b` that scales the image.
@@ -222,87 +191,17 @@ impl<'a> PssmltEngine<'a> {
     }
 }
 
-/// Densities of independent samples of a ladder, in parallel, in the order of their indices; NaN where
-/// there is none.
-pub(crate) fn pilot(
-    target: PathTarget<'_>,
-    family: ScalarContribution,
-    settings: &RenderSettings,
-    ladder: u64,
-    samples: Range<u64>,
-) -> Vec<f64> {
-    let generators = SampleGenerators::new(settings.seed, ladder);
-    (samples.start as usize..samples.end as usize)
-        .into_par_iter()
-        .with_min_len(256)
-        .map_init(Contributions::default, |value, index| {
-            let draws = generators.at(index as u64);
-            sample(&target, &family, draws, value).map_or(f64::NAN, |[density]| density)
-        })
-        .collect()
-}
-
-/// A rough estimate of b that knows nothing of the pool: samples of its own, a share of the pool's
-/// number, and more until some see light. `None` if [`PATIENCE`] times as many as the pool's see none.
-fn rough_constant(
-    target: PathTarget<'_>,
-    family: ScalarContribution,
-    settings: &RenderSettings,
-) -> Option<f64> {
-    let share = (settings.options.pilot / CONSTANT_SHARE).max(1);
-    let mut mean = Mean::new();
-    for round in 0..PATIENCE * CONSTANT_SHARE {
-        let samples = round * share..(round + 1) * share;
-        pilot(target, family, settings, CONSTANT_LADDER, samples)
-            .into_iter()
-            .filter(|density| density.is_finite())
-            .for_each(|density| mean.push(density));
-        if mean.mean() > 0.0 {
-            return Some(mean.mean());
-        }
+impl LadderChain for Chain {
+    fn ladder(&self) -> u32 {
+        self.ladder
     }
-    None
-}
 
-/// A chain for every ladder of this process. All ladders choose, so that a share of them starts as it
-/// would among all. After a pool that saw nothing they start in the dark: what their large steps find
-/// is as right as ever, while the film of the chains counts for nothing (b = 0) until a running
-/// normaliser knows better.
-fn start_chains(
-    target: PathTarget<'_>,
-    family: ScalarContribution,
-    pool: &Pool,
-    settings: &RenderSettings,
-) -> Result<Vec<Chain>, RenderError> {
-    let mut choice = generator(settings.seed, CHOICE_LADDER);
-    let range = settings.ladder_range();
-    let mut chains = Vec::new();
-    for ladder in 0..settings.options.ladders {
-        let start = pool.choose(&mut choice);
-        if !range.contains(&ladder) {
-            continue;
-        }
-        let mut own = generator(settings.seed, u64::from(ladder));
-        let small = Small::new(settings.options.small_step);
-        let metropolis = match start {
-            Some(start) => {
-                let mut draws = sample_generator(settings.seed, PILOT_LADDER, start.index);
-                Metropolis::rebuild(&target, &family, 0, small, &start, &mut draws)?
-            }
-            None => Metropolis::start(&target, &family, 0, small, &mut own),
-        };
-        chains.push(Chain {
-            ladder,
-            nonfinite: Nonfinite::default(),
-            rays: Rays::default(),
-            metropolis,
-            draws: own,
-        });
+    fn statistics(&self) -> &Statistics<1> {
+        self.metropolis.statistics()
     }
-    Ok(chains)
 }
 
-impl Engine for PssmltEngine<'_> {
+impl<F: Family<Contributions, 1> + Send + Sync> Engine for PssmltEngine<'_, F> {
     fn advance(&mut self, plan: &[u64], stop: Option<&AtomicBool>) -> u64 {
         let before = self.statistics().steps;
         let mut chains = std::mem::take(&mut self.chains);
@@ -355,15 +254,14 @@ impl Engine for PssmltEngine<'_> {
         add_nonfinite(own, self.lamps.as_ref().map(Lamps::nonfinite))
     }
 
-    /// The chain goes on to the step from its start; lamps have no part in it.
-    fn replay(&mut self, Place { step, .. }: Place) -> Result<Vec<Event>, RenderError> {
+    /// Lamps have no part in it.
+    fn replay(&mut self, place: Place) -> Result<Vec<Event>, RenderError> {
         let mut chains = std::mem::take(&mut self.chains);
-        let Some(chain) = chains.first_mut() else {
-            // The pool saw no light: nothing is tried.
-            return Ok(Vec::new());
-        };
-        self.drive(chain, step, None);
-        Ok(trace(|| self.drive(chain, 1, None)).1)
+        let events = chains::replay(&mut chains, place, |chain, steps| {
+            self.drive(chain, steps, None);
+        });
+        self.chains = chains;
+        Ok(events)
     }
 
     fn rays(&self) -> Option<Rays> {
@@ -381,85 +279,5 @@ impl Engine for PssmltEngine<'_> {
 
     fn is_lit(&self) -> bool {
         self.b0 > 0.0 || self.lamps.as_ref().is_some_and(Lamps::is_lit)
-    }
-}
-
-/// Films and chains; what the pilots found is found again, and compared.
-impl Keep for PssmltEngine<'_> {
-    fn taken(&self) -> Vec<u64> {
-        let chains = self.chains.iter();
-        chains.map(|c| c.metropolis.statistics().steps).collect()
-    }
-
-    fn write(&self, out: &mut Writer<'_>) -> io::Result<()> {
-        out.value(&(self.b0, self.pool))?;
-        out.film(&self.chain_film)?;
-        if let Some(film) = &self.large_film {
-            out.film(film)?;
-        }
-        if let Some(lamps) = &self.lamps {
-            lamps.write(out)?;
-        }
-        self.chains.iter().try_for_each(|chain| out.value(chain))
-    }
-
-    fn take_up(&mut self, from: &mut Reader<'_>) -> Result<(), StateError> {
-        let (b0, pool): (f64, Mean) = from.value()?;
-        if b0.to_bits() != self.b0.to_bits() || pool != self.pool {
-            let (b, here) = (pool.mean(), self.pool.mean());
-            return Err(StateError::Other(format!(
-                "the pilot found {b0:e} and {b:e} for the state, {:e} and {here:e} here: this program computes other numbers",
-                self.b0
-            )));
-        }
-        from.film(&mut self.chain_film)?;
-        if let Some(film) = &mut self.large_film {
-            from.film(film)?;
-        }
-        let passes = self.lamps.as_mut().map(|lamps| lamps.take_up(from));
-        let passes = passes.transpose()?;
-        let ladders = from.ladders();
-        let chains = self.chains.iter_mut();
-        let mut taken = 0;
-        for chain in chains.filter(|chain| ladders.contains(&chain.ladder)) {
-            let kept: Chain = from.value()?;
-            kept.check(chain.ladder, &self.family)?;
-            taken += kept.metropolis.statistics().steps;
-            *chain = kept;
-        }
-        if passes != self.lamps.as_ref().map(|lamps| lamps.due(taken)) {
-            return Err(StateError::damaged(
-                "its lamps do not keep up with its chains",
-            ));
-        }
-        // What several shares are due together is more than the most of any.
-        let steps = self.statistics().steps;
-        if let Some(lamps) = &mut self.lamps {
-            lamps.keep_up(steps);
-        }
-        Ok(())
-    }
-}
-
-impl Chain {
-    /// Refuses what no chain of this ladder can have written.
-    fn check(&self, ladder: u32, family: &ScalarContribution) -> Result<(), StateError> {
-        let statistics = self.metropolis.statistics();
-        let steps = Reader::count(statistics.steps)?;
-        let moves = statistics.moves.iter().map(|kind| kind.proposed);
-        let counts = moves.chain([statistics.independent[0].count(), statistics.defects]);
-        if self.ladder != ladder || counts.max() > Some(steps) {
-            return Err(StateError::damaged("a chain does not agree with itself"));
-        }
-        self.nonfinite.checked()?;
-        for rays in [self.rays.closest, self.rays.any] {
-            Reader::count(rays)?;
-        }
-        if self.metropolis.density().to_bits() != family.of(self.metropolis.value()).to_bits() {
-            return Err(StateError::damaged(
-                "a chain's density is not that of its path",
-            ));
-        }
-        Ok(())
     }
 }

@@ -16,6 +16,7 @@ use crate::mlt::MltEngine;
 use crate::photon::PhotonEngine;
 use crate::pssmlt::PssmltEngine;
 use crate::relt;
+use crate::stages::StagedEngine;
 use crate::state::{Header, take_up};
 use crate::threads::pool;
 use crate::{
@@ -184,7 +185,7 @@ pub(crate) fn check(scene: &Scene, settings: &RenderSettings) -> Result<(), Rend
         );
     }
     if !settings.method.has_shares() && range != (0..settings.options.ladders) {
-        let expected = "all of them: the iterations of photon methods are shared by all ladders; renders of other seeds can be merged instead";
+        let expected = "all of them: the iterations or stages of this method are shared by all ladders; renders of other seeds can be merged instead";
         let found = format!("{}..{}", range.start, range.end);
         return setting("ladders", found, expected.into());
     }
@@ -208,6 +209,9 @@ pub(crate) fn engine<'a>(
         | Method::PhotonDensity
         | Method::PhotonSpatial
         | Method::PhotonImage => Box::new(PhotonEngine::new(scene, settings)?),
+        Method::MltMultistage | Method::PssmltMultistage => {
+            Box::new(StagedEngine::new(scene, settings)?)
+        }
         Method::Annealing => annealing::engine(scene, settings)?,
         Method::ErptPss => Box::new(IndependentEngine::erpt_pss(scene, settings)?),
     };
@@ -426,6 +430,7 @@ impl<'a> Work<'a> {
             mutations: engine.mutation_statistics(),
             energy: engine.energy_statistics(),
             photons: engine.photon_statistics(),
+            stages: engine.stage_statistics(),
             merged: None,
         };
         if settings.features {

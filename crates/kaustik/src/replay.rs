@@ -17,7 +17,7 @@ use crate::{Place, RenderError, RenderSettings, State};
 ///
 /// The step is that of the render with these settings, to the bit, whatever its budget, threads and share of the ladders.
 /// Independent samples are made at once, and so is a round of `annealing`; a chain goes there from its start; chains of
-/// photons, which learn from each other, run all iterations before: see [`replay_from`].
+/// photons and stages, which learn from each other, run all iterations or stages before: see [`replay_from`].
 ///
 /// # Errors
 /// As [`render`](fn@crate::render); a ladder that the render does not have, a level that a round of `annealing` did not come to.

@@ -2,37 +2,28 @@
 //! bit.
 
 use kaustik_path::{Event, Role, Side, trace};
-use kaustik_scene::{Scene, SceneOptions, builtin};
+use kaustik_scene::Scene;
 
 use crate::engine::Engine;
 use crate::render::engine;
 use crate::state::{Header, Snapshot};
 use crate::threads::pool;
-use crate::{Budget, Method, Place, RenderSettings, replay, replay_from};
+use crate::{Budget, Method, Place, RenderSettings, replay, replay_from, small};
 
 const SIDE: u32 = 6;
 
 fn scene() -> Scene {
-    let description = builtin::load("cornell").expect("a built-in scene");
-    let options = SceneOptions {
-        width: SIDE,
-        height: SIDE,
-        ..SceneOptions::default()
-    };
-    Scene::new(&description, &options).expect("a sound scene")
+    small::scene("cornell", [SIDE; 2])
 }
 
 fn settings(method: Method) -> RenderSettings {
     let mut settings = RenderSettings {
-        method,
-        width: SIDE,
-        height: SIDE,
         max_depth: 4,
         threads: 1,
         seed: 5,
         budget: Budget::PerPixel(3),
         features: false,
-        ..RenderSettings::default()
+        ..small::settings(method, [SIDE; 2])
     };
     let options = &mut settings.options;
     options.ladders = 2;
@@ -56,7 +47,7 @@ fn told(engine: &mut dyn Engine, settings: &RenderSettings, grains: u64) -> Vec<
 }
 
 /// Cuts before every event of a kind; what comes before the first is left out.
-fn cut(events: &[Event], begins: impl Fn(&Event) -> bool) -> Vec<&[Event]> {
+pub(crate) fn cut(events: &[Event], begins: impl Fn(&Event) -> bool) -> Vec<&[Event]> {
     let at: Vec<usize> = (0..events.len()).filter(|&i| begins(&events[i])).collect();
     let ends = at.iter().skip(1).copied().chain([events.len()]);
     at.iter()

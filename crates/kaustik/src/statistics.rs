@@ -2,7 +2,7 @@ use std::fmt;
 
 use kaustik_film::Counters;
 use kaustik_mcmc::Statistics;
-use serde::{Serialize, Serializer};
+use serde::{Deserialize, Serialize, Serializer};
 
 use crate::{EnergyStatistics, MergeStatistics, ReplicaStatistics};
 
@@ -48,6 +48,9 @@ pub struct RenderStatistics {
     /// Of chains of photons.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub photons: Option<PhotonStatistics>,
+    /// Of the stages of a multi-stage method, the one at work last.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub stages: Vec<StageStatistics>,
     /// Of parts that were merged.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub merged: Option<MergeStatistics>,
@@ -77,6 +80,23 @@ pub struct PhotonLevel {
     pub acceptance: f64,
     /// Their size: `m` of Hachisuka and Jensen's mutation.
     pub step_size: f64,
+}
+
+/// One stage of a multi-stage method.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct StageStatistics {
+    /// Cells of its map along the longer side of the picture; 1 where there is no picture to go by yet.
+    pub width: u32,
+    /// Its mutations.
+    pub mutations: u64,
+    /// The integral of its target: the scalar contribution, in the stages after the first over what the picture so far has there.
+    pub normalisation: f64,
+    /// Its standard error.
+    pub normalisation_error: f64,
+    /// Mean acceptance of small steps.
+    pub small_acceptance: f64,
+    /// Mean acceptance of large steps.
+    pub large_acceptance: f64,
 }
 
 /// What one kind of mutation of paths did.

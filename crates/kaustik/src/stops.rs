@@ -4,7 +4,7 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use kaustik_film::Filter;
-use kaustik_scene::{Scene, SceneOptions, builtin};
+use kaustik_scene::Scene;
 
 use crate::engine::Engine;
 use crate::render::engine;
@@ -12,7 +12,7 @@ use crate::state::{Header, Source};
 use crate::threads::pool;
 use crate::{
     Budget, Control, Direct, Energy, Method, Outcome, Progress, RenderSettings, Snapshot, State,
-    Watch, render, render_watched, resume,
+    Watch, render, render_watched, resume, small,
 };
 
 /// Addresses of flags, and looks after which they rise.
@@ -49,24 +49,15 @@ fn after<T>(count: u64, work: impl FnOnce(&AtomicBool) -> T) -> (T, u64) {
 const SIDE: u32 = 12;
 
 fn scene() -> Scene {
-    let description = builtin::load("glass-cube?light=0.8").expect("a built-in scene");
-    let options = SceneOptions {
-        width: SIDE,
-        height: SIDE,
-        ..SceneOptions::default()
-    };
-    Scene::new(&description, &options).expect("a sound scene")
+    small::scene("glass-cube?light=0.8", [SIDE; 2])
 }
 
 fn settings(method: Method, change: impl FnOnce(&mut RenderSettings)) -> RenderSettings {
     let mut settings = RenderSettings {
-        method,
-        width: SIDE,
-        height: SIDE,
         max_depth: 6,
         budget: Budget::PerPixel(8),
         threads: 1,
-        ..RenderSettings::default()
+        ..small::settings(method, [SIDE; 2])
     };
     let options = &mut settings.options;
     options.ladders = 3;

@@ -12,6 +12,7 @@ pub(super) fn figures(scale: Scale) -> Vec<PaperFigure> {
         four(scale),
         five(scale),
         seven(scale),
+        nine(scale),
         ten(scale),
         eleven(scale),
     ]
@@ -222,6 +223,87 @@ fn seven(scale: Scale) -> PaperFigure {
             Claim {
                 text: "Fig. 8: a lower RMSE (dinner-hall)",
                 check: |r| lower(r, HALL, Figure::RmseXyz, "spatial", &[("visibility", 1.0)]),
+            },
+        ],
+    }
+}
+
+/// Methods that follow light to the camera.
+fn transport(scale: Scale) -> Vec<MethodEntry> {
+    let both = ["builder=bidirectional"];
+    let methods: [(Method, &[&str]); 7] = [
+        (Method::Pssmlt, &both),
+        (Method::PssmltMultistage, &both),
+        (Method::Mlt, &[]),
+        (Method::MltMultistage, &[]),
+        (Method::Path, &[]),
+        (Method::Bdpt, &[]),
+        (Method::Erpt, &[]),
+    ];
+    let entry = |(method, more): (Method, &[&str])| MethodEntry {
+        name: method.to_string(),
+        method,
+        settings: settings(scale, "pilot=2000", more),
+    };
+    methods.into_iter().map(entry).collect()
+}
+
+fn nine(scale: Scale) -> PaperFigure {
+    let scenes = match scale {
+        Scale::Quick => &[HALL][..],
+        Scale::Usual | Scale::AsPublished => &[HALL, VILLA, UNDERWATER, CANYON],
+    };
+    let mut study = study(
+        scale,
+        "Figure 9: against Metropolis light transport",
+        "Equal times, with light that photons cannot carry; the multi-stage methods of Hoberock and Hart even out the relative error, as \
+         the spatial target function does. Path tracing, bidirectional path tracing and energy redistribution are in the paper's \
+         supplement. As published: an hour each.",
+        scenes,
+        60.0,
+    );
+    study.methods = transport(scale);
+    study.methods.push(spatial(scale, "spatial", &[]));
+    PaperFigure {
+        number: 9,
+        study,
+        claims: &[
+            Claim {
+                text: "Fig. 9: less noise than primary-sample light transport, also in stages (dinner-hall)",
+                check: |r| {
+                    let rivals = [("pssmlt", 1.0), ("pssmlt-multistage", 1.0)];
+                    lower_nsd(r, HALL, "spatial", &rivals)
+                },
+            },
+            Claim {
+                text: "Less noise than light transport on paths, also in stages (dinner-hall)",
+                check: |r| {
+                    let rivals = [("mlt", 1.0), ("mlt-multistage", 1.0)];
+                    lower_nsd(r, HALL, "spatial", &rivals)
+                },
+            },
+            Claim {
+                text: "The same (villa)",
+                check: |r| {
+                    let rivals = [("mlt", 1.0), ("mlt-multistage", 1.0)];
+                    lower_nsd(r, VILLA, "spatial", &rivals)
+                },
+            },
+            Claim {
+                text: "Light transport on paths is ahead on the diffuse canyon",
+                check: |r| lower_nsd(r, CANYON, "mlt", &[("spatial", 1.0)]),
+            },
+            Claim {
+                text: "Hoberock and Hart 2010: stages even out the relative error (dinner-hall)",
+                check: |r| evener(r, HALL, "mlt-multistage", "mlt", 1.0),
+            },
+            Claim {
+                text: "The same on primary samples (dinner-hall)",
+                check: |r| evener(r, HALL, "pssmlt-multistage", "pssmlt", 1.0),
+            },
+            Claim {
+                text: "Stages make less noise (dinner-hall)",
+                check: |r| lower_nsd(r, HALL, "mlt-multistage", &[("mlt", 1.0)]),
             },
         ],
     }

@@ -6,11 +6,11 @@ use kaustik_path::Heuristic;
 use kaustik_spectrum::WavelengthSampling;
 
 use super::Options;
-use crate::Mutations;
 use crate::choices::{
     Builder, Caustics, Colours, Direct, Energy, EvenSamples, Jitter, Normaliser, SmallStep, Starts,
     Steps, Strategies,
 };
+use crate::{Mutations, StageLadder};
 
 impl Options {
     /// `None` if the value is out of range.
@@ -135,6 +135,14 @@ impl Options {
                 self.jitter = word(value, &words).or_else(between)?;
             }
             "angles" => self.angles = range(value, 3.0)?,
+            "budget" => self.stages.budget = integer(value, 1, 1_000_000)?,
+            "stages" => {
+                let (widths, two) = (StageLadder::Widths, StageLadder::Two);
+                self.stages.ladder = word(value, &[("widths", widths), ("two", two)])?;
+            }
+            "floor" => {
+                self.stages.floor = number(value).filter(|f| *f > 0.0 && *f <= 1.0)?;
+            }
             other => self.photon.assign(other, value)?,
         }
         Some(())

@@ -6,6 +6,7 @@ use kaustik_spectrum::WavelengthSampling;
 
 use super::Options;
 use super::assign::EXCHANGES;
+use crate::StageLadder;
 use crate::choices::{
     Builder, Caustics, Colours, Direct, Energy, EvenSamples, Jitter, SmallStep, Starts, Steps,
     Strategies,
@@ -123,6 +124,13 @@ impl Options {
                 Jitter::Between([a, b]) => format!("{a}:{b}"),
             },
             "angles" => format!("{}:{}", self.angles[0], self.angles[1]),
+            "budget" => self.stages.budget.to_string(),
+            "stages" => match self.stages.ladder {
+                StageLadder::Widths => "widths",
+                StageLadder::Two => "two",
+            }
+            .to_owned(),
+            "floor" => self.stages.floor.to_string(),
             other => self.photon.value(other).unwrap_or_default(),
         }
     }

@@ -1,18 +1,12 @@
 use kaustik_film::{Film, Filter, Quantum, Window};
-use kaustik_scene::{Scene, SceneOptions, builtin};
+use kaustik_scene::Scene;
 use kaustik_spectrum::Xyz;
 
 use super::*;
-use crate::{Budget, Method, Options, RenderSettings};
+use crate::{Budget, Method, Options, RenderSettings, small};
 
 fn scene() -> Scene {
-    let description = builtin::load("furnace").expect("a built-in scene");
-    let options = SceneOptions {
-        width: 8,
-        height: 6,
-        ..SceneOptions::default()
-    };
-    Scene::new(&description, &options).expect("a sound scene")
+    small::scene("furnace", [8, 6])
 }
 
 fn film(quantum: i32) -> Film {

@@ -1,0 +1,82 @@
+//! What chains on paths and on primary samples have in common, whatever they step by.
+
+use kaustik_mcmc::Statistics;
+use kaustik_path::{Event, trace};
+
+use crate::Place;
+use crate::lamps::Lamps;
+use crate::state::{Reader, StateError};
+
+/// The chain of one ladder.
+pub(crate) trait LadderChain {
+    /// Which ladder.
+    fn ladder(&self) -> u32;
+
+    /// Of its steps so far.
+    fn statistics(&self) -> &Statistics<1>;
+}
+
+/// All chains' statistics, in the order of the ladders.
+pub(crate) fn statistics<C: LadderChain>(chains: &[C]) -> Statistics<1> {
+    let mut all = Statistics::new();
+    for chain in chains {
+        all.merge(chain.statistics());
+    }
+    all
+}
+
+/// The chain of the place's ladder goes on to the step from where it is, and what happens in that step is told.
+/// Nothing where there is no such chain: the pool saw no light, and nothing is tried.
+pub(crate) fn replay<C: LadderChain>(
+    chains: &mut [C],
+    Place { ladder, step }: Place,
+    drive: impl Fn(&mut C, u64),
+) -> Vec<Event> {
+    let Some(chain) = chains.iter_mut().find(|chain| chain.ladder() == ladder) else {
+        return Vec::new();
+    };
+    drive(chain, step.saturating_sub(chain.statistics().steps));
+    trace(|| drive(chain, 1)).1
+}
+
+/// Refuses counts that no chain of this ladder can have written, with so many independent samples.
+pub(crate) fn check_counts(
+    chain: &impl LadderChain,
+    ladder: u32,
+    independent: u64,
+) -> Result<(), StateError> {
+    let statistics = chain.statistics();
+    let steps = Reader::count(statistics.steps)?;
+    let moves = statistics.moves.iter().map(|kind| kind.proposed);
+    let counts = moves.chain([independent, statistics.defects]);
+    if chain.ladder() != ladder || counts.max() > Some(steps) {
+        return Err(StateError::damaged("a chain does not agree with itself"));
+    }
+    Ok(())
+}
+
+/// Takes up the lamps of a state, if there are any; tells how many passes they have there.
+pub(crate) fn take_up_lamps(
+    lamps: &mut Option<Lamps<'_>>,
+    from: &mut Reader<'_>,
+) -> Result<Option<u64>, StateError> {
+    lamps.as_mut().map(|lamps| lamps.take_up(from)).transpose()
+}
+
+/// Lamps that have been taken up with so many passes, beside chains that took so many steps in the state, keep up with the
+/// steps of all states so far: what several shares are due together is more than the most of any.
+pub(crate) fn keep_up_lamps(
+    lamps: &mut Option<Lamps<'_>>,
+    passes: Option<u64>,
+    (taken, steps): (u64, u64),
+) -> Result<(), StateError> {
+    if passes != lamps.as_ref().map(|lamps| lamps.due(taken)) {
+        return Err(StateError::damaged(
+            "its lamps do not keep up with its chains",
+        ));
+    }
+    if let Some(lamps) = lamps {
+        lamps.keep_up(steps);
+    }
+    Ok(())
+}

@@ -1,0 +1,90 @@
+//! States of chains on paths.
+
+use std::io;
+
+use kaustik_estimate::RasterMap;
+use kaustik_mcmc::Mean;
+use kaustik_mutate::PathSpace;
+
+use super::{Chain, Kept, MltEngine, density};
+use crate::chains::{check_counts, keep_up_lamps, take_up_lamps};
+use crate::state::{Keep, Reader, StateError, Writer};
+
+/// Film and chains; the pool is filled again, and compared.
+impl Keep for MltEngine<'_> {
+    fn taken(&self) -> Vec<u64> {
+        let mut taken = vec![0; self.ladders.len()];
+        let chains = self.chains.iter().map(|c| c.metropolis.statistics().steps);
+        taken
+            .iter_mut()
+            .zip(chains)
+            .for_each(|(taken, steps)| *taken = steps);
+        taken
+    }
+
+    fn write(&self, out: &mut Writer<'_>) -> io::Result<()> {
+        out.value(&self.pool)?;
+        out.film(&self.film)?;
+        if let Some(lamps) = &self.lamps {
+            lamps.write(out)?;
+        }
+        (self.chains.iter()).try_for_each(|chain| out.value(&chain.written()))
+    }
+
+    fn take_up(&mut self, from: &mut Reader<'_>) -> Result<(), StateError> {
+        let pool: Mean = from.value()?;
+        if pool != self.pool {
+            return Err(StateError::pilot(pool.mean(), self.pool.mean()));
+        }
+        from.film(&mut self.film)?;
+        let passes = take_up_lamps(&mut self.lamps, from)?;
+        let ladders = from.ladders();
+        let mut taken = 0;
+        for chain in (self.chains.iter_mut()).filter(|c| ladders.contains(&c.ladder)) {
+            *chain = from
+                .value::<Kept>()?
+                .checked(chain.ladder, &self.space, &self.map)?;
+            taken += chain.metropolis.statistics().steps;
+        }
+        let steps = self.statistics().steps;
+        keep_up_lamps(&mut self.lamps, passes, (taken, steps))
+    }
+}
+
+impl Chain {
+    fn written(&self) -> Kept {
+        Chain {
+            ladder: self.ladder,
+            nonfinite: self.nonfinite,
+            draws: self.draws.clone(),
+            fresh: self.fresh.clone(),
+            independent: self.independent,
+            metropolis: (self.metropolis).with_value(self.metropolis.value().written()),
+        }
+    }
+}
+
+impl Kept {
+    /// Refuses what no chain of this ladder can have written.
+    fn checked(
+        self,
+        ladder: u32,
+        space: &PathSpace<'_>,
+        map: &RasterMap,
+    ) -> Result<Chain, StateError> {
+        check_counts(&self, ladder, self.independent.count())?;
+        let path = space.read(self.metropolis.value());
+        let kept = self.metropolis.density().to_bits();
+        let path = path.filter(|path| density(map)(path)[0].to_bits() == kept);
+        let path =
+            path.ok_or_else(|| StateError::damaged("a chain's path is none of the scene"))?;
+        Ok(Chain {
+            ladder,
+            nonfinite: self.nonfinite.checked()?,
+            draws: self.draws,
+            fresh: self.fresh,
+            independent: self.independent,
+            metropolis: self.metropolis.with_value(path),
+        })
+    }
+}
