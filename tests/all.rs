@@ -26,6 +26,8 @@ mod bits;
 mod brightness;
 /// A second path tracer, and what it takes to tell a wrong one from a right one.
 mod by_the_book;
+/// Agreement tile by tile, where most of the noise is in a few tiles.
+mod by_tile;
 /// Orthographic cameras, lenses with blades, windows of the image: in every method.
 mod cameras;
 /// Renders that go on beside a test.

@@ -96,6 +96,17 @@ pub(crate) fn tile_means(image: &Image) -> Vec<[f64; 3]> {
     tiles
 }
 
+/// Tiles that a light tracer shows in full.
+pub(crate) fn shown_by_light(scene: &Scene, side: u32) -> Vec<bool> {
+    let side_of_tiles = side as usize / TILE;
+    let mut shown = vec![true; side_of_tiles * side_of_tiles];
+    for (pixel, seen) in pixels_of_light(scene, side).into_iter().enumerate() {
+        let (x, y) = (pixel % side as usize, pixel / side as usize);
+        shown[y / TILE * side_of_tiles + x / TILE] &= seen;
+    }
+    shown
+}
+
 /// Mean and variance of the mean of independent runs.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Runs {
@@ -215,7 +226,8 @@ pub(crate) fn tiles_of(pictures: impl Iterator<Item = Image>) -> Vec<Tile> {
     by_tile(&pictures.map(|image| tile_means(&image)).collect::<Vec<_>>())
 }
 
-fn by_tile(runs: &[Vec<[f64; 3]>]) -> Vec<Tile> {
+/// Tiles of runs that are given as means of tiles.
+pub(crate) fn by_tile(runs: &[Vec<[f64; 3]>]) -> Vec<Tile> {
     let of = |tile| Tile::of(&runs.iter().map(|run| run[tile]).collect::<Vec<_>>());
     (0..runs[0].len()).map(of).collect()
 }

@@ -1,0 +1,321 @@
+//! Agreement tile by tile: each block of tiles is rendered as long as its noise asks for.
+//!
+//! Where most of the noise of an image is in a few of its tiles, renders of the whole image that
+//! bring those to half a percent spend most of their time on the others. Here each method renders
+//! windows (`crop`) of the image, first for as short as each other, then for as long as the spread over the seeds
+//! so far says. What decides how long is the spread alone; means are looked at in the end.
+
+use std::fs;
+use std::path::PathBuf;
+
+use kaustik::film::Window;
+use kaustik::scene::Scene;
+use kaustik::{Method, RenderSettings};
+
+use crate::support::{
+    TILE, Tile, Verdict, agree, by_tile, picture, scene, settings, shown_by_light, tile_means,
+};
+
+const SIDE: usize = 64;
+/// Tiles along a side of the image.
+const TILES: usize = SIDE / TILE;
+/// Independent seeds.
+const SEEDS: usize = 32;
+/// Tiles whose error may be larger.
+const SPARED: usize = 3;
+
+/// What has been rendered: samples a pixel of each block that each seed is to have and has, and sums
+/// over samples of each tile's mean.
+type Tally = (Vec<u64>, Vec<Vec<u64>>, Vec<Vec<[f64; 3]>>);
+
+/// A method and how it is to be rendered.
+struct Contender {
+    method: Method,
+    /// Tiles along a side of a window.
+    block: usize,
+    /// Samples a pixel of each window at first.
+    first: u64,
+    /// Standard error of a tile's mean, relative, that it is to reach by itself.
+    error: f64,
+    change: fn(&mut RenderSettings),
+}
+
+impl Contender {
+    fn blocks(&self) -> usize {
+        (TILES / self.block).pow(2)
+    }
+
+    fn block_of(&self, tile: usize) -> usize {
+        let (x, y) = (tile % TILES, tile / TILES);
+        y / self.block * (TILES / self.block) + x / self.block
+    }
+
+    fn window(&self, block: usize) -> Window {
+        let (columns, side) = (TILES / self.block, self.block * TILE);
+        let [x0, y0] = [block % columns, block / columns].map(|i| (i * side) as u32);
+        let side = side as u32;
+        Window {
+            x0,
+            y0,
+            x1: x0 + side,
+            y1: y0 + side,
+        }
+    }
+
+    fn file(&self, words: &str) -> Option<PathBuf> {
+        let folder = std::env::var_os("KAUSTIK_KEEP")?;
+        let name = format!("{words} {} by {}", self.method, self.block);
+        let plain = name.replace(|c: char| !c.is_ascii_alphanumeric(), "_");
+        Some(PathBuf::from(folder).join(format!("{plain}.json")))
+    }
+}
+
+/// A contender at work on a scene.
+struct Entry<'a> {
+    contender: &'a Contender,
+    words: &'a str,
+    scene: &'a Scene,
+    /// Tiles that it shows in full.
+    shown: &'a [bool],
+    tally: Tally,
+}
+
+impl Entry<'_> {
+    /// Renders what the windows still are to have; what a folder keeps is not rendered again.
+    fn render(&mut self) {
+        for seed in 0..self.tally.1.len() {
+            for block in 0..self.contender.blocks() {
+                let (wanted, had) = (self.tally.0[block], self.tally.1[seed][block]);
+                if wanted > had {
+                    self.render_block(seed, block, wanted - had);
+                }
+            }
+            self.keep();
+        }
+    }
+
+    fn render_block(&mut self, seed: usize, block: usize, spp: u64) {
+        let Contender { method, change, .. } = *self.contender;
+        let mut settings = RenderSettings {
+            crop: Some(self.contender.window(block)),
+            ..settings(method, SIDE as u32, spp)
+        };
+        change(&mut settings);
+        // Samples of their own for what is added later.
+        settings.seed = seed as u64 + SEEDS as u64 * self.tally.1[seed][block];
+        let means = tile_means(&picture(self.scene, &settings));
+        let mine = (0..TILES * TILES).filter(|&tile| self.contender.block_of(tile) == block);
+        for (tile, mean) in mine.zip(means) {
+            for (sum, mean) in self.tally.2[seed][tile].iter_mut().zip(mean) {
+                *sum += mean * spp as f64;
+            }
+        }
+        self.tally.1[seed][block] += spp;
+    }
+
+    fn keep(&self) {
+        let Some(file) = self.contender.file(self.words) else {
+            return;
+        };
+        let beside = file.with_extension("new");
+        let text = serde_json::to_string(&self.tally).expect("numbers");
+        fs::write(&beside, text).expect("the folder KAUSTIK_KEEP names");
+        fs::rename(&beside, &file).expect("the folder KAUSTIK_KEEP names");
+    }
+
+    fn tiles(&self) -> Vec<Tile> {
+        let (_, spent, sums) = &self.tally;
+        let mean = |seed: usize, tile: usize| {
+            let spp = spent[seed][self.contender.block_of(tile)] as f64;
+            sums[seed][tile].map(|sum| sum / spp)
+        };
+        let run = |seed| (0..TILES * TILES).map(|tile| mean(seed, tile)).collect();
+        by_tile(&(0..spent.len()).map(run).collect::<Vec<Vec<_>>>())
+    }
+
+    /// Samples a pixel of each tile with which its error would be the wanted one.
+    fn needs(&self) -> Vec<f64> {
+        let need = |(tile, is): (usize, &Tile)| {
+            let block = self.contender.block_of(tile);
+            let error = is.luminance.variance.sqrt() / is.luminance.mean;
+            let seen = self.shown[tile] && is.luminance.mean > 0.0;
+            let spp = self.tally.0[block] as f64 * (error / self.contender.error).powi(2);
+            if seen { spp } else { 0.0 }
+        };
+        self.tiles().iter().enumerate().map(need).collect()
+    }
+
+    /// Asks for more where there is too little; at most three times what there is, whose spread may mislead.
+    fn ask(&mut self, spared: &[usize]) {
+        let needs = self.needs();
+        for block in 0..self.contender.blocks() {
+            let mine =
+                |tile: &usize| self.contender.block_of(*tile) == block && !spared.contains(tile);
+            let tiles = (0..TILES * TILES).filter(mine);
+            let need = tiles.map(|tile| needs[tile]).fold(0.0, f64::max);
+            let had = self.tally.0[block];
+            if need > had as f64 {
+                // A tenth more, so that the next look finds enough.
+                self.tally.0[block] = ((need * 1.1) as u64).clamp(had + had / 10, had * 3);
+            }
+        }
+    }
+}
+
+/// Renders until each two contenders are known to `share` in all tiles but [`SPARED`]; the verdicts.
+#[expect(clippy::print_stdout, reason = "figures for whoever runs it")]
+fn compare(words: &str, contenders: &[Contender], seeds: usize, share: f64) -> Vec<Verdict> {
+    let scene = scene(words, SIDE as u32);
+    let all = vec![true; TILES * TILES];
+    let light = shown_by_light(&scene, SIDE as u32);
+    let entry = |contender| enter(contender, words, seeds, &scene, [&all, &light]);
+    let mut entries: Vec<Entry> = contenders.iter().map(entry).collect();
+    loop {
+        entries.iter_mut().for_each(Entry::render);
+        let tiles: Vec<Vec<Tile>> = entries.iter().map(Entry::tiles).collect();
+        let mut verdicts = Vec::new();
+        for (i, a) in entries.iter().enumerate() {
+            for (j, b) in entries.iter().enumerate().skip(i + 1) {
+                let verdict = agree(&tiles[i], &tiles[j], |t| a.shown[t] && b.shown[t], share);
+                println!(
+                    "{words}: {} and {}: differ in {:?}, worst error {:.4}, above {share}: {:?}",
+                    a.contender.method,
+                    b.contender.method,
+                    verdict.rejected,
+                    verdict.worst_error,
+                    verdict.uncertain
+                );
+                verdicts.push(verdict);
+            }
+        }
+        let spared = hardest(&entries);
+        let had: Vec<Vec<u64>> = entries.iter().map(|e| e.tally.0.clone()).collect();
+        println!("samples a pixel of each window: {had:?}");
+        entries.iter_mut().for_each(|entry| entry.ask(&spared));
+        let enough = entries.iter().zip(had).all(|(e, had)| e.tally.0 == had);
+        if enough || verdicts.iter().all(|v| v.uncertain.len() <= SPARED) {
+            return verdicts;
+        }
+    }
+}
+
+fn enter<'a>(
+    contender: &'a Contender,
+    words: &'a str,
+    seeds: usize,
+    scene: &'a Scene,
+    [all, light]: [&'a [bool]; 2],
+) -> Entry<'a> {
+    let blocks = contender.blocks();
+    let fresh = || {
+        (
+            vec![contender.first; blocks],
+            vec![vec![0; blocks]; seeds],
+            vec![vec![[0.0; 3]; TILES * TILES]; seeds],
+        )
+    };
+    let kept = (contender.file(words)).and_then(|file| fs::read_to_string(file).ok());
+    Entry {
+        contender,
+        words,
+        scene,
+        shown: match contender.method {
+            Method::Light => light,
+            _ => all,
+        },
+        tally: kept.map_or_else(fresh, |text| serde_json::from_str(&text).expect("a tally")),
+    }
+}
+
+/// The tiles that would take longest.
+fn hardest(entries: &[Entry]) -> Vec<usize> {
+    let mut total = vec![0.0; TILES * TILES];
+    for entry in entries {
+        for (total, need) in total.iter_mut().zip(entry.needs()) {
+            *total += need;
+        }
+    }
+    let mut order: Vec<usize> = (0..TILES * TILES).collect();
+    order.sort_by(|&a, &b| total[b].total_cmp(&total[a]));
+    order.truncate(SPARED);
+    order
+}
+
+const PATH: Contender = Contender {
+    method: Method::Path,
+    block: 1,
+    first: 300,
+    error: 0.0027,
+    change: |_| {},
+};
+
+/// A chain must have more than one tile in its window: the light of a window as a whole it knows from
+/// independent samples.
+const PSSMLT: Contender = Contender {
+    method: Method::Pssmlt,
+    block: 2,
+    first: 1_000,
+    error: 0.0042,
+    // Its own acceptance does little where independent samples seldom find the light.
+    change: |settings| {
+        settings.options.p_large = 0.9;
+        settings.options.pilot = 100_000;
+    },
+};
+
+const BDPT: Contender = Contender {
+    method: Method::Bdpt,
+    first: 200,
+    error: 0.0042,
+    ..PATH
+};
+
+const LIGHT: Contender = Contender {
+    method: Method::Light,
+    block: TILES,
+    first: 200,
+    error: 0.0025,
+    change: |_| {},
+};
+
+#[test]
+fn windows_agree_roughly_and_a_missing_bounce_is_found() {
+    let short = |contender, first| Contender {
+        first,
+        error: 0.1,
+        ..contender
+    };
+    let path = short(PATH, 8);
+    let chain = Contender {
+        change: |_| {},
+        ..short(PSSMLT, 64)
+    };
+    for verdict in compare("cornell", &[path, chain, short(LIGHT, 16)], 8, 0.2) {
+        assert!(verdict.rejected.is_empty(), "{verdict:?}");
+        assert!(verdict.uncertain.len() <= SPARED, "{verdict:?}");
+    }
+    let cut = Contender {
+        change: |settings| settings.max_depth = 2,
+        ..short(LIGHT, 16)
+    };
+    let verdicts = compare("cornell", &[short(PATH, 8), cut], 8, 0.2);
+    assert!(!verdicts[0].rejected.is_empty(), "{verdicts:?}");
+}
+
+#[test]
+#[ignore = "hours; KAUSTIK_KEEP keeps what is done"]
+fn path_light_and_pssmlt_agree_on_water() {
+    let rivals = [PATH, PSSMLT, LIGHT];
+    for verdict in compare("water-cornell?light=0.8", &rivals, SEEDS, 0.005) {
+        assert!(verdict.rejected.is_empty(), "{verdict:?}");
+        assert!(verdict.uncertain.len() <= SPARED, "{verdict:?}");
+    }
+}
+
+#[test]
+#[ignore = "hours; KAUSTIK_KEEP keeps what is done"]
+fn path_and_bdpt_agree_on_water() {
+    let verdicts = compare("water-cornell?light=0.8", &[PATH, BDPT], SEEDS, 0.005);
+    assert!(verdicts[0].rejected.is_empty(), "{verdicts:?}");
+    assert!(verdicts[0].uncertain.len() <= SPARED, "{verdicts:?}");
+}
