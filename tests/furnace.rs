@@ -22,7 +22,7 @@ fn assert_one(words: &str, method: Method, spp: u64, tolerance: f64) {
 #[test]
 fn closed_sphere() {
     for method in Method::ALL {
-        assert_one("furnace?kind=diffuse", method, 256, 0.01);
+        assert_one("furnace?kind=diffuse", method, 96, 0.01);
     }
 }
 

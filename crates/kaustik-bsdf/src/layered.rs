@@ -56,6 +56,28 @@ pub struct Layered {
     shown: Shown,
 }
 
+/// What lies over a glTF material.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Layers {
+    sheen: Option<Sheen>,
+    coat: Option<Coat>,
+    shown: Shown,
+}
+
+impl Layers {
+    /// Over this, or by themselves.
+    #[inline]
+    pub(crate) fn over(self, base: Option<Principled>) -> Layered {
+        let Self { sheen, coat, shown } = self;
+        Layered {
+            base,
+            sheen,
+            coat,
+            shown,
+        }
+    }
+}
+
 /// Layers that scatter.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Shown {
@@ -84,6 +106,17 @@ impl Layered {
                 coat: true,
             },
         }
+    }
+
+    /// The layers, and what is below them.
+    pub(crate) fn apart(&self) -> (Layers, Option<Principled>) {
+        let Self {
+            base,
+            sheen,
+            coat,
+            shown,
+        } = *self;
+        (Layers { sheen, coat, shown }, base)
     }
 
     /// What is as rough as `threshold` (GGX alpha) or diffuse, and the rest; each `None` if there is nothing.

@@ -29,6 +29,7 @@
 
 mod albedo;
 mod bsdf;
+mod bsdf_list;
 mod coat;
 mod coated;
 mod conductor;
@@ -57,11 +58,13 @@ mod rough_dielectric;
 mod rough_thin_dielectric;
 mod sample;
 pub mod shading;
+mod shared;
 mod sheen;
 mod thin_dielectric;
 pub mod warp;
 
 pub use bsdf::{Bsdf, SMOOTH_ALPHA};
+pub use bsdf_list::BsdfList;
 pub use coated::Coated;
 pub use conductor::Conductor;
 pub use delta::Delta;

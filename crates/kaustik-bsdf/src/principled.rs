@@ -2,8 +2,10 @@ mod body;
 mod clear;
 mod parameters;
 mod parts;
+mod store;
 
 pub use parameters::{FilmParameters, PrincipledParameters, Wall};
+pub(crate) use store::{PrincipledPieces, PrincipledStore};
 
 use crate::facets::{Facets, rebound_colour};
 use crate::ggx::Ggx;

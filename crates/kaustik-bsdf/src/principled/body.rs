@@ -48,10 +48,18 @@ impl Body {
 
     /// The same without diffuse light.
     pub(super) fn blackened(&self) -> Self {
-        Self {
-            colour: Spectrum::ZERO,
-            ..*self
-        }
+        self.coloured(Spectrum::ZERO)
+    }
+
+    /// The same of another colour.
+    #[inline]
+    pub(super) fn coloured(&self, colour: Spectrum) -> Self {
+        Self { colour, ..*self }
+    }
+
+    /// Base colour times its share of the material.
+    pub(super) fn colour(&self) -> Spectrum {
+        self.colour
     }
 
     /// Colour of light rebounding between the cover's facets.

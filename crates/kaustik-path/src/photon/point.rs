@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use glam::{DVec2, DVec3, Vec3};
-use kaustik_bsdf::{Bsdf, Frame, Lobe, Mode, shading};
+use kaustik_bsdf::{Bsdf, BsdfList, Frame, Lobe, Mode, shading};
 use kaustik_scene::Vertex;
 use kaustik_spectrum::{Spectrum, Wavelengths, Xyz};
 
@@ -84,13 +84,11 @@ impl Manner {
     }
 }
 
-/// Points that follow each other lie on a few materials: so many of the last functions are looked through before one is added.
-const RECENT: usize = 4;
-
 /// A scattering function and the direction that it is seen from.
 #[derive(Clone, Copy, Debug)]
 struct Listed {
-    /// Number of the function. It is large, and without a texture the same at all points of a material.
+    /// Number of the function. It is large, and without a texture the same at all points of a material; with one
+    /// most of it is.
     bsdf: u32,
     /// Tangent, bitangent and shading normal. Single precision, as of the point's normals: there may be one a pixel.
     frame: [Vec3; 3],
@@ -119,7 +117,7 @@ pub struct MeasurementPoints {
     discs: Vec<Disc>,
     points: Vec<MeasurementPoint>,
     listed: Vec<Listed>,
-    functions: Vec<Bsdf>,
+    functions: BsdfList,
 }
 
 impl MeasurementPoints {
@@ -150,8 +148,8 @@ impl MeasurementPoints {
 
     /// Takes all points of another list, after its own.
     pub fn append(&mut self, other: &Self) {
-        let (first, function) = (self.listed.len() as u32, self.functions.len() as u32);
-        self.functions.extend_from_slice(&other.functions);
+        let first = self.listed.len() as u32;
+        let function = self.functions.append(&other.functions);
         self.listed.extend(other.listed.iter().map(|listed| Listed {
             bsdf: function + listed.bsdf,
             ..*listed
@@ -186,7 +184,7 @@ impl MeasurementPoints {
             throughput *= seen.bsdf.eval(wo, up, Mode::Radiance);
             Scattering::Diffuse { front: wo.z > 0.0 }
         } else {
-            let bsdf = self.function(&seen.bsdf);
+            let bsdf = self.functions.number(&seen.bsdf);
             self.listed.push(Listed {
                 bsdf,
                 frame: [vertex.frame.x, vertex.frame.y, vertex.frame.z].map(|axis| axis.as_vec3()),
@@ -206,16 +204,6 @@ impl MeasurementPoints {
             edges: seen.edges,
             manner: Manner::new(scattering, seen.dispersive),
         });
-    }
-
-    /// The number of a scattering function, which is added if it is none of the last few.
-    fn function(&mut self, bsdf: &Bsdf) -> u32 {
-        let mut recent = (0..self.functions.len()).rev().take(RECENT);
-        let known = recent.find(|&at| self.functions[at] == *bsdf);
-        known.unwrap_or_else(|| {
-            self.functions.push(*bsdf);
-            self.functions.len() - 1
-        }) as u32
     }
 
     /// What a photon brings to a point, if it is within its disc: `C_k` of spec (1), for a photon path that is
@@ -249,7 +237,7 @@ impl MeasurementPoints {
             Scattering::Diffuse { front } => (point.diffuse(photon, front), false),
             Scattering::Listed(listed) => {
                 let listed = &self.listed[listed as usize];
-                listed.scatter(&self.functions[listed.bsdf as usize], point, photon)
+                listed.scatter(&self.functions.get(listed.bsdf), point, photon)
             }
         }
     }
@@ -338,7 +326,7 @@ mod tests {
                 panic!("point {at} has no function");
             };
             let function = all.listed[listed as usize].bsdf;
-            assert_eq!(all.functions[function as usize], kinds[at % 2], "{at}");
+            assert_eq!(all.functions.get(function), kinds[at % 2], "{at}");
             assert_eq!(point.manner.is_dispersive(), at % 10 % 3 == at / 10);
         }
     }
