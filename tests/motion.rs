@@ -250,20 +250,26 @@ fn every_method_shows_the_mean_of_still_pictures() {
 
 /// Of these the picture is blurred by the photons' discs as well: that of a moving scene is the mean of pictures that
 /// `sppm` makes of still ones.
-fn photons(method: Method, iterations: u64) -> RenderSettings {
+fn photons(method: Method, iterations: u64, photons: u64) -> RenderSettings {
     let mut settings = settings(method, SIDE, iterations);
-    settings.options.photon.photons = PHOTONS;
+    settings.options.photon.photons = photons;
     settings.options.photon.burn_in = 64;
     settings
 }
 
 #[test]
 fn photon_methods_show_the_mean_of_still_pictures() {
-    let still = |seed| sum_of_stills(seed, &photons(Method::Sppm, 1));
+    let few = PHOTONS / 2;
+    let still = |seed| sum_of_stills(seed, &photons(Method::Sppm, 1, few));
     let stills = tiles_of(SEEDS.map(still));
     let mut more = None;
-    let blurred =
-        |scene: &_, method, seeds| sums(tiles_of_seeds(scene, &photons(method, ITERATIONS), seeds));
+    let blurred = |scene: &_, method, seeds| {
+        sums(tiles_of_seeds(
+            scene,
+            &photons(method, ITERATIONS, few),
+            seeds,
+        ))
+    };
     let scene = compile(&between(0.0, 1.0), SIDE);
     for method in [
         Method::Sppm,
@@ -313,7 +319,7 @@ fn switched() -> Description {
 fn light_that_comes_and_goes_is_as_bright_by_chains() {
     let scene = compile(&switched(), SIDE);
     let of = |method| {
-        let image = picture(&scene, &photons(method, 20));
+        let image = picture(&scene, &photons(method, 20, PHOTONS));
         means(&image).iter().sum::<f64>()
     };
     // Of the same seed all have the same instants.
