@@ -13,7 +13,8 @@ use kaustik::scene::Scene;
 use kaustik::{Method, RenderSettings};
 
 use crate::support::{
-    TILE, Tile, Verdict, agree, by_tile, picture, scene, settings, shown_by_light, tile_means,
+    TILE, Tile, Verdict, agree, by_tile, keep, kept_file, picture, scene, settings, shown_by_light,
+    tile_means,
 };
 
 const SIDE: usize = 64;
@@ -24,9 +25,15 @@ const SEEDS: usize = 32;
 /// Tiles whose error may be larger.
 const SPARED: usize = 3;
 
-/// What has been rendered: samples a pixel of each block that each seed is to have and has, and sums
-/// over samples of each tile's mean.
-type Tally = (Vec<u64>, Vec<Vec<u64>>, Vec<Vec<[f64; 3]>>);
+/// What has been rendered.
+struct Tally {
+    /// Samples a pixel of each block that each seed is to have.
+    wanted: Vec<u64>,
+    /// What each seed has of them, by block.
+    spent: Vec<Vec<u64>>,
+    /// Sums over samples of each tile's mean, by seed.
+    sums: Vec<Vec<[f64; 3]>>,
+}
 
 /// A method and how it is to be rendered.
 struct Contender {
@@ -63,10 +70,7 @@ impl Contender {
     }
 
     fn file(&self, words: &str) -> Option<PathBuf> {
-        let folder = std::env::var_os("KAUSTIK_KEEP")?;
-        let name = format!("{words} {} by {}", self.method, self.block);
-        let plain = name.replace(|c: char| !c.is_ascii_alphanumeric(), "_");
-        Some(PathBuf::from(folder).join(format!("{plain}.json")))
+        kept_file(&format!("{words} {} by {}", self.method, self.block))
     }
 }
 
@@ -83,9 +87,9 @@ struct Entry<'a> {
 impl Entry<'_> {
     /// Renders what the windows still are to have; what a folder keeps is not rendered again.
     fn render(&mut self) {
-        for seed in 0..self.tally.1.len() {
+        for seed in 0..self.tally.spent.len() {
             for block in 0..self.contender.blocks() {
-                let (wanted, had) = (self.tally.0[block], self.tally.1[seed][block]);
+                let (wanted, had) = (self.tally.wanted[block], self.tally.spent[seed][block]);
                 if wanted > had {
                     self.render_block(seed, block, wanted - had);
                 }
@@ -102,29 +106,32 @@ impl Entry<'_> {
         };
         change(&mut settings);
         // Samples of their own for what is added later.
-        settings.seed = seed as u64 + SEEDS as u64 * self.tally.1[seed][block];
+        settings.seed = seed as u64 + SEEDS as u64 * self.tally.spent[seed][block];
         let means = tile_means(&picture(self.scene, &settings));
         let mine = (0..TILES * TILES).filter(|&tile| self.contender.block_of(tile) == block);
         for (tile, mean) in mine.zip(means) {
-            for (sum, mean) in self.tally.2[seed][tile].iter_mut().zip(mean) {
+            for (sum, mean) in self.tally.sums[seed][tile].iter_mut().zip(mean) {
                 *sum += mean * spp as f64;
             }
         }
-        self.tally.1[seed][block] += spp;
+        self.tally.spent[seed][block] += spp;
     }
 
     fn keep(&self) {
         let Some(file) = self.contender.file(self.words) else {
             return;
         };
-        let beside = file.with_extension("new");
-        let text = serde_json::to_string(&self.tally).expect("numbers");
-        fs::write(&beside, text).expect("the folder KAUSTIK_KEEP names");
-        fs::rename(&beside, &file).expect("the folder KAUSTIK_KEEP names");
+        let Tally {
+            wanted,
+            spent,
+            sums,
+        } = &self.tally;
+        let text = serde_json::to_string(&(wanted, spent, sums)).expect("numbers");
+        keep(&file, &text);
     }
 
     fn tiles(&self) -> Vec<Tile> {
-        let (_, spent, sums) = &self.tally;
+        let Tally { spent, sums, .. } = &self.tally;
         let mean = |seed: usize, tile: usize| {
             let spp = spent[seed][self.contender.block_of(tile)] as f64;
             sums[seed][tile].map(|sum| sum / spp)
@@ -139,7 +146,7 @@ impl Entry<'_> {
             let block = self.contender.block_of(tile);
             let error = is.luminance.variance.sqrt() / is.luminance.mean;
             let seen = self.shown[tile] && is.luminance.mean > 0.0;
-            let spp = self.tally.0[block] as f64 * (error / self.contender.error).powi(2);
+            let spp = self.tally.wanted[block] as f64 * (error / self.contender.error).powi(2);
             if seen { spp } else { 0.0 }
         };
         self.tiles().iter().enumerate().map(need).collect()
@@ -153,10 +160,10 @@ impl Entry<'_> {
                 |tile: &usize| self.contender.block_of(*tile) == block && !spared.contains(tile);
             let tiles = (0..TILES * TILES).filter(mine);
             let need = tiles.map(|tile| needs[tile]).fold(0.0, f64::max);
-            let had = self.tally.0[block];
+            let had = self.tally.wanted[block];
             if need > had as f64 {
                 // A tenth more, so that the next look finds enough.
-                self.tally.0[block] = ((need * 1.1) as u64).clamp(had + had / 10, had * 3);
+                self.tally.wanted[block] = ((need * 1.1) as u64).clamp(had + had / 10, had * 3);
             }
         }
     }
@@ -189,10 +196,13 @@ fn compare(words: &str, contenders: &[Contender], seeds: usize, share: f64) -> V
             }
         }
         let spared = hardest(&entries);
-        let had: Vec<Vec<u64>> = entries.iter().map(|e| e.tally.0.clone()).collect();
+        let had: Vec<Vec<u64>> = entries.iter().map(|e| e.tally.wanted.clone()).collect();
         println!("samples a pixel of each window: {had:?}");
         entries.iter_mut().for_each(|entry| entry.ask(&spared));
-        let enough = entries.iter().zip(had).all(|(e, had)| e.tally.0 == had);
+        let enough = entries
+            .iter()
+            .zip(had)
+            .all(|(e, had)| e.tally.wanted == had);
         if enough || verdicts.iter().all(|v| v.uncertain.len() <= SPARED) {
             return verdicts;
         }
@@ -207,12 +217,18 @@ fn enter<'a>(
     [all, light]: [&'a [bool]; 2],
 ) -> Entry<'a> {
     let blocks = contender.blocks();
-    let fresh = || {
-        (
-            vec![contender.first; blocks],
-            vec![vec![0; blocks]; seeds],
-            vec![vec![[0.0; 3]; TILES * TILES]; seeds],
-        )
+    let fresh = || Tally {
+        wanted: vec![contender.first; blocks],
+        spent: vec![vec![0; blocks]; seeds],
+        sums: vec![vec![[0.0; 3]; TILES * TILES]; seeds],
+    };
+    let of_text = |text: String| {
+        let (wanted, spent, sums) = serde_json::from_str(&text).expect("a tally");
+        Tally {
+            wanted,
+            spent,
+            sums,
+        }
     };
     let kept = (contender.file(words)).and_then(|file| fs::read_to_string(file).ok());
     Entry {
@@ -223,7 +239,7 @@ fn enter<'a>(
             Method::Light => light,
             _ => all,
         },
-        tally: kept.map_or_else(fresh, |text| serde_json::from_str(&text).expect("a tally")),
+        tally: kept.map_or_else(fresh, of_text),
     }
 }
 

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use kaustik::film::Image;
 use kaustik::path::features;
@@ -202,23 +202,32 @@ pub(crate) fn kept_tiles_of_seeds(
     settings: &RenderSettings,
     seeds: std::ops::Range<u64>,
 ) -> Vec<Tile> {
-    let Some(folder) = std::env::var_os("KAUSTIK_KEEP") else {
+    let Some(file) = kept_file(name) else {
         return tiles_of_seeds(scene, settings, seeds);
     };
-    let plain = name.replace(|c: char| !c.is_ascii_alphanumeric(), "_");
-    let file = Path::new(&folder).join(format!("{plain}.json"));
     let text = fs::read_to_string(&file).unwrap_or_else(|_| "{}".to_owned());
     let mut kept: BTreeMap<u64, Vec<[f64; 3]>> = serde_json::from_str(&text).expect("kept tiles");
     for seed in seeds.clone() {
         if let Entry::Vacant(vacant) = kept.entry(seed) {
             vacant.insert(tile_means(&of_seed(scene, settings, seed)));
-            let beside = file.with_extension("new");
-            let text = serde_json::to_string(&kept).expect("numbers");
-            fs::write(&beside, text).expect("the folder KAUSTIK_KEEP names");
-            fs::rename(&beside, &file).expect("the folder KAUSTIK_KEEP names");
+            keep(&file, &serde_json::to_string(&kept).expect("numbers"));
         }
     }
     by_tile(&seeds.map(|seed| kept[&seed].clone()).collect::<Vec<_>>())
+}
+
+/// What the folder `KAUSTIK_KEEP` names keeps under this name; `None` if it names none.
+pub(crate) fn kept_file(name: &str) -> Option<PathBuf> {
+    let folder = std::env::var_os("KAUSTIK_KEEP")?;
+    let plain = name.replace(|c: char| !c.is_ascii_alphanumeric(), "_");
+    Some(Path::new(&folder).join(format!("{plain}.json")))
+}
+
+/// Puts a text in the place of a kept file, as a whole.
+pub(crate) fn keep(file: &Path, text: &str) {
+    let beside = file.with_extension("new");
+    fs::write(&beside, text).expect("the folder KAUSTIK_KEEP names");
+    fs::rename(&beside, file).expect("the folder KAUSTIK_KEEP names");
 }
 
 /// Tile means of independent pictures.
