@@ -1,6 +1,8 @@
 //! Every kernel and every composite of the crate, on a thousand targets each: exact.
 
-use kaustik_mcmc::testing::strategies::{grid_densities, mutations, skewed_mutations, targets};
+use kaustik_mcmc::testing::strategies::{
+    GridDensity, grid_densities, mutations, skewed_mutations, targets,
+};
 use kaustik_mcmc::testing::{
     Grid, GridStep, OnGrid, TransitionMatrix, assert_detailed_balance, assert_stationary,
 };
@@ -76,6 +78,51 @@ fn on_a_ring(pi: &[f64], mutation: impl Mutation + Clone, large: f64) -> Transit
     })
 }
 
+/// A small step, another mutation, a small step of it; and the law.
+fn settled_change(
+    density: &GridDensity,
+    [near, far]: [GridStep; 2],
+    refresh: bool,
+) -> (TransitionMatrix, Vec<f64>) {
+    let (grid, target) = (Grid::new(3, &[FIRST, SECOND]), sometimes(3));
+    let family = |value: &[f64; 2]| [density.at(*value)];
+    let kernel = PointKernel::new(&target, 0.0);
+    let matrix = grid.matrix(&target, &family, 0, &near, |chain, draws| {
+        chain.step(&kernel, &family, draws, &mut Ignore);
+        if refresh {
+            chain.refresh();
+        }
+        chain.set_mutation(far.clone(), draws);
+        chain.step(&kernel, &family, draws, &mut Ignore);
+    });
+    (matrix, grid.densities(&target, &family, 0))
+}
+
+/// No mass but in one cell, which nothing leaves.
+#[test]
+fn a_step_that_stays_keeps_a_single_cell() {
+    let density = GridDensity {
+        cells: 2,
+        densities: vec![0.0, 0.0, 0.001, 0.0],
+    };
+    let stays = GridStep::new(2, &[(0, 1.0)]);
+    let (p, pi) = point_kernel(2, &pair(), |v| density.at(v), &stays, 0.0);
+    assert_detailed_balance(&p, &pi);
+    assert_stationary(&p, &pi);
+}
+
+/// From a step that moves to one that stays, with mass in two far cells.
+#[test]
+fn a_settled_change_to_a_step_that_stays_keeps_the_target() {
+    let density = GridDensity {
+        cells: 3,
+        densities: vec![0.616, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.001],
+    };
+    let (moves, stays) = (GridStep::symmetric(3, 1), GridStep::new(3, &[(0, 1.0)]));
+    let (p, pi) = settled_change(&density, [moves, stays], true);
+    assert_stationary(&p, &pi);
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(CASES))]
 
@@ -123,18 +170,7 @@ proptest! {
     fn a_settled_change_of_mutation_keeps_the_target(
         density in grid_densities(3..4), near in mutations(3), far in mutations(3), refresh in any::<bool>(),
     ) {
-        let (grid, target) = (Grid::new(3, &[FIRST, SECOND]), sometimes(3));
-        let family = |value: &[f64; 2]| [density.at(*value)];
-        let kernel = PointKernel::new(&target, 0.0);
-        let p = grid.matrix(&target, &family, 0, &near, |chain, draws| {
-            chain.step(&kernel, &family, draws, &mut Ignore);
-            if refresh {
-                chain.refresh();
-            }
-            chain.set_mutation(far.clone(), draws);
-            chain.step(&kernel, &family, draws, &mut Ignore);
-        });
-        let pi = grid.densities(&target, &family, 0);
+        let (p, pi) = settled_change(&density, [near, far], refresh);
         prop_assume!(somewhere(&pi));
         assert_stationary(&p, &pi);
     }
