@@ -267,7 +267,7 @@ fn mirror_before_the_void() -> Description {
 const FIELD: f32 = 0.6;
 
 /// What no path with light shows stays black without any blending, sharp to the pixel; what is beside it is
-/// right (Batty sec. 5 lost such a reflection; spec: erpt.md 2e).
+/// right (Batty sec. 5 lost such a reflection).
 #[test]
 fn the_void_in_a_mirror_is_black() {
     const SIDE: u32 = 32;

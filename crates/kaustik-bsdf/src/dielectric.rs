@@ -81,7 +81,7 @@ impl Lobe for Dielectric {
 }
 
 /// Radiance grows with the square of the index: going from `wo` against the light into a medium
-/// `ahead` times as dense divides by `ahead^2` (spec 8.1). Particles know nothing of it.
+/// `ahead` times as dense divides by `ahead^2` (Veach 1997 ch. 5). Particles know nothing of it.
 #[inline]
 pub(crate) fn radiance_scale(ahead: f64, mode: Mode) -> f64 {
     match mode {

@@ -121,7 +121,7 @@ impl RoughDielectric {
         )
     }
 
-    /// From radiance mode, which carries `n(wo)^2`, to either mode, spec (7).
+    /// From radiance mode, which carries `n(wo)^2`, to either mode (Veach 1997 ch. 5).
     #[inline]
     fn in_mode(&self, wo: DVec3, wi: DVec3, radiance: Spectrum, mode: Mode) -> Spectrum {
         if wo.z * wi.z > 0.0 || mode == Mode::Radiance {

@@ -1,4 +1,4 @@
-//! Shading normals: what they do to the adjoint (spec 8.2).
+//! Shading normals: what they do to the adjoint (Veach 1997 ch. 5).
 //!
 //! A shading normal `ns` other than the geometric normal `ng` makes scattering asymmetric: the
 //! eye's walk weighs with `f |wi.ns|`, so a light's walk must weigh with
@@ -16,7 +16,7 @@ pub fn sides_agree(wo: DVec3, wi: DVec3, ng: DVec3) -> bool {
 }
 
 /// What to multiply [`Sample::weight`](crate::Sample::weight) by at a vertex of a walk: 1 in
-/// radiance mode, equation (8) in importance mode, 0 where the sides disagree.
+/// radiance mode, `|wo.ns| |wi.ng| / (|wo.ng| |wi.ns|)` in importance mode, 0 where the sides disagree.
 ///
 /// `wo` is where the walk came from. The result is finite: where the sides agree no divisor is 0.
 #[inline]
@@ -26,7 +26,7 @@ pub fn walk_factor(wo: DVec3, wi: DVec3, ng: DVec3, mode: Mode) -> f64 {
     }
     match mode {
         Mode::Radiance => 1.0,
-        // (8) with the light's direction called wo here
+        // a walk from the light: wo points to it
         Mode::Importance => (wo.z * wi.dot(ng) / (wo.dot(ng) * wi.z)).abs(),
     }
 }

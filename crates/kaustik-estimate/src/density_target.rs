@@ -9,7 +9,7 @@ const SLOPE: f64 = 10.0;
 /// Standard deviation of the blur, in pixels.
 const SIGMA: f64 = 4.0;
 
-/// A target for each pixel, at least 1 (spec stf-photon.md (4)).
+/// A target for each pixel: 1, and `1 + SLOPE (exp(1 - v / MIDDLE) - 1)` where the density v is below the middle.
 #[derive(Clone, Debug)]
 pub struct DensityTarget {
     columns: usize,

@@ -1,4 +1,4 @@
-//! What a visit of a Kelemen chain adds to the film (spec: pss-and-pssmlt.md 4).
+//! What a visit of a Kelemen chain adds to the film (Kelemen sec. 5).
 
 use kaustik_film::Film;
 use kaustik_mcmc::{Recorder, Visit};
@@ -7,12 +7,12 @@ use kaustik_path::{Class, Contributions};
 /// How large steps, which are independent samples, are put to use a second time.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Mis {
-    /// Two films whose heuristic weights sum to one for every constant `b0`: unbiased (4.4).
+    /// Two films whose heuristic weights sum to one for every constant `b0`: only the `b` that scales the first errs.
     #[default]
     Split,
-    /// One film as Kelemen's eq. 1 and 2 print it: biased by the error of `b` (4.2).
+    /// One film as Kelemen's eq. 1 and 2 print it: biased by the error of `b`.
     Printed,
-    /// Expected values alone (4.1).
+    /// Expected values alone (Kelemen sec. 1.2).
     Off,
 }
 
@@ -84,7 +84,7 @@ impl Recorder<Contributions, 1> for KelemenDeposit<'_> {
         if density <= 0.0 {
             return;
         }
-        // Spec (4.2): the sum of both techniques' densities, per mutation.
+        // Kelemen eqs. 1 and 2: the sum of both techniques' densities, per mutation.
         let combined = density / self.b0 + self.p_large;
         match self.mis {
             Mis::Split => {

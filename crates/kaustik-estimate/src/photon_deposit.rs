@@ -11,7 +11,7 @@ use crate::{PhotonMap, PhotonValue, RegionSums, Scale};
 /// How the samples of several chains make one picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Combine {
-    /// The balance heuristic over all chains (spec stf-photon.md 8.2): what a path weighs does not depend on the chain
+    /// The balance heuristic over all chains (G sec. 4.4): what a path weighs does not depend on the chain
     /// that found it.
     #[default]
     Balance,
@@ -25,7 +25,7 @@ pub const TOUCH: u64 = 1 << 16;
 /// Splats what chains visit: on a film for each level, with weights from rough normalisers `b0`.
 ///
 /// Level `l` of `N` weighted visits becomes its share of the picture by the factor `(b_l / b0_l) / N`, once `b_l` is known
-/// (spec (12), every chain with the same number of samples): right for any `b0`.
+/// (as RELT eq. 23, every chain with the same number of samples): right for any `b0`, as weights made of it sum to 1.
 #[derive(Debug)]
 pub struct PhotonDeposit<'a, const K: usize> {
     /// Where paths meet points.
@@ -48,7 +48,7 @@ pub struct PhotonDeposit<'a, const K: usize> {
     pub faults: [u64; K],
 }
 
-/// `share / T_l` of spec (12), times `b0_l`.
+/// The weight of level l, `(T_l / b0_l) / sum(T_m / b0_m)` or `1 / K`, over `T_l / b0_l`.
 #[inline]
 fn share<const K: usize>(
     combine: Combine,

@@ -21,7 +21,7 @@ pub struct PhotonMap<'a> {
 
 impl PhotonMap<'_> {
     /// Calls `meet` with every point that a photon counts at: within the radius, on a surface that looks the same
-    /// way, at the end of a path that is not too long (the geometric test of spec stf-photon.md 1).
+    /// way, at the end of a path that is not too long.
     #[inline]
     pub fn meetings(&self, photon: &Photon, mut meet: impl FnMut(usize)) {
         let points = self.points.points();
@@ -60,7 +60,7 @@ impl PhotonMap<'_> {
         true
     }
 
-    /// Adds all that a path brings, times `weight`, to a film: eq. (1). Returns how many values were not finite or
+    /// Adds all that a path brings (G Eq. 2), times `weight`, to a film. Returns how many values were not finite or
     /// negative.
     #[inline]
     pub fn deposit(&self, film: &Film, scale: Scale, path: &PhotonPath, weight: f64) -> u64 {

@@ -23,7 +23,7 @@ pub struct PhotonValue {
     pub path: PhotonPath,
     /// All pairs that meet, by photon.
     pub meetings: Vec<Meeting>,
-    /// `T_1` to `T_4` of spec stf-photon.md (9): 1; visibility; inverse kernel size; all of it. Positive
+    /// Those of the four chains of G sec. 4.4: 1; visibility; inverse kernel size; all of it. Positive
     /// where the path is visible, else but for the first 0.
     pub targets: [f64; 4],
 }
@@ -52,7 +52,7 @@ impl Target for PhotonTarget<'_> {
         } = value;
         (self.tracing).build(self.scene, self.map.wavelengths, u, path);
         meetings.clear();
-        // spec (2): the largest of the points touched
+        // G Eq. 12: the largest of the points touched
         let mut most = [0.0_f32; 2];
         for (photon, at) in path.photons().iter().zip(0..) {
             note(|| self.map.told(photon));
@@ -70,7 +70,7 @@ impl Target for PhotonTarget<'_> {
     }
 }
 
-/// Which of the four targets the chains of a ladder follow, the uniform one first (spec 7 and 10c).
+/// Which of the four targets the chains of a ladder follow, the uniform one first (G sec. 4.4, Fig. 5).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PhotonLevels<const K: usize>(
     /// Positions in [`PhotonValue::targets`].

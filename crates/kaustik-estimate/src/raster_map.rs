@@ -1,4 +1,4 @@
-//! Weights over the image that a chain's target is multiplied by (Hoberock and Hart 2010; spec: stf-photon.md 10).
+//! Weights over the image that a chain's target is multiplied by (Hoberock and Hart 2010).
 
 use kaustik_film::Layout;
 

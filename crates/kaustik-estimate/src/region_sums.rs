@@ -16,7 +16,7 @@ const MOST_FLUX: f64 = 256.0;
 /// Which chains' visits are counted.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Witnesses {
-    /// All chains but the one that follows what is being estimated, by the power heuristic with exponent 2 (spec 8.4).
+    /// All chains but the one that follows what is being estimated, by the power heuristic with exponent 2.
     #[default]
     Others,
     /// The chain of visibility alone (G Eq. 6).
@@ -28,8 +28,8 @@ pub enum Witnesses {
 
 /// Sums for each leaf, of each level and half.
 ///
-/// The number of points that a path touches there, weighted by `omega` times `N_l b0_l / b_l` (spec 8.4), and the
-/// share with which the path counts.
+/// The number of points that a path touches there, weighted by `share b0_l / T_l` (times `b_l / (b0_l N_l)` a term of
+/// G Eq. 6), and the share with which the path counts.
 #[derive(Debug)]
 pub struct RegionSums<const K: usize> {
     /// The leaf of each measurement point.

@@ -1,4 +1,4 @@
-//! Regions that gather how likely photons are: the hierarchy of the spatial target function.
+//! Regions that gather how likely photons are: the hierarchy of the spatial target function (Gruson et al. 2016, "G").
 //!
 //! A tree is built once, from a pilot's measurement points; every node keeps its statistics, and a cut through the tree
 //! says which regions the target goes by (G sec. 4.2). The cut begins at the root and is refined where the statistics
@@ -43,7 +43,7 @@ struct Node {
     in_cut: bool,
     /// Number of the leaf, if it is one.
     leaf: u32,
-    /// Sums over iterations of psi / s, in two halves: Delta of spec (6).
+    /// Sums over iterations of psi / s, in two halves: kappa / s of G Eq. 8, defined without points as well.
     delta: [f64; 2],
     /// The same of the flux that each of these paths brings, and of its square.
     flux: [f64; 2],
@@ -58,7 +58,7 @@ struct Node {
 /// What an iteration has found out about a leaf.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct LeafTally {
-    /// psi of spec (5) in two halves, which sum to it.
+    /// psi (G Eqs. 6 and 7) in two halves, which sum to it.
     pub psi: [f64; 2],
     /// The same sum with the flux that a path brings to the point in the place of 1, and with its square; zero where nobody
     /// asks.
@@ -277,7 +277,7 @@ impl Regions {
         }
     }
 
-    /// For each leaf the density of photons in its region of the cut, D of spec (6), over the largest of all that have
+    /// For each leaf the density of photons in its region of the cut, D of G Eq. 10, over the largest of all that have
     /// points. A region that nothing is known of takes that of the nearest ancestor of which something is; where there is
     /// none, 1.
     pub fn densities(&self) -> Vec<f64> {
@@ -403,7 +403,7 @@ impl Node {
         (self.iterations > 0 && delta > 0.0).then(|| delta / self.iterations as f64)
     }
 
-    /// By how much the halves disagree: spec (7).
+    /// By how much the halves disagree: err of G sec. 4.2, each half doubled to stand for the whole.
     fn error(&self) -> f64 {
         let sum = self.delta[0] + self.delta[1];
         if sum > 0.0 {

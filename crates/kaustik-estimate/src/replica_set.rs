@@ -8,7 +8,7 @@ use kaustik_path::Class;
 /// Weights of the six path classes in one replica's density: `d_{k,0}` to `d_{k,5}` (RELT eq. 19).
 pub type ClassWeights = [f64; Class::COUNT];
 
-/// The replicas of a run (RELT 4.2.3; spec relt.md 3): the uniform one, then a row of class
+/// The replicas of a run (RELT 4.2.3): the uniform one, then a row of class
 /// weights each.
 ///
 /// Each stands on one before it, the one just before unless said otherwise, and its support is nested in
@@ -40,7 +40,7 @@ impl ReplicaSet {
     pub const FEWEST: usize = 2;
     /// The most replicas.
     pub const MOST: usize = 8;
-    /// `delta` of the specific replica (spec relt.md 3: the paper gives none).
+    /// `delta` of the specific replica (RELT 4.2.3 gives no number).
     pub const DELTA: f64 = 0.05;
 
     /// The most steps of a replica in a sweep.
@@ -121,7 +121,7 @@ impl ReplicaSet {
     }
 
     /// Is the last replica there for implicit specular paths: does it weigh them more than any
-    /// other class? Then these go to its film alone (RELT 5.1.4; spec relt.md 6.5).
+    /// other class? Then these go to its film alone (RELT 5.1.4).
     pub fn is_specific(&self) -> bool {
         let [specular, rest @ ..] = self.rows[self.count - 1];
         self.count > Self::FEWEST && rest.iter().all(|&weight| weight < specular)

@@ -6,8 +6,8 @@ use kaustik_path::{Class, Contributions, ScalarTarget};
 
 use crate::{ClassWeights, ReplicaSet, Scale, Shares};
 
-/// The densities of K replicas: `q_0 = 1`, `q_k = sum of d_{k,n} L_n` (RELT eq. 19; spec
-/// relt.md 3, which counts from 1).
+/// The densities of K replicas: `q_0 = 1`, `q_k = sum of d_{k,n} L_n` (RELT eq. 19, which counts
+/// from 1).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ReplicaFamily<const K: usize> {
     rows: [ClassWeights; K],
@@ -39,8 +39,8 @@ impl<const K: usize> Family<Contributions, K> for ReplicaFamily<K> {
     }
 }
 
-/// The fixed parts of the heuristic that combines the replicas (RELT eq. 22 and 23 as spec
-/// relt.md (5), (6) and (8) have them).
+/// The fixed parts of the heuristic that combines the replicas (RELT eq. 22 and 23, with constants that
+/// are fixed before the run in place of the normalisers).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ReplicaWeights<const K: usize> {
     /// `1 / b_hat_k`.
@@ -114,8 +114,8 @@ impl<const K: usize> ReplicaWeights<K> {
         }
     }
 
-    /// What each sample of a sharing replica is multiplied by: `(n_k q_k/b_hat_k)^(beta-1) / D` (spec (6), where
-    /// `n_k` is 1), and D the sum of `(n_k q_k/b_hat_k)^beta`.
+    /// What each sample of a sharing replica is multiplied by: `(n_k q_k/b_hat_k)^(beta-1) / D` (RELT eq. 23 with
+    /// `n_k` samples of replica k), D being the sum of `(n_k q_k/b_hat_k)^beta`.
     #[inline]
     pub fn factor(&self, level: usize, densities: &[f64; K]) -> f64 {
         let mut sum = 0.0;
@@ -157,7 +157,7 @@ impl<const K: usize> ReplicaWeights<K> {
     }
 
     /// What implicit specular light of a sample of the specific replica is multiplied by:
-    /// `b_hat_K / q_K` (spec (8)).
+    /// `b_hat_K / q_K`, as no other replica shows that light.
     #[inline]
     pub fn specific_factor(&self, densities: &[f64; K]) -> f64 {
         1.0 / (densities[K - 1] * self.inverse[K - 1])
@@ -179,7 +179,7 @@ pub fn light(value: &Contributions) -> [f64; 2] {
 /// Takes the visits of ladders of K replicas: one film each.
 ///
 /// After N sweeps the image is `area / N * sum of scale_k * film_k`, `area` being the raster area in
-/// pixels and `scale_k` the replica's of [`Shares::scales`], or `b_k / b_hat_k` (spec (7), (8)).
+/// pixels and `scale_k` the replica's of [`Shares::scales`], or `b_k / b_hat_k`.
 ///
 /// Without a specific replica every visit goes to its replica's film, weighted by
 /// [`factor`](ReplicaWeights::factor). With one, implicit specular light ([`Class::L0`]) goes to the

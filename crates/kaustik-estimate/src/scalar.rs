@@ -45,7 +45,7 @@ impl Family<Contributions, 1> for ScalarContribution {
     }
 }
 
-/// The same times a weight where each splat falls: the target of a stage of multi-stage PSSMLT (spec: stf-photon.md 10).
+/// The same times a weight where each splat falls: the target of a stage of PSSMLT in stages (Hoberock and Hart 2010).
 ///
 /// The sum alone: a largest path has no place in the image of its own.
 #[derive(Clone, Debug, PartialEq)]

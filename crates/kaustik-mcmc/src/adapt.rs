@@ -12,7 +12,7 @@
 //! Between rounds the size still depends on where the chain has just been. Adaptation from
 //! a chain's own acceptance in rounds of 16 steps with a large gain was measured to bias a
 //! toy by 20 %, whether settled or not; rounds of 1,000 with a gain of 2 / round, by nothing
-//! that could be seen (within 1.3 standard errors; spec relt.md sec. 4). All
+//! that could be seen (within 1.3 standard errors). All
 //! adaptations here *diminish*, which with a bounded set of sizes makes the chain converge
 //! to its target (Roberts and Rosenthal 2007): estimates are consistent, not unbiased. To be
 //! unbiased, adapt in a burn-in, throw that away, and start anew with the size frozen; or

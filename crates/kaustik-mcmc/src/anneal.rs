@@ -21,7 +21,7 @@ use crate::{
 /// As the initial phase of a [`Ladder`]: rough normalisers for its weights and good starts for
 /// all replicas. Scaled by the very Z_k of the annealing, what a chain from such a start
 /// gathers is unbiased as long as it exchanges with no other; with exchanges the remaining
-/// start-up bias is small, and vanishes with the length of the run (RELT spec 7.5). Alone, as
+/// start-up bias is small, and vanishes with the length of the run. Alone, as
 /// an estimator through `recorder`, it needs no burn-in and is unbiased, but forgets what it
 /// found once the levels are climbed.
 ///

@@ -30,7 +30,7 @@ pub fn decide<D: Draws + ?Sized>(acceptance: f64, draws: &mut D) -> bool {
 }
 
 /// The probability with which two replicas exchange their states: min(1, r) with r of RELT
-/// spec eq. (2). (The paper prints max.)
+/// eq. 9. (The paper prints max.)
 ///
 /// `own` are the densities q_k(u_k) and q_l(u_l) of both states where they are, `crossed`
 /// those where they would go, q_k(u_l) and q_l(u_k); r is the product of `crossed` over

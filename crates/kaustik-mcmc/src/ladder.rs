@@ -20,7 +20,7 @@ use crate::{
 /// probability [min(1, r)](crate::exchange_acceptance), which leaves the product of all
 /// normalised targets invariant (RELT eqs. 8 and 9). So visits at level k, which come with
 /// `visit.level == k`, estimate means under p_k exactly as those of a single chain do, from a
-/// stationary start without bias; exchanges themselves record nothing (RELT spec 6.4).
+/// stationary start without bias; exchanges themselves record nothing.
 ///
 /// Replicas keep what belongs to their level: a lazy [`Point`] its mutation (the debt that a
 /// state owes to it is paid when it leaves), the kernel its large steps, the chain its
@@ -242,7 +242,7 @@ impl<S, V, const K: usize> Ladder<S, V, K> {
         self.end_round();
     }
 
-    /// Metropolis' exchange of one pair: RELT spec eq. (2).
+    /// Metropolis' exchange of one pair: RELT eq. 9.
     fn try_swap<N, D, R>(
         &mut self,
         [a, b]: [usize; 2],

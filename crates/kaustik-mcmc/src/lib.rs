@@ -111,8 +111,8 @@
 //!
 //! | estimator | each visit adds | scale |
 //! |---|---|---|
-//! | expected values, spec (4.1) | weight * F / I | b / M |
-//! | Kelemen's combination, split (4.4), film M | weight * F / (I/b0 + p) | (b / b0) / M |
+//! | expected values (Kelemen sec. 1.2) | weight * F / I | b / M |
+//! | Kelemen's combination (eqs. 1 and 2), split, film M | weight * F / (I/b0 + p) | (b / b0) / M |
 //! | the same, film L | independent * F / (I/b0 + p) | 1 / M |
 //!
 //! where p is the probability of large steps and b0 any positive constant, a guess of b. The

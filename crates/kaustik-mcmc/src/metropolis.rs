@@ -109,7 +109,7 @@ impl<S, V, const K: usize> Metropolis<S, V, K> {
         self.statistics.count(&proposal, densities, a, accepted);
         self.statistics.count_step(accepted, &mut self.stay);
 
-        self.pending.weight += 1.0 - a; // spec (4.1), (4.4)
+        self.pending.weight += 1.0 - a; // Kelemen sec. 1.2
         let visit = Pending {
             weight: a,
             independent: f64::from(u8::from(proposal.independent)),
@@ -178,7 +178,7 @@ impl<S, V, const K: usize> Metropolis<S, V, K> {
         D: Draws + ?Sized,
         R: Recorder<V, K> + ?Sized,
     {
-        self.flush(recorder); // RELT spec sec. 6.4
+        self.flush(recorder); // told at its own level
         other.flush(recorder);
         kernel.exchange(&mut self.state, &mut other.state, draws);
         std::mem::swap(&mut self.value, &mut other.value);
@@ -280,7 +280,7 @@ impl Pending {
         densities: &[f64; K],
         recorder: &mut R,
     ) {
-        // time at density zero (a bad start) stands for nothing: spec after (3.2)
+        // time at density zero (a bad start) stands for nothing
         let weight = if densities[level] > 0.0 {
             self.weight
         } else {

@@ -12,13 +12,13 @@ use crate::{Draws, Kernel, Move};
 /// * a function of the current value, `Fn(&V) -> [f64; N]` (a [`Suitability`]): each
 ///   kernel is chosen as it suits the state. The chance p_i of choosing kernel i then
 ///   differs there and back, and the ratio of the move is multiplied by p_i(v) / p_i(u)
-///   (Tierney 1994; spec erpt.md 4.3).
+///   (Tierney 1994).
 ///
 /// Either way each component keeps the target by itself, so that the mixture does; if all
 /// are reversible, so is the mixture. The mixture moves everywhere if together they do.
 ///
 /// With chosen suitability the probability of an independent proposal depends on the state,
-/// so that estimators which need it constant (Kelemen's combination, (4.4)) do not apply;
+/// so that estimators which need it constant (Kelemen's combination) do not apply;
 /// expected values do.
 ///
 /// Weights need not sum to one; a weight of zero forbids. Where no kernel suits, the step

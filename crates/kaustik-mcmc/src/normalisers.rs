@@ -1,7 +1,7 @@
 //! Normalising constants, by what may be done with them.
 //!
 //! Weights of combined estimators hold constants b^_k; films are scaled by b_k / b^_k (RELT
-//! spec eqs. (5) to (7)). The first must be *fixed* before the run, any positive numbers will
+//! eqs. 22 and 23). The first must be *fixed* before the run, any positive numbers will
 //! do; the second may be refined while it runs. A running estimate inside a weight biases the
 //! picture, so the two are different types.
 
@@ -94,7 +94,7 @@ impl<const K: usize> RoughNormalisers<K> {
 
     /// Averages with those of another, independent annealing of the same family, by numbers
     /// of particles. The average is unbiased if extinct ones take part with their zeros;
-    /// leaving these out made it 26 % too large at one extinction in five (RELT spec 7.3).
+    /// leaving these out made it 26 % too large at one extinction in five (measured).
     pub fn merge(&mut self, other: &Self) {
         let total = self.particles + other.particles;
         let (p, q) = (self.particles / total, other.particles / total);
@@ -126,7 +126,7 @@ impl<const K: usize> RunningNormalisers<K> {
         self.estimates.map(|e| e.value)
     }
 
-    /// The scales b_k / b^_k of RELT spec eq. (7); 0 for a level whose rough constant is 0,
+    /// The scales b_k / b^_k of RELT eq. 23; 0 for a level whose rough constant is 0,
     /// which is not used.
     pub fn over(&self, rough: &RoughNormalisers<K>) -> [f64; K] {
         let (running, rough) = (self.values(), rough.values());
@@ -143,8 +143,8 @@ impl<const K: usize> RunningNormalisers<K> {
     /// proposals ([`Statistics::independent`](crate::Statistics::independent), of a chain
     /// with large steps); NaN where neither knows its error.
     ///
-    /// Both come from one run and are correlated, so this is a warning light (RELT spec
-    /// sec. 5: beyond 5), not a test.
+    /// Both come from one run and are correlated, so this is a warning light (beyond
+    /// 5, say), not a test.
     pub fn discrepancies(&self, independent: &[Mean; K]) -> [f64; K] {
         from_fn(|k| {
             let (running, mean) = (&self.estimates[k], &independent[k]);

@@ -1,4 +1,4 @@
-//! Where chains start: a pool of independent samples (Kelemen section 6; spec sec. 5).
+//! Where chains start: a pool of independent samples (Kelemen section 1.2).
 //!
 //! A chain that starts at an arbitrary point is biased until it has forgotten it. The cure
 //! is exact: draw N independent samples, start at one of them chosen with probability

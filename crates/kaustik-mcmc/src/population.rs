@@ -31,7 +31,7 @@ use crate::{
 /// # What is exact
 ///
 /// With Z_k the [normaliser](Stage::normaliser) of stage k, for every N, every number of
-/// moves that leave q_k invariant, and both [`Resampling`]s (RELT spec eq. (9)):
+/// moves that leave q_k invariant, and both [`Resampling`]s:
 ///
 /// * E\[Z_k\] = b_k, the integral of q_k under the base law;
 /// * E\[Z_k h(particle)\] = integral of q_k h, for a particle chosen uniformly; so Z_k / N times

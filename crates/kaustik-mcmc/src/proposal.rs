@@ -102,7 +102,7 @@ impl<M: Mutation, D: Draws + ?Sized> Coordinates for Proposal<'_, M, D> {
         }
         if !clock.large {
             // Before the push: the caught-up value belongs to the CURRENT state and must
-            // survive a rejection (spec 2.1).
+            // survive a rejection (Kelemen sec. 6).
             Point::bring_up(coordinate, (stream, index), clock, mutation, self.draws);
         }
         let old = *coordinate;

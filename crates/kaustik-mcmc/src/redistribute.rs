@@ -2,11 +2,11 @@
 //!
 //! A plain Monte Carlo run finds, now and then, a sample x of large weight e = I(x)/p(x): a
 //! speck. Redistribution (Cline, Talbot and Egbert 2005, "Energy redistribution path
-//! tracing"; equations (2) to (4) and section 2 of spec erpt.md) spreads that weight over
+//! tracing"; Algorithm 2 of Batty's report) spreads that weight over
 //! the neighbourhood. It starts chains at x, a number proportional to e, and each of their
 //! m steps deposits the same *unit* of weight where the chain is:
 //!
-//! n = floor(xi + e / (m unit))   (3)
+//! n = floor(xi + e / (m unit))
 //!
 //! so that E\[n\] m unit = e for every unit. Because the step leaves I invariant, and the
 //! sum over starts of e h(x) estimates the integral of I h, so does the sum of all deposits,
@@ -14,7 +14,7 @@
 //! kernel need not even be ergodic.
 //!
 //! With a the acceptance probability of a step from y to z, the expected-value form deposits
-//! (1 - a) unit at y and a unit at z (4); the plain form the whole unit where the chain is
+//! (1 - a) unit at y and a unit at z; the plain form the whole unit where the chain is
 //! after the step. Both are exactly unbiased; the first has less noise and more deposits.
 //!
 //! The numbers of chains of many starts can be rounded together: see [`Redistributor::carry`].
@@ -65,7 +65,7 @@ pub struct Deposit<'a, V> {
     /// What a step of this chain deposits in all.
     pub unit: f64,
     /// Whether it was proposed by this chain: false for the start alone. Counts the
-    /// proposals for a filter by proposals (section 5.2), which is up to the listener.
+    /// proposals for a filter by proposals (Batty sec. 6), which is up to the listener.
     pub is_proposal: bool,
 }
 

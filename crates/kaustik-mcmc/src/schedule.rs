@@ -24,7 +24,7 @@ pub enum Schedule {
     /// Doucet 2021). Take it for ladders of many levels.
     Alternating,
     /// All pairs, one matching after the other: even, then odd. On a target like RELT's it
-    /// cut the squared error of the single random pair by 1.87 (RELT spec sec. 4).
+    /// cut the squared error of the single random pair by a factor of 1.87.
     #[default]
     Full,
     /// A permutation of all states drawn from its exact conditional law: Gibbs. Asks for no

@@ -16,7 +16,7 @@ use crate::{Estimate, Recorder, RunningNormalisers, Visit};
 /// How many closed batches are kept apart at most.
 const BATCHES: usize = 64;
 
-/// Sums for the running normalisers of a family (RELT spec eqs. (3) and (4)).
+/// Sums for the running normalisers of a family (RELT eq. 10).
 ///
 /// A [`Recorder`]: each visit at the level j below a level k adds its expected-value weight,
 /// and the weight times q_k / q_j. A [`Ladder`](crate::Ladder) keeps one and feeds it.
@@ -26,8 +26,8 @@ const BATCHES: usize = 64;
 /// The levels' supports are nested: q_k is zero wherever q_j is. The constant of level 0 is
 /// known; 1 if it is the uniform law on the cube. Then the estimate is consistent. It is not
 /// unbiased in short runs, since the factors of the product are correlated by exchanges and
-/// ratios may be heavy-tailed (+9 % after 50 sweeps on RELT's toy, nothing to be seen after
-/// 5000: RELT spec sec. 5). The unbiased alternative, noisier for narrow levels, is the mean
+/// ratios may be heavy-tailed (+9 % after 50 sweeps on a toy with four replicas, nothing to be seen
+/// after 5000). The unbiased alternative, noisier for narrow levels, is the mean
 /// of q_k over the independent proposals of level 0:
 /// [`Statistics::independent`](crate::Statistics::independent).
 ///

@@ -1,7 +1,7 @@
 /// What a chain tells about a value it has been at.
 ///
 /// Let u be the current state, v the proposal of a step, a the acceptance probability.
-/// Expected-value weighting (Kelemen section 1.2; spec (4.1)) counts v with a and u with
+/// Expected-value weighting (Kelemen section 1.2) counts v with a and u with
 /// 1 - a, whatever is decided. A chain reports every value *once*, with the sum:
 ///
 /// * a proposal that is rejected, at once, with weight a;

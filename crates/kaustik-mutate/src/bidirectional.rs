@@ -1,4 +1,4 @@
-//! Bidirectional mutation (Veach 1997, 11.4.2; spec: path-space-mlt.md 2).
+//! Bidirectional mutation (Veach 1997, 11.4.2).
 
 use std::ops::RangeInclusive;
 
@@ -27,7 +27,7 @@ const MOST_CHANGE: usize = 12;
 /// Weight of making the whole path anew, beside the 1 or so of all other deletions of one length.
 const WHOLE: f64 = 0.25;
 
-/// `p_d1` of (3), by the number of edges.
+/// Veach's `p_d1`, by the number of edges.
 const DELETION: [f64; MOST_DELETED + 1] = {
     let mut weights = [0.0; MOST_DELETED + 1];
     (weights[1], weights[2]) = (0.25, 0.5);
@@ -39,7 +39,7 @@ const DELETION: [f64; MOST_DELETED + 1] = {
     weights
 };
 
-/// `p_a1` of (4), by how many edges a part grows or shrinks.
+/// `p_a1`, by how many edges a part grows or shrinks.
 const CHANGE: [f64; MOST_CHANGE + 1] = {
     let mut weights = [0.0; MOST_CHANGE + 1];
     (weights[0], weights[1]) = (0.5, 0.15);
@@ -210,7 +210,8 @@ impl BidirectionalMutation<'_> {
     }
 }
 
-/// T(x -> y): (5). `sum` is that of the weights of all cuts of x; the space is that at the time of y.
+/// T(x -> y): probabilities of the cut, of the number of new edges and of a way to make them, times the density of each
+/// way, summed. `sum` is that of the weights of all cuts of x; the space is that at the time of y.
 fn density(
     space: &PathSpace<'_>,
     (x, cut, sum): (&Path, Cut, f64),

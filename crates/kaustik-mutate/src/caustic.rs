@@ -1,4 +1,4 @@
-//! Caustic perturbation (spec: erpt.md 4.2, path-space-mlt.md 3).
+//! Caustic perturbation (Veach 1997, 11.4; Batty sec. 3.2).
 
 use glam::DVec3;
 use kaustik_bsdf::{Frame, Lobe, Mode};
@@ -20,7 +20,7 @@ use crate::{Path, PathSpace, Radii};
 /// Of Cline's rules two are at work, as opposed to Batty's report, which names the fifth alone: rule 2 at the vertex
 /// where the direction moves, whose cosine (at an emitter too) stays when the density per solid angle has
 /// taken the rest, and rule 5 at the vertex that the lens is joined to. Rule 3 is not: the link to the
-/// light is kept and nothing is joined there (spec: erpt.md 4.2 (7)).
+/// light is kept and nothing is joined there.
 #[derive(Clone, Copy, Debug)]
 pub struct CausticPerturbation<'a> {
     /// Where the paths run.

@@ -23,7 +23,7 @@ impl Radii {
         }
     }
 
-    /// In radians, for directions within a path (spec: erpt.md 4.1).
+    /// In radians, for directions within a path: our choice, any will do.
     pub const fn angles() -> Self {
         Self {
             least: 1e-4,

@@ -1,4 +1,4 @@
-//! Lens and multi-chain perturbations (spec: erpt.md 4.1, path-space-mlt.md 3).
+//! Lens and multi-chain perturbations (Veach 1997, 11.4; Batty sec. 3.2).
 
 use glam::DVec2;
 use kaustik_bsdf::{Lobe, Mode};

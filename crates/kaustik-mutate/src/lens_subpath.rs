@@ -1,4 +1,4 @@
-//! Lens mutation (Veach 1997, 11.4.5; spec: path-space-mlt.md 3).
+//! Lens mutation (lens subpaths in Veach 1997, 11.4).
 
 use kaustik_bsdf::Lobe;
 use kaustik_mcmc::Draws;

@@ -6,7 +6,7 @@
 //!
 //! # Measure
 //! `f` and all densities are per area of the vertices (per solid angle where an emitter lies
-//! infinitely far away, per area of the lens), spec: bdpt-and-mis.md 1. Between two vertices that
+//! infinitely far away, per area of the lens), as in Veach 1997 ch. 8. Between two vertices that
 //! do not scatter into Dirac directions stands `G`. A run of Dirac scatterings between `b`
 //! (nearer the eye) and `a` (nearer the light) stands instead with the Jacobian
 //! `cos_b d(omega_b)/dA_a`, which is a factor of `f` and of the density of every way to make the
@@ -19,7 +19,7 @@
 //! | to `b` from `a`, with the light | `p_w(a) P.. / cos_a` times `s / S` of each vertex passed |
 //!
 //! where `P` are the probabilities of the lobes, `s` is the squared ratio of the indices that radiance
-//! is multiplied by (8.1) and `S` the factor of shading normals for particles (8.2).
+//! is multiplied by and `S` the factor of shading normals for particles (both: Veach 1997 ch. 5).
 //!
 //! # Time
 //! Where something moves, a path has a [time](Path::time): its vertices lie where surfaces are then, and all that is asked of it
@@ -35,16 +35,17 @@
 //! densities of what was drawn. Where a kernel keeps the string of scatterings, the choice among kernels and
 //! the media cancel by themselves.
 //!
-//! Manifold exploration (Jakob and Marschner 2012; spec: path-space-mlt.md 4) fits as follows. The direction at a
+//! Manifold exploration (Jakob and Marschner 2012) fits as follows. The direction at a
 //! vertex that is not Dirac is turned ([`Radii`] or a lobe about the old direction) and traced through its run to
 //! a new end, as [`CausticPerturbation`] does: rule 2, and the geometry of that part. From there a Newton walk
 //! finds the run to the next kept vertex; each of its tries is one trace of a run with given modes. What it makes
 //! is a run between two ends that are given, so its density is not that of a walk but 1 per area of the moved
-//! end: the product of geometry over the run is replaced by the generalised geometric term (spec (8)), for
-//! which the derivatives of the constraint are taken from the frames and indices of the run's vertices. f has the
-//! run's Jacobian `cos_b d(omega_b)/dA_a` set to 1 (above); a kernel that does not make the run by a walk must
-//! therefore put it into the quotient, for y and for x. A walk back from y that does not end in x makes the
-//! move impossible (ratio 0). What is missing for it: derivatives of position and normal at a vertex.
+//! end: the product of geometry over the run is replaced by the paper's generalised geometric term (`G` of the first
+//! edge times `|det|` of how that edge's end moves with the run's), for which the derivatives of the constraint are
+//! taken from the frames and indices of the run's vertices. f has the run's Jacobian `cos_b d(omega_b)/dA_a` set to 1
+//! (above); a kernel that does not make the run by a walk must therefore put it into the quotient, for y and for x. A
+//! walk back from y that does not end in x makes the move impossible (ratio 0). What is missing for it: derivatives of
+//! position and normal at a vertex.
 
 mod bidirectional;
 mod caustic;

@@ -6,7 +6,7 @@ use crate::caustic::pivot;
 use crate::{CausticPerturbation, Path};
 
 /// The caustic perturbation with the density change of Batty's report: rule 5 alone, which leaves out
-/// rule 2 where the light departs (spec: erpt.md 4.2).
+/// rule 2 where the light departs (Batty sec. 4.2).
 ///
 /// **Wrong**: the ratio of the cosines there is missing, and light drifts to where it leaves at grazing
 /// angles. For comparison alone.

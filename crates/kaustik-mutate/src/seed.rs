@@ -15,7 +15,7 @@ use crate::{Path, PathSpace};
 /// Of one sample's paths, each weighted with f over the sum of the densities of all strategies that
 /// make it (the balance heuristic), one is kept, chosen by its weight. The sum is an unbiased estimate of
 /// the integral of f, and a path chosen from a pool of samples by their sums is, over all
-/// pools of a given sum, distributed as f (spec: path-space-mlt.md 1).
+/// pools of a given sum, distributed as f (Veach 1997 ch. 11).
 #[derive(Clone, Debug)]
 pub struct Seeds<'a> {
     space: &'a PathSpace<'a>,

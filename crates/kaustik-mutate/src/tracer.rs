@@ -16,7 +16,7 @@ use crate::{Path, PathSpace};
 ///
 /// Each complete path x of a sample comes with its own weight w f/p, w the balance heuristic between the
 /// two ways to make it, so that the sum over a sample's paths of weight times h(x) has the mean
-/// of f h (spec: erpt.md 2d). Holds the memory of the walk.
+/// of f h. Holds the memory of the walk.
 #[derive(Clone, Debug, Default)]
 pub struct Tracer {
     /// Vertices from the eye are at its end.

@@ -1,5 +1,5 @@
 /// The kind of a contribution `C_{s,t}`, by the lengths of the two subpaths that made it: `s` vertices
-/// from the light, `t` from the eye (RELT 4.2.1, as a partition: spec relt.md 2).
+/// from the light, `t` from the eye (RELT 4.2.1, whose ranges overlap: here a partition).
 ///
 /// | class | strategies | meaning |
 /// |---|---|---|

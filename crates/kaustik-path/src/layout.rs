@@ -1,4 +1,4 @@
-//! Which coordinate means what (spec: pss-and-pssmlt.md 6).
+//! Which coordinate means what (streams as in Kelemen sec. 2).
 //!
 //! Each stream has a fixed stride a bounce, so that what is skipped shifts nothing. Vertices are
 //! counted by the edge that leads to them, from 1.

@@ -15,8 +15,8 @@ use crate::{BuilderSettings, Class, Contributions, PathBuilder, layout};
 const BOUNCES: (Stream, u32) = (Stream::Light, layout::LIGHT_HEAD);
 
 /// Walks from the emitters. Strategy t = 1 for every vertex, and (1, 1), the emitter itself
-/// joined to the lens, because a light tracer has no other way to show it (spec:
-/// bdpt-and-mis.md 4). What is seen in Dirac surfaces and the environment itself stay dark.
+/// joined to the lens, because a light tracer has no other way to show it.
+/// What is seen in Dirac surfaces and the environment itself stay dark.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LightTracing {
     /// What all builders are told.

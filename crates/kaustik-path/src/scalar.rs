@@ -6,8 +6,7 @@ pub enum ScalarTarget {
     /// X + Y + Z: every wavelength counts (RELT 5.1.1).
     #[default]
     Xyz,
-    /// Y, with a thousandth of X + Y + Z so that no colour is out of reach (spec:
-    /// pss-and-pssmlt.md 9).
+    /// Y, with a thousandth of X + Y + Z so that no colour is out of reach.
     Luminance,
 }
 

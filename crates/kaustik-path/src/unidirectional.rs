@@ -15,7 +15,7 @@ use crate::{BuilderSettings, Class, Contributions, PathBuilder, camera_walk, lay
 const BOUNCES: (Stream, u32) = (Stream::Camera, layout::CAMERA_HEAD);
 
 /// Walks from the camera; emitters are found by next-event estimation at every vertex and by
-/// running into them, weighted by the power heuristic (spec: pss-and-pssmlt.md 7.1), or by
+/// running into them, weighted by the power heuristic (Veach 1997, 9.2), or by
 /// running into them alone.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Unidirectional {

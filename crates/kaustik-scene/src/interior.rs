@@ -7,7 +7,7 @@ const DEPTH: usize = 6;
 ///
 /// Identity is the material, with multiplicity, so that a solid whose surface is split over
 /// several primitives opens and closes as one. Where solids overlap, the one of higher
-/// priority is what light travels in (spec: bdpt-and-mis.md 9.2); equal priorities: the one
+/// priority is what light travels in; equal priorities: the one
 /// entered last.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Interior {

@@ -138,7 +138,7 @@ pub(crate) fn adjoint(lobe: &impl Lobe, wo: DVec3, wi: DVec3) -> bool {
     close(there, back, 1e-4)
 }
 
-/// `f(wi -> wo) / n(wo)^2` is symmetric, spec (7).
+/// `f(wi -> wo) / n(wo)^2` is symmetric: the reciprocity of refraction (Veach 1997).
 pub(crate) fn reciprocal(lobe: &impl Lobe, eta: f64, wo: DVec3, wi: DVec3) -> bool {
     let squared = |w: DVec3| if w.z < 0.0 { (eta * eta) as f32 } else { 1.0 };
     let there = lobe.eval(wo, wi, Mode::Radiance) / squared(wo);

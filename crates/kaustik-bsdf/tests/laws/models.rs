@@ -167,7 +167,7 @@ fn albedo_is_about_right() {
     }
 }
 
-/// Light's walk with eq. (8) and the eye's walk see the same: what a pair of directions carries
+/// Light's walk with its factor of shading normals and the eye's walk see the same: what a pair of directions carries
 /// between geometric surfaces is one number, whichever end it is reached from.
 #[test]
 fn shading_normals_keep_both_walks_equal() {

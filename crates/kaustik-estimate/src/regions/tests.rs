@@ -32,7 +32,7 @@ fn a_tree_holds_each_point_once_and_evenly() {
     assert!((regions.leaf([1e9, -1e9, 1e9, 0.0, 0.0, 0.0]) as usize) < regions.leaves());
 }
 
-/// What leaves are told is what their ancestors know: spec (6) against G Eqs. 8 and 10 as printed.
+/// What leaves are told is what their ancestors know: sums of psi / s against G Eqs. 8 and 10 as printed.
 #[test]
 fn sums_are_those_of_the_recursion() {
     let mut regions = Regions::spatial(&mut scattered(9_000));

@@ -1,4 +1,4 @@
-//! The composition on a toy of one dimension whose picture is known (spec relt.md 13).
+//! The composition (RELT eqs. 22 and 23) on a toy of one dimension whose picture is known.
 
 use kaustik_film::{Layout, Quantum};
 use kaustik_mcmc::{

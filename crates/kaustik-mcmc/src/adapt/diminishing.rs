@@ -1,7 +1,6 @@
 use crate::{Acceptance, Power};
 
-/// Hachisuka and Jensen's adaptation of the size m of [`Power`] steps (2011; spec
-/// stf-photon.md, (3)).
+/// Hachisuka and Jensen's adaptation of the size m of [`Power`] steps (2011).
 ///
 /// After round n, m = max(10^-4, m + (A - target) / n), where A is the share of *all*
 /// small steps so far that were accepted. The size begins at 1, the target is 0.234.

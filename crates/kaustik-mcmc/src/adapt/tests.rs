@@ -112,7 +112,7 @@ fn the_search_finds_the_largest_jump() {
     assert!((0.7..2.0).contains(&relative), "{relative}");
 }
 
-/// Equation (3) of stf-photon.md, mutation by mutation.
+/// m = max(10^-4, m + (A - target) / n), mutation by mutation.
 #[test]
 fn diminishing_adaptation_is_hachisuka_and_jensens() {
     let mut adaptation = DiminishingAdaptation::new();

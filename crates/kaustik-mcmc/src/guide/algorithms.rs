@@ -62,7 +62,7 @@
 //! # Redistribution
 //!
 //! [`Redistribution`](crate::Redistribution), [`Redistributor`](crate::Redistributor). Cline,
-//! Talbot and Egbert 2005, eqs. (2) to (4). *Assumes* unbiased weights of the starts and a
+//! Talbot and Egbert 2005; Batty's Algorithm 2. *Assumes* unbiased weights of the starts and a
 //! kernel that keeps the density; it need not move everywhere. *Unbiased*: the sum of all
 //! deposits, in every channel. The [filter](crate::Redistribution::patience) is *biased*, and off.
 //!

@@ -17,7 +17,7 @@
 //! | a(u, v) | [`acceptance`](crate::acceptance) |
 //! | both states weighted, 1 - a and a (sec. 1.2) | [`Visit::weight`](crate::Visit::weight) |
 //! | weights of eqs. (1) and (2), `Next` | the split form under "Estimating" on the [crate page](crate#estimating) |
-//! | b and the seeds (sec. 5) | [`Pool`](crate::Pool) |
+//! | b and the seeds (sec. 1.2) | [`Pool`](crate::Pool) |
 //!
 //! # Kitaoka, Kitamura and Kishino 2009: replica exchange light transport
 //!
@@ -39,12 +39,12 @@
 //! | there | here |
 //! |---|---|
 //! | Monte Carlo sample of energy e | a start of weight e: [`Redistributor::run`](crate::Redistributor::run) |
-//! | deposition energy e_d, eq. (2) | [`Redistribution::unit`](crate::Redistribution::unit), [`pilot`](crate::Redistribution::pilot) |
-//! | numChains, eq. (3) | the number that `run` returns |
-//! | EqualDepositionFlow, Batty's Algorithm 2 | [`Redistribution`](crate::Redistribution) of so many steps; `plain` as printed, expected values (eq. 4) by default |
+//! | deposition energy e_d, Batty's Algorithm 1 | [`Redistribution::unit`](crate::Redistribution::unit), [`pilot`](crate::Redistribution::pilot) |
+//! | `numChains`, Batty's Algorithm 2 | the number that `run` returns |
+//! | EqualDepositionFlow, Batty's Algorithm 2 | [`Redistribution`](crate::Redistribution) of so many steps; `plain` as printed, expected values by default |
 //! | `depVal`, in the colour of the first path | [`Deposit`](crate::Deposit), in the colour of the path that it falls on |
-//! | consecutive sample filtering (sec. 5.1) | [`Redistribution::patience`](crate::Redistribution::patience) |
-//! | proposed mutations filter (sec. 5.2) | [`Deposit::is_proposal`](crate::Deposit::is_proposal), counted by the listener |
+//! | consecutive sample filtering (Batty sec. 4.2) | [`Redistribution::patience`](crate::Redistribution::patience) |
+//! | proposed mutations filter (Batty sec. 6) | [`Deposit::is_proposal`](crate::Deposit::is_proposal), counted by the listener |
 //!
 //! # Others
 //!

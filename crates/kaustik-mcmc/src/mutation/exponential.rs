@@ -53,7 +53,7 @@ impl Exponential {
     /// ways together, twice this. Not defined for equal sizes.
     pub fn density(&self, distance: f64) -> f64 {
         if self.s1 < distance && distance <= self.s2 {
-            -0.5 / (distance * self.log_ratio) // spec (3.1)
+            -0.5 / (distance * self.log_ratio) // 1 / (2 d ln(s2 / s1))
         } else {
             0.0
         }

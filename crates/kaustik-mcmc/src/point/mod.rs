@@ -29,7 +29,7 @@ pub enum Step {
 /// a clock that counts accepted steps, and what a coordinate slept through since is
 /// replayed then. One that was not read since the last accepted large step is simply drawn:
 /// the mutation keeps the uniform law, so "uniform and then n perturbations" of something
-/// that nobody has seen *is* uniform (spec 2.2).
+/// that nobody has seen *is* uniform. (The paper replays.)
 ///
 /// A point is moved through [`propose`](Self::propose), which gives a [`Proposal`] to
 /// read from and to decide upon.
@@ -99,7 +99,7 @@ pub(crate) struct Coordinate {
     pub(crate) value: f64,
     /// The time for which `value` is right.
     pub(crate) modify: i64,
-    /// The time of the state whose evaluation last read this (RELT spec sec. 4).
+    /// The time of the state whose evaluation last read this: for [`refresh`](Point::refresh).
     pub(crate) seen: i64,
 }
 
@@ -175,8 +175,8 @@ impl<M: Mutation> Point<M> {
     /// Pays the debt of every stored coordinate: replays, with the mutation in force, the
     /// steps that it slept through.
     ///
-    /// One of two exact cures before a change of mutation (RELT spec sec. 4). It changes
-    /// neither the current value nor the law of the chain.
+    /// One of two exact cures before a change of mutation, with [`refresh`](Self::refresh). It
+    /// changes neither the current value nor the law of the chain.
     pub fn settle<D: Draws + ?Sized>(&mut self, draws: &mut D) {
         self.roll_back();
         let Self {
@@ -281,7 +281,7 @@ impl<M: Mutation> Point<M> {
         draws: &mut D,
     ) {
         if coordinate.modify < clock.large_time {
-            coordinate.value = draws.uniform(); // stale or never used: spec (2.2)
+            coordinate.value = draws.uniform(); // stale or never used: unseen
             coordinate.modify = clock.time - 1;
         } else if coordinate.modify + 1 < clock.time {
             catch_up(coordinate, address, clock, mutation, draws);

@@ -184,7 +184,7 @@ proptest! {
     }
 }
 
-/// Leaving extinct runs out of the mean biases it: what RELT spec 7.3 warns of.
+/// Leaving extinct runs out of the mean biases it.
 #[test]
 fn survivors_alone_are_biased() {
     let law = law(2, Resampling::Systematic, 1, |a, _| a.normalisers.values());

@@ -43,7 +43,7 @@ impl Redistribution {
     }
 
     /// As [`new`](Self::new), with the unit that makes about one chain a start: the mean
-    /// weight of pilot samples over `steps` (equation (2)).
+    /// weight of pilot samples over `steps` (Batty's Algorithm 1).
     ///
     /// The pilot must be other samples than the starts, or the unit is no constant.
     ///
@@ -55,7 +55,7 @@ impl Redistribution {
     }
 
     /// At most so many chains a start (at least 1). The deposits of a start that would have
-    /// more are made larger instead, so that nothing is lost (section 2h).
+    /// more are made larger instead, so that nothing is lost.
     #[must_use]
     pub fn most_chains(self, most: u32) -> Self {
         Self {
@@ -65,7 +65,7 @@ impl Redistribution {
     }
 
     /// Deposits the whole unit where the chain is after each step, instead of the expected
-    /// values of (4).
+    /// values.
     #[must_use]
     pub fn plain(self) -> Self {
         Self {
@@ -74,7 +74,7 @@ impl Redistribution {
         }
     }
 
-    /// The consecutive-sample filter (section 5.1): while a chain has stayed in one state
+    /// The consecutive-sample filter (Batty sec. 4.2): while a chain has stayed in one state
     /// for more than `patience` rejections, nothing is deposited for its staying. What
     /// proposals are given is kept.
     ///
@@ -100,7 +100,7 @@ impl Redistribution {
     }
 
     /// The mean number of chains of a start of weight `weight` and the unit of their
-    /// deposits (section 2h). The product of both and the number of steps is the weight.
+    /// deposits. The product of both and the number of steps is the weight.
     pub(super) fn share(&self, weight: f64) -> (f64, f64) {
         let steps = f64::from(self.steps);
         let mean = weight / (steps * self.unit);
@@ -167,7 +167,7 @@ impl Redistribution {
     /// What a step deposits on its proposal and on the state that it began in.
     pub(super) fn split(&self, a: f64, accepted: bool, unit: f64) -> (f64, f64) {
         match (self.plain, accepted) {
-            (false, _) => (a * unit, (1.0 - a) * unit), // (4)
+            (false, _) => (a * unit, (1.0 - a) * unit),
             (true, true) => (unit, 0.0),
             (true, false) => (0.0, unit),
         }

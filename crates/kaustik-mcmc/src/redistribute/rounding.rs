@@ -30,7 +30,7 @@ impl Rounding {
         match &mut self.carried {
             None => {
                 let whole = mean.floor();
-                whole as u32 + u32::from(draws.bernoulli(mean - whole)) // (3)
+                whole as u32 + u32::from(draws.bernoulli(mean - whole))
             }
             Some(share) => {
                 let sum = *share + mean;

@@ -64,7 +64,7 @@ fn weights_sum_to_the_steps_and_independent_proposals_come_once() {
         (independent - large as f64).abs() < 0.5,
         "{independent} {large}"
     );
-    assert!(visits <= STEPS + flushed, "spec (4.5): {visits}");
+    assert!(visits <= STEPS + flushed, "one visit a step: {visits}");
     assert!(
         seen.len() as u64 + flushed >= visits,
         "each value is told of once"

@@ -1,4 +1,4 @@
-//! Weighted visits of many short chains against known integrals (spec sec. 4, 5, 11.4, 12).
+//! Weighted visits of many short chains against known integrals.
 //!
 //! A two-dimensional integrand with a narrow peak, a dead corner and a step, seen through
 //! ten pixel columns. Each replica is one chain of 40 steps that starts in a pool of 16
@@ -122,12 +122,12 @@ fn chi2(replicas: u64, image: impl Fn(u64) -> Image) -> f64 {
     z.map(|z| z * z).sum::<f64>() / PIXELS as f64
 }
 
-/// (4.1): expected values.
+/// Expected values (Kelemen sec. 1.2).
 fn expected(visit: &Visit<'_, Sample, 1>, b: f64) -> f64 {
     visit.weight * b / visit.density()
 }
 
-/// (4.4): the split form, with any constant b0.
+/// The split form of Kelemen eqs. 1 and 2, with any constant b0.
 fn split(b0: f64) -> impl Fn(&Visit<'_, Sample, 1>, f64) -> f64 {
     move |visit, b| (visit.weight * b / b0 + visit.independent) / (visit.density() / b0 + LARGE)
 }
@@ -135,14 +135,14 @@ fn split(b0: f64) -> impl Fn(&Visit<'_, Sample, 1>, f64) -> f64 {
 fn unbiased(replicas: u64) {
     let (_, b) = truth();
     let forms: [(&str, f64); 4] = [
-        ("(4.1)", chi2(replicas, |n| replica(n, expected))),
-        ("(4.4) right b0", chi2(replicas, |n| replica(n, split(b)))),
+        ("plain", chi2(replicas, |n| replica(n, expected))),
+        ("split right b0", chi2(replicas, |n| replica(n, split(b)))),
         (
-            "(4.4) 0.5 b",
+            "split 0.5 b",
             chi2(replicas, |n| replica(n, split(0.5 * b))),
         ),
         (
-            "(4.4) 1.7 b",
+            "split 1.7 b",
             chi2(replicas, |n| replica(n, split(1.7 * b))),
         ),
     ];
@@ -180,7 +180,7 @@ fn wrong_forms_are_caught() {
     let together = chi2(N, |n| replica(n, together));
     assert!(
         together > 10.0,
-        "(4.2) with the pool's b in the weights: {together}"
+        "Kelemen eqs. 1 and 2 with the pool's b in the weights: {together}"
     );
     let only_accepted = |v: &Visit<'_, Sample, 1>, pool: f64| {
         (v.weight * pool / b + v.independent * v.weight.min(1.0)) / (v.density() / b + LARGE)
@@ -193,7 +193,7 @@ fn wrong_forms_are_caught() {
 }
 
 /// The same through the proposal guard, step by step, as a foreign program would; with
-/// `share` false, the old sample's weight lacks p_L after a large step (spec sec. 4).
+/// `share` false, the old sample's weight lacks p_L after a large step (Kelemen sec. 5).
 fn guarded(n: u64, b0: f64, share: bool) -> Image {
     let mut image = [0.0; PIXELS];
     let pool = pool(n);

@@ -89,7 +89,7 @@ fn compositions_are_those_of_programs() {
     assert_eq!(p.then(&p), p.power(2));
 }
 
-/// Equal-deposition chains (erpt spec (3), (4)) on three places in two channels, written
+/// Equal-deposition chains (Batty's Algorithm 2) on three places in two channels, written
 /// out: an independent start, a number of chains, steps, deposits.
 #[derive(Clone, Copy)]
 struct Redistribution {

@@ -1,4 +1,4 @@
-//! Lazy points have the law of eager ones (spec sec. 2 and 11.2).
+//! Lazy points have the law of eager ones (Kelemen sec. 4).
 
 use kaustik_mcmc::{
     Draws, Exponential, Ignore, Mean, Metropolis, Mutation, PointKernel, acceptance, decide,

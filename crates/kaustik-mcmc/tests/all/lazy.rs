@@ -1,4 +1,4 @@
-//! Lazy points have the law of eager arrays: exactly, jointly over all steps (spec 2.5, 11.2).
+//! Lazy points have the law of eager arrays: exactly, jointly over all steps.
 //!
 //! The same random programs are run on both: small and large steps, changes of mutation,
 //! settling, refreshing, exchanging. What is compared is the joint law of what evaluations

@@ -1,4 +1,4 @@
-//! Kelemen's mutation against its density (spec sec. 3 and 11.1).
+//! Kelemen's mutation against its density (Kelemen sec. 6).
 
 use kaustik_mcmc::{Draws, Exponential, Mutation, Uniform, generator};
 use proptest::prelude::*;

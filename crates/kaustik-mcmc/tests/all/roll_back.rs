@@ -1,4 +1,4 @@
-//! A rejected proposal never was (spec 11.3).
+//! A rejected proposal never was.
 
 use kaustik_mcmc::{
     Exponential, Ignore, Metropolis, Point, PointKernel, Step, Target, Uniform, generator, target,

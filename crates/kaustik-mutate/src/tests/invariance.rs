@@ -1,4 +1,4 @@
-//! Each kernel alone keeps the measure of the paths (spec: erpt.md 9.2).
+//! Each kernel alone keeps the measure of the paths.
 
 use kaustik_mcmc::testing::{PairedTest, assert_invariant};
 

@@ -1,5 +1,5 @@
 //! The five rules of Cline et al. 2005 for the change of density, as Batty lists them, against the ratios of this
-//! crate (spec: erpt.md 3).
+//! crate (Batty sec. 4.2).
 //!
 //! The figure of a rule is made of positions alone, which are traced again in double precision through the planes
 //! that a path runs through. What the crate says is f(y) T(y -> x) / (f(x) T(x -> y)) but for what
@@ -81,7 +81,7 @@ fn cosines(path: &Path, points: &[DVec3], last: usize) -> f64 {
         .product()
 }
 
-/// Rule 5: raster area per area at a point that the lens sees, (6), but for a constant.
+/// Rule 5: raster area per area at a point that the lens sees, `cos / (r^2 cos_axis^3)`, but for a constant.
 fn seen(space: &PathSpace<'_>, path: &Path, point: DVec3) -> f64 {
     let camera = space.scene.camera();
     let along = point - path.at(path.edges()).vertex.position;

@@ -10,7 +10,7 @@ pub enum Form {
     /// Each subpath stops by chance, and only the two vertices where they stopped are joined: one
     /// shadow ray a point. A light that the eye's walk runs into, and a lens that the light's
     /// walk runs into, count as well. The probabilities of stopping and of going on are part of
-    /// the weights (spec: pss-and-pssmlt.md 7.2).
+    /// the weights.
     Simple,
 }
 

@@ -32,8 +32,7 @@ impl Heuristic {
     }
 
     /// The weight of a strategy beside its rivals, given as ratios to itself: those with fewer vertices
-    /// from the light, joined, and those with more. A ratio that is no number counts nothing
-    /// (spec: bdpt-and-mis.md 7).
+    /// from the light, joined, and those with more. A ratio that is no number counts nothing.
     #[inline]
     pub(crate) fn weight(self, fewer: f64, more: f64) -> f64 {
         let sound = |ratio: f64| if ratio.is_nan() { 0.0 } else { ratio };

@@ -1,4 +1,4 @@
-//! Bidirectional path tracing (Lafortune and Willems 1993, Veach 1997 ch. 10; spec: bdpt-and-mis.md).
+//! Bidirectional path tracing (Lafortune and Willems 1993, Veach 1997 ch. 10).
 
 mod eye;
 mod form;
@@ -36,8 +36,8 @@ use workspace::Workspace;
 /// Walks from an emitter and from the camera, joined in every way that makes a path of at most
 /// [`BuilderSettings::max_edges`] edges.
 ///
-/// A strategy `(s, t)` takes `s` vertices from the light and `t` from the eye. All are used (spec:
-/// bdpt-and-mis.md 4): `s = 0` runs into an emitter, `s = 1` draws a fresh point of an emitter for
+/// A strategy `(s, t)` takes `s` vertices from the light and `t` from the eye. All are used:
+/// `s = 0` runs into an emitter, `s = 1` draws a fresh point of an emitter for
 /// each vertex of the eye, `t = 1` joins a vertex of the light to the lens, `t = 0` with
 /// `s >= 3` runs into a lens that has area (the lens blocks nothing), all others join two vertices.
 /// Left out are (1, 1) and (2, 0), so that (0, 2), an emitter seen directly, has weight 1.

@@ -1,4 +1,4 @@
-//! One strategy at a time (Hachisuka, Kaplanyan and Dachsbacher 2014; spec: pss-and-pssmlt.md 7.4).
+//! One strategy at a time (Hachisuka, Kaplanyan and Dachsbacher 2014).
 
 use glam::DVec3;
 use kaustik_pss::{Coordinates, Stream};

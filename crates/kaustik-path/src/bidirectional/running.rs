@@ -1,5 +1,5 @@
 //! Weights by quantities that run along a subpath, so that one connection costs the same however long
-//! the path is (spec: bdpt-and-mis.md 6.2).
+//! the path is (after Georgiev 2012).
 //!
 //! Along the light subpath, with `L_i` the sum over all strategies `s' <= i` of their densities
 //! relative to that of the strategy that makes `x_0 .. x_i` from the light, without the density with
@@ -15,7 +15,7 @@
 //! ([`Heuristic::join`]); with the power heuristic every factor is squared. `odds` tell how often a
 //! vertex is joined where it could be, for each time that the walk goes on there: 1 in the
 //! full form, where both always happen; (stop / go on) in the simple form; 0 after a Dirac
-//! scattering. So `feas(i)` of the spec is the product of the odds of `x_{i-1}` and `x_i`. At a Dirac
+//! scattering. Strategy i, which joins `x_{i-1}` to `x_i`, counts with the product of their odds. At a Dirac
 //! scattering `p_w` is 1 both ways.
 
 use super::Heuristic;

@@ -1,4 +1,4 @@
-//! How often each length and each strategy is tried (spec: pss-and-pssmlt.md 7.4).
+//! How often each length and each strategy is tried (`docs/papers/mmlt.md`).
 
 use kaustik_pss::{Coordinates, Stream};
 

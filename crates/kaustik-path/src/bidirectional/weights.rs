@@ -1,4 +1,4 @@
-//! The weight of each kind of strategy, from what runs along the subpaths (spec: bdpt-and-mis.md 6.2).
+//! The weight of each kind of strategy, from what runs along the subpaths.
 //!
 //! A weight is `1 / (1 + fewer + more)`: the strategies with fewer vertices from the light, and those
 //! with more, relative to the one at hand. Either is the density with which the other side would make

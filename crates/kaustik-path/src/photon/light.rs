@@ -62,7 +62,7 @@ impl PhotonPath {
 /// Walks from the emitters that leave photons where they scatter.
 ///
 /// Roulette goes by the albedo, averaged over the wavelengths: what survives carries what it began with, so that
-/// fluxes stay near constant, as G Eq. 5 assumes (spec 10b).
+/// fluxes stay near constant, as G Eq. 5 assumes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PhotonTracing {
     /// Longest whole path in edges, the camera's included.

@@ -2,10 +2,10 @@
 //!
 //! A camera walk goes on through mirrors, glass and narrow lobes to the first surface that scatters widely, and
 //! leaves a [`MeasurementPoint`] there. Light walks leave [`Photon`]s wherever they scatter. A photon that lands
-//! within a point's radius contributes to it (spec: stf-photon.md 1, eq. 1). Light that meets no such surface on its
+//! within a point's radius contributes to it (Gruson et al. 2016, "G", Eq. 2). Light that meets no such surface on its
 //! way to the camera is the [`Remainder`].
 //!
-//! Both walks must carry the same wavelengths, so that these are given and not drawn (spec 10b).
+//! Both walks must carry the same wavelengths, so that these are given and not drawn.
 
 mod camera;
 mod light;

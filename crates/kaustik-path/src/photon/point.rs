@@ -206,8 +206,9 @@ impl MeasurementPoints {
         });
     }
 
-    /// What a photon brings to a point, if it is within its disc: `C_k` of spec (1), for a photon path that is
-    /// drawn with density 1. Negative or not finite is a fault for the caller to count.
+    /// What a photon brings to a point, if it is within its disc (G Eq. 2): flux times scattering function times what
+    /// the camera walk carries, over the disc's area, for a photon path that is drawn with density 1. Negative or not
+    /// finite is a fault for the caller to count.
     #[inline]
     pub fn contribution(&self, index: usize, photon: &Photon, wavelengths: &Wavelengths) -> Xyz {
         let point = &self.points[index];

@@ -1,6 +1,6 @@
 //! Cameras ready for rays: from a point of the image to a ray and back.
 //!
-//! Conventions (the specification of bidirectional transport, section 2):
+//! Conventions:
 //! - The *raster* is the unit square over the whole image, x to the right, y down. A pixel's
 //!   radiance is the number of pixels times the integral over the pixel.
 //! - Importance integrates to one over the whole image (and over the lens), so a ray drawn
@@ -74,8 +74,8 @@ pub struct CameraRay {
 ///
 /// Joining a vertex `x` with throughput `alpha` and scattering value `f` contributes
 /// `alpha f |cos_x| importance` (times visibility) at `raster`, where `cos_x` is the cosine
-/// between `x`'s geometric normal and `direction`. That is `G We / p_lens` of the
-/// specification with the cosine at `x` taken out.
+/// between `x`'s geometric normal and `direction`. That is `G We / p_lens`
+/// with the cosine at `x` taken out.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LensSample {
     /// On the lens, in the world.

@@ -90,7 +90,7 @@ impl Perspective {
         }
     }
 
-    /// Density per solid angle at this cosine to the axis; spec (3).
+    /// Density per solid angle at this cosine to the axis: `1 / (A_1 cos^3)`, `A_1` the image's area at unit distance.
     pub(super) fn pdf_direction(&self, cos: f64) -> f64 {
         if cos > 0.0 {
             1.0 / (self.area() * cos * cos * cos)
@@ -139,7 +139,7 @@ impl Perspective {
         let raster = self.raster_of(position, -direction)?;
         let cos = direction.z;
         let pdf = self.pdf_lens();
-        // We = 1 / (A_1 A_L cos^4), where 1 / A_L is the density of the lens point; spec (2).
+        // We = 1 / (A_1 A_L cos^4), where 1 / A_L is the density of the lens point.
         let we = pdf * self.pdf_direction(cos) / cos;
         let importance = self.pdf_direction(cos) / (distance * distance);
         importance.is_finite().then_some(LensSample {

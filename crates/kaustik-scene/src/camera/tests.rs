@@ -142,7 +142,7 @@ fn light_meets_the_lens_where_a_ray_leaves_it() {
 
 #[test]
 fn importance_is_the_raster_seen_through_the_lens() {
-    // d raster / d area by finite differences on a plane across the ray; spec (3)
+    // d raster / d area by finite differences on a plane across the ray
     for camera in all() {
         let u = [0.3, 0.8];
         let ray = camera.sample_ray(DVec2::new(0.2, 0.9), u);

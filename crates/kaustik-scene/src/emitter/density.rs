@@ -8,8 +8,8 @@ use super::{DARK, Emitter, Emitters};
 use crate::Vertex;
 use crate::matter::Matter;
 
-/// Densities with which emission sampling takes a point of an emitter and a direction from it
-/// (spec: bdpt-and-mis.md 3). Next event draws the point by the same choice and the same law,
+/// Densities with which emission sampling takes a point of an emitter and a direction from it.
+/// Next event draws the point by the same choice and the same law,
 /// so that `position` serves both techniques.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EmissionPdf {

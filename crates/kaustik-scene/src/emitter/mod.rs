@@ -1,7 +1,7 @@
 //! Everything that sends out light, chosen by power.
 //!
-//! One distribution chooses the emitter both for next-event estimation and for light walks
-//! (spec: bdpt-and-mis.md 3), so that the density of a light vertex does not depend on the
+//! One distribution chooses the emitter both for next-event estimation and for light walks,
+//! so that the density of a light vertex does not depend on the
 //! technique. Emissive triangles are emitters of their own; an environment takes half of the
 //! choice when there is anything else, because its flux through the scene's sphere says
 //! little about what it does for the picture.

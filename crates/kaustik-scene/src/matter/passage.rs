@@ -1,7 +1,7 @@
 /// What has become of a segment's light at partly transparent surfaces so far.
 ///
 /// One number `u` for the whole segment, asked for at the first such surface, stops it where
-/// the share that has passed falls to u (spec: bdpt-and-mis.md 9.2).
+/// the share that has passed falls to u.
 pub(crate) struct Passage<U> {
     ask: Option<U>,
     threshold: f64,

@@ -1,4 +1,4 @@
-//! The ladder of photon methods (spec stf-photon.md 3.1 and 7): a uniform chain that begins anew in every step, then targets
+//! The ladder of photon methods (Gruson et al. 2016): a uniform chain that begins anew in every step, then targets
 //! of one common support, each within the one before.
 
 use kaustik_pss::{Coordinates, Stream};

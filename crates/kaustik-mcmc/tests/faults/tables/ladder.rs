@@ -43,7 +43,7 @@ pub(crate) const EXCHANGE: &[Fault] = &[
     fault(
         "exchange: what was gathered goes along",
         "metropolis.rs",
-        "        self.flush(recorder); // RELT spec sec. 6.4\n        other.flush(recorder);\n",
+        "        self.flush(recorder); // told at its own level\n        other.flush(recorder);\n",
         "        std::mem::swap(&mut self.pending, &mut other.pending);\n",
         "lib:ladder::tests::every_level_is_visited_by_its_own_law",
     ),

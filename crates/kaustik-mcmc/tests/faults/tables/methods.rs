@@ -93,15 +93,15 @@ pub(crate) const REDISTRIBUTION: &[Fault] = &[
     fault(
         "deposit: 2 % too much on proposals",
         "redistribute/plan.rs",
-        "(false, _) => (a * unit, (1.0 - a) * unit), // (4)",
-        "(false, _) => (1.02 * a * unit, (1.0 - a) * unit), // (4)",
+        "(false, _) => (a * unit, (1.0 - a) * unit),",
+        "(false, _) => (1.02 * a * unit, (1.0 - a) * unit),",
         "lib:redistribute::tests::whatever_the_integrand lib:redistribute::tests::the_mean_deposit_is_the_integrand_in_every_channel",
     ),
     fault(
         "deposit: the start keeps the unit",
         "redistribute/plan.rs",
-        "(false, _) => (a * unit, (1.0 - a) * unit), // (4)",
-        "(false, _) => (a * unit, unit), // (4)",
+        "(false, _) => (a * unit, (1.0 - a) * unit),",
+        "(false, _) => (a * unit, unit),",
         "lib:redistribute::tests::whatever_the_integrand",
     ),
     fault(
@@ -114,8 +114,8 @@ pub(crate) const REDISTRIBUTION: &[Fault] = &[
     fault(
         "deposit: the number of chains is rounded",
         "redistribute/rounding.rs",
-        "u32::from(draws.bernoulli(mean - whole)) // (3)",
-        "u32::from(draws.bernoulli((mean - whole).round())) // (3)",
+        "u32::from(draws.bernoulli(mean - whole))",
+        "u32::from(draws.bernoulli((mean - whole).round()))",
         "lib:redistribute::tests::whatever_the_integrand",
     ),
     fault(

@@ -10,7 +10,7 @@ pub(crate) const POINT: &[Fault] = &[
         "proposal.rs",
         r"        if !clock.large {
             // Before the push: the caught-up value belongs to the CURRENT state and must
-            // survive a rejection (spec 2.1).
+            // survive a rejection (Kelemen sec. 6).
             Point::bring_up(coordinate, (stream, index), clock, mutation, self.draws);
         }
         let old = *coordinate;

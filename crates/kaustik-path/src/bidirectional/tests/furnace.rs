@@ -166,7 +166,7 @@ fn assert_equal_strategies(lens: Option<Lens>, samples: u32, uncertainty: f64) {
 }
 
 /// With shading normals that are not the facets' the light is not known, but the same for all
-/// strategies (spec: bdpt-and-mis.md 8.2).
+/// strategies.
 #[test]
 fn every_strategy_alone_brings_the_same_under_bent_normals() {
     let mut description = furnace();

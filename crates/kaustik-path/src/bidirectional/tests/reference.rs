@@ -1,4 +1,4 @@
-//! Weights by the walk over all strategies of a whole path (spec: bdpt-and-mis.md 6.1).
+//! Weights by the walk over all strategies of a whole path.
 
 use glam::DVec3;
 use kaustik_bsdf::{Bsdf, Frame, Lobe, Mode};
