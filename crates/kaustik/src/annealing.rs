@@ -1,4 +1,4 @@
-//! Population annealing alone as a renderer (RELT sec. 6; spec: relt.md 7).
+//! Population annealing alone as a renderer (RELT sec. 6).
 
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
@@ -74,7 +74,7 @@ pub(crate) fn with_builder<'a>(
 ///
 /// A round draws N independent paths and takes them up all levels. Of every level k, all that its particles
 /// visit is splatted with the round's own `Z_k`: for any weights that sum to 1 and were fixed before,
-/// every round's picture is unbiased (spec relt.md (9)), extinct ones with their zeros included, and rounds are
+/// every round's picture is unbiased, extinct ones with their zeros included, and rounds are
 /// independent. So nothing is ever to be forgotten, and nothing found is kept. Ladders take rounds in turn.
 struct AnnealingEngine<'a, const K: usize> {
     scene: &'a Scene,
@@ -124,10 +124,7 @@ impl<'a, const K: usize> AnnealingEngine<'a, K> {
             rough,
             film: Film::with_layout(&layout, Quantum::from_mean(started.mean / 3.0))?,
             direct: Lamps::new(scene, settings)?,
-            scale: Scale {
-                width: f64::from(settings.width),
-                height: f64::from(settings.height),
-            },
+            scale: settings.scale(),
             area: layout.extended_bounds().area(),
             seed: settings.seed,
             particles: options.particles,
@@ -267,7 +264,7 @@ impl<'a, const K: usize> AnnealingEngine<'a, K> {
             film: &self.film,
             scale: self.scale,
             weights: self.weights,
-            // spec (9), over what stands in the weights: of all the visits of a level
+            // the round's normaliser over the constant in the weights: of all the visits of a level
             factor: normaliser / self.rough[level].value / (self.particles * each) as f64,
             gathered: Gathered::default(),
         }

@@ -6,9 +6,8 @@ use serde::{Deserialize, Serialize};
 use crate::RenderSettings;
 use crate::cells::Cells;
 use crate::state::StateError;
+use crate::streams;
 
-/// The share of the first cell comes from a ladder that no render has.
-const SHARE_LADDER: u64 = u64::MAX - 4096;
 /// Steps between cells side by side and one below the other, the reciprocal of the plastic number and its square: the
 /// shares of any block of cells fill the unit interval evenly (M. Roberts 2018, the sequence R2).
 const PLASTIC: [f64; 2] = [0.754_877_666_246_692_7, 0.569_840_290_998_053_2];
@@ -26,7 +25,7 @@ impl Carried {
     /// Before the first pass.
     pub(crate) fn new(settings: &RenderSettings, ladder: u32) -> Self {
         let cells = Cells::new(settings);
-        let turn = SampleGenerators::new(settings.seed, SHARE_LADDER)
+        let turn = SampleGenerators::new(settings.seed, streams::CARRIED)
             .at(0)
             .uniform();
         let [first, end] = cells.of_ladder(ladder);

@@ -2,6 +2,7 @@
 
 use kaustik_mcmc::Statistics;
 use kaustik_path::{Event, trace};
+use rayon::prelude::*;
 
 use crate::Place;
 use crate::lamps::Lamps;
@@ -23,6 +24,22 @@ pub(crate) fn statistics<C: LadderChain>(chains: &[C]) -> Statistics<1> {
         all.merge(chain.statistics());
     }
     all
+}
+
+/// Each chain takes as many steps as the plan gives its ladder; how many they took now, and have taken in all.
+pub(crate) fn advance<C: LadderChain + Send>(
+    chains: &mut [C],
+    plan: &[u64],
+    drive: impl Fn(&mut C, u64) + Sync,
+) -> [u64; 2] {
+    let before = statistics(chains).steps;
+    chains
+        .par_iter_mut()
+        .zip(plan)
+        .with_max_len(1)
+        .for_each(|(chain, &steps)| drive(chain, steps));
+    let steps = statistics(chains).steps;
+    [steps - before, steps]
 }
 
 /// The chain of the place's ladder goes on to the step from where it is, and what happens in that step is told.

@@ -1,4 +1,4 @@
-//! Direct light beside chains that leave it out (spec: pss-and-pssmlt.md 9).
+//! Direct light beside chains that leave it out.
 
 use std::io;
 use std::ops::Range;

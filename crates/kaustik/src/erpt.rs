@@ -1,4 +1,4 @@
-//! Energy redistribution on paths (Cline, Talbot and Egbert 2005; spec: erpt.md).
+//! Energy redistribution on paths (Cline, Talbot and Egbert 2005).
 //!
 //! Every pixel is sampled by a path tracer. Each path that a sample finds brings light, its
 //! multiple-importance weight included; chains of perturbations carry equal parts of it to neighbouring paths,

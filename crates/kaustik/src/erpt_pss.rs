@@ -1,4 +1,4 @@
-//! Energy redistribution on primary samples (Cline, Talbot and Egbert 2005; spec: erpt.md 6).
+//! Energy redistribution on primary samples (Cline, Talbot and Egbert 2005, with Kelemen's small steps).
 //!
 //! Each sample of a path builder has light; chains of small steps carry equal parts of it to
 //! neighbouring points, as many chains as it has parts. Whatever the chains do, the mean of what
@@ -19,12 +19,10 @@ use kaustik_scene::Scene;
 
 use crate::carried::Carried;
 use crate::control::is_stopped;
-use crate::pssmlt::{PILOT_LADDER, Small, pilot};
+use crate::pssmlt::{Small, pilot};
 use crate::state::{Reader, StateError};
-use crate::{ChainStatistics, RenderSettings};
-
-/// The decisions of a ladder's chains come from streams beside those of its samples.
-const CHAIN_LADDERS: u64 = 1 << 32;
+use crate::streams;
+use crate::{ChainStatistics, Options, RenderSettings};
 
 /// What all chains have in common.
 pub(crate) struct PssRedistribution {
@@ -43,6 +41,16 @@ pub(crate) struct Paths<'a> {
     pub(crate) scale: Scale,
     /// Breaks chains off.
     pub(crate) stop: Option<&'a AtomicBool>,
+}
+
+/// How samples of this mean light are spread; `None` where there is none to spread.
+pub(crate) fn redistribution(options: &Options, mean: f64) -> Option<Redistribution> {
+    let unit = mean / f64::from(options.length) / options.chains;
+    let plan = Redistribution::new(options.length, unit).ok()?;
+    Some(match options.consecutive {
+        Some(patience) => plan.patience(patience),
+        None => plan,
+    })
 }
 
 /// Takes deposits until it is told to stop. Chains that are broken off leave their sample's light unspread: it must be
@@ -89,17 +97,12 @@ impl PssRedistribution {
             nonfinite: &nonfinite,
         };
         let mut weights = Mean::new();
-        pilot(target, &family, settings, PILOT_LADDER, 0..options.pilot)
+        pilot(target, &family, settings, streams::PILOT, 0..options.pilot)
             .into_iter()
             .filter(|density| density.is_finite())
             .for_each(|density| weights.push(density));
-        let unit = weights.mean() / f64::from(options.length) / options.chains;
-        let plan = Redistribution::new(options.length, unit).ok();
         Self {
-            plan: plan.map(|plan| match options.consecutive {
-                Some(patience) => plan.patience(patience),
-                None => plan,
-            }),
+            plan: redistribution(options, weights.mean()),
             family,
             pilot: weights.mean(),
         }
@@ -160,7 +163,7 @@ impl Chains {
 
     pub(crate) fn new(settings: &RenderSettings, ladder: u32) -> Self {
         Self {
-            generators: SampleGenerators::new(settings.seed, CHAIN_LADDERS + u64::from(ladder)),
+            generators: SampleGenerators::new(settings.seed, streams::chains(ladder)),
             seed: Point::new(Small::new(settings.options.small_step)),
             value: Contributions::default(),
             redistributor: Redistributor::new(),

@@ -25,13 +25,12 @@ use crate::erpt_pss::{Chains, Paths, PssRedistribution};
 use crate::mark::FilmMark;
 use crate::render::builder_settings;
 use crate::stratified::mix;
+use crate::streams;
 use crate::{Budget, ChainStatistics, Place, RenderError, RenderSettings, StateError};
 use mark::Mark;
 
 /// The pilot needs only the order of magnitude.
 const PILOT_SHARE: u64 = 100;
-/// Its samples come from a ladder that no render has.
-const PILOT_LADDER: u64 = u64::MAX;
 
 /// Streams of independent samples on one film.
 pub(crate) struct IndependentEngine<'a> {
@@ -164,10 +163,7 @@ impl<'a> IndependentEngine<'a> {
             film: Film::with_layout(&layout, Quantum::from_mean(mean / 3.0))?,
             streams: settings.ladder_range().map(stream).collect(),
             seed: settings.seed,
-            scale: Scale {
-                width: f64::from(settings.width),
-                height: f64::from(settings.height),
-            },
+            scale: settings.scale(),
             area: layout.extended_bounds().area(),
             cells,
             single_pixel: layout.filter.is_single_pixel(),
@@ -234,7 +230,7 @@ impl<'a> IndependentEngine<'a> {
 /// Rough mean of X + Y + Z over the window, for the film's quantum.
 fn pilot(scene: &Scene, builder: &dyn PathBuilder, settings: &RenderSettings) -> f64 {
     let samples = (settings.options.pilot / PILOT_SHARE).max(1);
-    let generators = SampleGenerators::new(settings.seed, PILOT_LADDER);
+    let generators = SampleGenerators::new(settings.seed, streams::PILOT);
     let mut value = Contributions::default();
     let mut mean = Mean::new();
     for index in 0..samples {

@@ -21,6 +21,7 @@ use crate::engine::Nonfinite;
 use crate::render::builder_settings;
 use crate::state::{Reader, StateError, Writer};
 use crate::stratified::{Stratified, mix};
+use crate::streams;
 use crate::{Place, RenderError, RenderSettings, direct};
 
 /// Samples a cell that tell where there is something to see. They are used for nothing else, so that
@@ -30,8 +31,6 @@ const LOOK: u64 = 4;
 const CLOSELY: u64 = 1024;
 /// Mutations a pixel for each pass but the first.
 const EACH: u64 = 16;
-/// A ladder that no render has, for the generators.
-const LADDER: u64 = u64::MAX - 1024;
 
 /// Stratified samples of what is seen directly, in passes over a grid, one cell a pixel.
 pub(crate) struct Lamps<'a> {
@@ -85,12 +84,9 @@ impl<'a> Lamps<'a> {
             builder,
             // until a first look tells the quantum: two large films would be one too many
             film: Film::new(1, 1, Quantum::FALLBACK)?,
-            scale: Scale {
-                width: f64::from(settings.width),
-                height: f64::from(settings.height),
-            },
+            scale: settings.scale(),
             seed: settings.seed,
-            generators: SampleGenerators::new(settings.seed, LADDER),
+            generators: SampleGenerators::new(settings.seed, streams::LAMPS),
             cells,
             often: Vec::new(),
             passes: 0,

@@ -68,6 +68,7 @@ mod statistics;
 #[cfg(test)]
 mod stops;
 mod stratified;
+mod streams;
 mod threads;
 
 pub use choices::{

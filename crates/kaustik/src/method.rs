@@ -15,19 +15,19 @@ pub enum Method {
     /// Bidirectional path tracing.
     Bdpt,
     /// Primary sample space Metropolis light transport (Kelemen 2002).
-    #[default]
     Pssmlt,
     /// Multiplexed Metropolis light transport (Hachisuka 2014).
     Mmlt,
     /// Replica exchange light transport (Kitaoka 2009).
+    #[default]
     Relt,
-    /// Energy redistribution on primary samples (Cline 2005; spec: erpt.md 6).
+    /// Energy redistribution on primary samples (Cline 2005).
     ErptPss,
     /// Population annealing alone (Kitaoka 2009, section 6).
     Annealing,
     /// Metropolis light transport on paths (Veach and Guibas 1997).
     Mlt,
-    /// Energy redistribution on paths (Cline 2005; spec: erpt.md).
+    /// Energy redistribution on paths (Cline 2005).
     Erpt,
     /// Stochastic progressive photon mapping (Hachisuka and Jensen 2009).
     Sppm,

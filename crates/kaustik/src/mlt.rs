@@ -1,4 +1,4 @@
-//! Metropolis light transport on paths (Veach and Guibas 1997; spec: path-space-mlt.md).
+//! Metropolis light transport on paths (Veach and Guibas 1997).
 //!
 //! A pool of independent samples, each a pair of walks joined in every way, estimates b, the integral of the
 //! paths' density; each chain starts at a path chosen from the pool in proportion to its weight, so
@@ -21,7 +21,6 @@ use kaustik_mutate::{
 };
 use kaustik_path::{Event, Role};
 use kaustik_scene::Scene;
-use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use crate::chains::{self, LadderChain};
@@ -268,19 +267,15 @@ impl Chain {
 
 impl Engine for MltEngine<'_> {
     fn advance(&mut self, plan: &[u64], stop: Option<&AtomicBool>) -> u64 {
-        let before = self.statistics().steps;
         let mut chains = std::mem::take(&mut self.chains);
-        chains
-            .par_iter_mut()
-            .zip(plan)
-            .with_max_len(1)
-            .for_each(|(chain, &steps)| self.drive(chain, steps, stop));
+        let [taken, steps] = chains::advance(&mut chains, plan, |chain, steps| {
+            self.drive(chain, steps, stop);
+        });
         self.chains = chains;
-        let steps = self.statistics().steps;
         if let Some(lamps) = &mut self.lamps {
             lamps.keep_up(steps);
         }
-        steps - before
+        taken
     }
 
     fn develop(&mut self) -> Result<Image, RenderError> {

@@ -1,5 +1,5 @@
-//! Multiplexed Metropolis light transport (Hachisuka, Kaplanyan and Dachsbacher 2014; spec:
-//! pss-and-pssmlt.md 7.4): a chain of [`PssmltEngine`](crate::pssmlt::PssmltEngine) over [`Multiplexed`] paths.
+//! Multiplexed Metropolis light transport (Hachisuka, Kaplanyan and Dachsbacher 2014):
+//! a chain of [`PssmltEngine`](crate::pssmlt::PssmltEngine) over [`Multiplexed`] paths.
 
 use kaustik_estimate::ScalarContribution;
 use kaustik_mcmc::{Independent, SampleGenerators};
@@ -8,11 +8,9 @@ use kaustik_scene::Scene;
 use rayon::prelude::*;
 
 use crate::render::builder_settings;
+use crate::streams;
 use crate::{RenderError, RenderSettings, Strategies};
 
-/// The samples that fix the probabilities come from a ladder that no render has, nor any other pilot:
-/// probabilities must not depend on what they weigh.
-const TECHNIQUE_LADDER: u64 = u64::MAX - 3;
 /// The probabilities need to be no better than roughly right.
 const MOST_SAMPLES: u64 = 200_000;
 
@@ -48,7 +46,7 @@ fn shares(scene: &Scene, builder: &Multiplexed, settings: &RenderSettings) -> Te
         target: settings.options.target,
         ..ScalarContribution::default()
     };
-    let generators = SampleGenerators::new(settings.seed, TECHNIQUE_LADDER);
+    let generators = SampleGenerators::new(settings.seed, streams::TECHNIQUES);
     let seen: Vec<Option<(u32, u32, f64)>> = (0..settings.options.pilot.min(MOST_SAMPLES) as usize)
         .into_par_iter()
         .with_min_len(256)

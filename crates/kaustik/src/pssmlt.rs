@@ -1,4 +1,4 @@
-//! Primary sample space Metropolis light transport (Kelemen et al. 2002; spec: pss-and-pssmlt.md).
+//! Primary sample space Metropolis light transport (Kelemen et al. 2002).
 
 mod keep;
 mod pilot;
@@ -12,7 +12,6 @@ use kaustik_film::{Counters, Film, Image, Quantum, develop};
 use kaustik_mcmc::{Family, Mean, Metropolis, Pcg64Dxsm, Point, PointKernel, Pool, Statistics};
 use kaustik_path::{Contributions, Event, PathBuilder, Rays};
 use kaustik_scene::Scene;
-use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use crate::builders::builder;
@@ -20,10 +19,11 @@ use crate::chains::{self, LadderChain};
 use crate::control::is_stopped;
 use crate::engine::{Engine, Nonfinite, STRIDE, add_counters, add_nonfinite, add_rays};
 use crate::lamps::Lamps;
+use crate::streams;
 use crate::{ChainStatistics, Normaliser, Options, Place, RenderError, RenderSettings};
 use pilot::{rough_constant, start_chains};
 
-pub(crate) use pilot::{PILOT_LADDER, pilot};
+pub(crate) use pilot::pilot;
 pub(crate) use small::Small;
 
 /// Chains on one pair of films, which follow a density of what a point contributes.
@@ -96,7 +96,7 @@ impl<'a, F: Family<Contributions, 1> + Send + Sync> PssmltEngine<'a, F> {
             target,
             &family,
             settings,
-            PILOT_LADDER,
+            streams::PILOT,
             0..options.pilot,
         ));
         // Kelemen's printed weights want b itself, the split ones a constant that knows nothing of the pool; without weights of
@@ -125,10 +125,7 @@ impl<'a, F: Family<Contributions, 1> + Send + Sync> PssmltEngine<'a, F> {
             lamps,
             pool: *pool.normaliser(),
             b0,
-            scale: Scale {
-                width: f64::from(settings.width),
-                height: f64::from(settings.height),
-            },
+            scale: settings.scale(),
             area: layout.extended_bounds().area(),
             builder,
         })
@@ -203,19 +200,15 @@ impl LadderChain for Chain {
 
 impl<F: Family<Contributions, 1> + Send + Sync> Engine for PssmltEngine<'_, F> {
     fn advance(&mut self, plan: &[u64], stop: Option<&AtomicBool>) -> u64 {
-        let before = self.statistics().steps;
         let mut chains = std::mem::take(&mut self.chains);
-        chains
-            .par_iter_mut()
-            .zip(plan)
-            .with_max_len(1)
-            .for_each(|(chain, &steps)| self.drive(chain, steps, stop));
+        let [taken, steps] = chains::advance(&mut chains, plan, |chain, steps| {
+            self.drive(chain, steps, stop);
+        });
         self.chains = chains;
-        let steps = self.statistics().steps;
         if let Some(lamps) = &mut self.lamps {
             lamps.keep_up(steps);
         }
-        steps - before
+        taken
     }
 
     fn develop(&mut self) -> Result<Image, RenderError> {

@@ -1,4 +1,4 @@
-//! Replica exchange light transport (Kitaoka, Kitamura and Kishino 2009; spec: relt.md).
+//! Replica exchange light transport (Kitaoka, Kitamura and Kishino 2009).
 
 mod even;
 mod keep;
@@ -13,7 +13,7 @@ use kaustik_estimate::{
 };
 use kaustik_film::{Counters, Film, Image, Layer, Quantum, develop};
 use kaustik_mcmc::{
-    Estimate, LadderStatistics, Mean, RoughNormalisers, RunningNormalisers, Schedule, Statistics,
+    Estimate, LadderStatistics, RoughNormalisers, RunningNormalisers, Schedule, Statistics,
     SteppingStone,
 };
 use kaustik_path::{Bidirectional, Event, trace};
@@ -34,7 +34,7 @@ use start::{Started, for_so_many_replicas, kernels, replica_builder, start};
 /// Paths of a sweep, about: a look at the stop flag comes as often as elsewhere.
 const SWEEP: u64 = 16;
 /// Sweeps of a ladder between two changes of its step sizes. Rounds of 16 were seen to bias a chain by
-/// 20 %, rounds of 1,000 within its error (spec relt.md 4).
+/// 20 %, rounds of 1,000 within its error.
 const ADAPTATION_ROUND: u64 = 1_000;
 
 /// So many ladders make their spread a better measure of errors than the spread of batches within each.
@@ -100,7 +100,7 @@ impl<'a, const K: usize> ReltEngine<'a, K> {
         let set = options.replica_set();
         let family = ReplicaFamily::new(&set, options.target);
         let rough: [Estimate; K] = std::array::from_fn(|k| started.rough[k]);
-        // Without its replica, implicit specular light goes back to the others (spec 6.6).
+        // Without its replica, implicit specular light goes back to the others.
         let specific = set.is_specific() && K == set.count();
         let layout = settings.layout();
         let quantum = Quantum::from_mean(started.mean / 3.0);
@@ -140,10 +140,7 @@ impl<'a, const K: usize> ReltEngine<'a, K> {
             runs: runs(&family, &set, settings, started),
             films,
             direct: Lamps::new(scene, settings)?,
-            scale: Scale {
-                width: f64::from(settings.width),
-                height: f64::from(settings.height),
-            },
+            scale: settings.scale(),
             area: layout.extended_bounds().area(),
         })
     }
@@ -219,7 +216,7 @@ impl<'a, const K: usize> ReltEngine<'a, K> {
         all
     }
 
-    /// The normalisers of all ladders together (spec (4)): pooled before the product is formed.
+    /// The normalisers of all ladders together (RELT eq. 10): pooled before the product is formed.
     fn running(&self) -> RunningNormalisers<K> {
         let mut all = SteppingStone::on(below(&self.set));
         for run in &self.runs {
@@ -243,7 +240,7 @@ impl<'a, const K: usize> ReltEngine<'a, K> {
     }
 
     /// What a film per sweep is multiplied by. In a render shorter than its annealing the rough constants are
-    /// better than those of eq. 10 (spec 7.5).
+    /// better than those of eq. 10.
     fn scales(&self) -> [f64; K] {
         match self.options.normaliser {
             Normaliser::Running => self.shares().scales(self.sweeps()),
@@ -255,9 +252,8 @@ impl<'a, const K: usize> ReltEngine<'a, K> {
         }
     }
 
-    /// The light (X + Y + Z) of all films. Its error is the jackknife's (how much it changes without one of the
-    /// ladders, which are independent) or what chains foresee. Scaled by other than independent samples, it has the error of the full
-    /// replica's normaliser at least.
+    /// The light (X + Y + Z) of all films. Scaled by other than independent samples, it has the error of the full
+    /// replica's normaliser.
     fn brightness(&self) -> Estimate {
         let (shares, sweeps) = (self.shares(), self.sweeps());
         let value = shares.light(sweeps, &self.scales());
@@ -266,7 +262,7 @@ impl<'a, const K: usize> ReltEngine<'a, K> {
             Normaliser::Running => {
                 return Estimate {
                     value,
-                    standard_error: self.jackknife(),
+                    standard_error: self.error_of_light(),
                 };
             }
             Normaliser::Initial => self.rough[full].relative_error(),
@@ -278,28 +274,10 @@ impl<'a, const K: usize> ReltEngine<'a, K> {
         }
     }
 
-    /// Standard error of the light: from leaving out one ladder after the other, at least what chains foresee
-    /// from what they have seen.
-    fn jackknife(&self) -> f64 {
-        let mut without = Mean::new();
-        for left_out in 0..self.runs.len() {
-            let (mut shares, mut sweeps) = (self.pool, 0);
-            for (index, run) in self.runs.iter().enumerate() {
-                if index != left_out {
-                    shares.merge(&run.shares);
-                    sweeps += run.sweeps;
-                }
-            }
-            without.push(shares.light(sweeps, &shares.scales(sweeps)));
-        }
-        // the values hardly differ: their variance over ladders - 1 is what one ladder changes
-        let ladders = self.runs.len() as f64;
-        let of_ladders = (without.variance() / ladders).sqrt() * (ladders - 1.0);
-        let (shares, sweeps) = (self.shares(), self.sweeps());
-        // the first population is the same for all
-        let pool = self.pool.error_within(&shares, self.weights.shared());
-        let seen = of_ladders.hypot(pool);
-        seen.max(shares.foreseen_error(sweeps, &shares.scales(sweeps)))
+    fn error_of_light(&self) -> f64 {
+        let ladders = self.runs.iter().map(|run| (run.shares, run.sweeps));
+        let ladders: Vec<_> = ladders.collect();
+        Shares::error_of_light(&self.pool, &ladders, self.weights.shared())
     }
 
     /// Films with what turns them into parts of the picture.

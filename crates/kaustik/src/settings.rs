@@ -1,6 +1,7 @@
 use std::ops::Range;
 use std::time::Duration;
 
+use kaustik_estimate::Scale;
 use kaustik_film::{Filter, Layout, Window};
 
 use crate::{Method, Options};
@@ -72,6 +73,14 @@ impl RenderSettings {
         match self.crop {
             Some(crop) => layout.with_crop(crop),
             None => layout,
+        }
+    }
+
+    /// From raster to pixels.
+    pub(crate) fn scale(&self) -> Scale {
+        Scale {
+            width: f64::from(self.width),
+            height: f64::from(self.height),
         }
     }
 

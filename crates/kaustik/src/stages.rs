@@ -1,4 +1,4 @@
-//! Multi-stage Metropolis light transport (Hoberock and Hart 2010; spec: stf-photon.md 10).
+//! Multi-stage Metropolis light transport (Hoberock and Hart 2010).
 //!
 //! A chain that follows the light of the image is where the image is bright, and leaves its dark parts noisy. Here a render is one of
 //! stages. Each follows the light times a weight on the image, inverse to the picture of the stages before it, so that every

@@ -4,6 +4,7 @@ use kaustik_mcmc::Mean;
 use serde::{Deserialize, Serialize};
 
 use crate::engine::Nonfinite;
+use crate::streams;
 
 /// What the rounds of a ladder have told.
 #[derive(Clone, Debug)]
@@ -40,10 +41,10 @@ impl<const K: usize> Told<K> {
         }
     }
 
-    /// For each level of the next round a ladder that nothing else has, for its generators.
+    /// The number of the generators of each level of the next round.
     pub(super) fn next(&self) -> impl Fn(usize) -> u64 + use<K> {
-        let round = (u64::from(self.ladder) + 1) << 40 | self.rounds << 4;
-        move |level| round | level as u64
+        let (ladder, round) = (self.ladder, self.rounds);
+        move |level| streams::round(ladder, round, level)
     }
 
     pub(super) fn merge(&mut self, other: &Self) {

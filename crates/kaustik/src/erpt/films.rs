@@ -1,4 +1,4 @@
-//! The picture, and what Cline's filters need beside it (spec: erpt.md 5).
+//! The picture, and what Cline's filters need beside it (Batty sec. 4.2 and 6).
 
 use std::io;
 use std::iter::once;

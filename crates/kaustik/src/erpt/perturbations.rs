@@ -26,7 +26,7 @@ pub(crate) const NAMES: [&str; KINDS] = [
 const FRESH_WAVELENGTHS: f64 = 0.25;
 
 /// Lens or multi-chain perturbation, whichever the string allows, and the caustic one where it does, each as
-/// often as the other (spec: erpt.md 4.3).
+/// often as the other (Batty sec. 4.1).
 #[derive(Clone, Copy)]
 pub(crate) struct Perturbations<'a> {
     single: LensPerturbation<'a>,

@@ -6,10 +6,8 @@ use kaustik_mutate::{Path, PathSpace, Seeds, Tracer};
 use rayon::prelude::*;
 
 use super::perturbations::Perturbations;
+use crate::streams;
 use crate::{Direct, Options, RenderSettings, Starts};
-
-/// The pilot's samples come from a ladder that no render has.
-const PILOT_LADDER: u64 = u64::MAX;
 
 /// Makes the starts of samples; holds their memory.
 pub(crate) struct Starter<'a> {
@@ -71,7 +69,7 @@ pub(crate) fn pilot(
     settings: &RenderSettings,
 ) -> Vec<[f64; 2]> {
     let options = &settings.options;
-    let generators = SampleGenerators::new(settings.seed, PILOT_LADDER);
+    let generators = SampleGenerators::new(settings.seed, streams::PILOT);
     let sample = |starter: &mut Starter<'_>, index: usize| {
         let mut draws = generators.at(index as u64);
         let at = DVec2::new(draws.uniform(), draws.uniform());

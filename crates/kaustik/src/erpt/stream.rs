@@ -20,13 +20,11 @@ use crate::carried::Carried;
 use crate::cells::{Cells, Tour};
 use crate::control::is_stopped;
 use crate::engine::Nonfinite;
-use crate::erpt_pss::{UntilStopped, check_redistribution};
+use crate::erpt_pss::{UntilStopped, check_redistribution, redistribution};
 use crate::state::{Reader, StateError};
 use crate::stratified::mix;
+use crate::streams;
 use crate::{Colours, Energy, Options, RenderSettings};
-
-/// The decisions of a ladder's chains come from streams beside those of its samples.
-const CHAIN_LADDERS: u64 = 1 << 32;
 
 /// What all ladders have in common.
 pub(crate) struct Job<'a> {
@@ -97,16 +95,6 @@ fn add(sum: &mut [f64; 3], colour: Xyz, weight: f64) {
     }
 }
 
-/// How samples of this mean light are spread; `None` where there is none to spread.
-fn plan(options: &Options, mean: f64) -> Option<Redistribution> {
-    let unit = mean / f64::from(options.length) / options.chains;
-    let plan = Redistribution::new(options.length, unit).ok()?;
-    Some(match options.consecutive {
-        Some(patience) => plan.patience(patience),
-        None => plan,
-    })
-}
-
 impl Stream {
     pub(crate) fn new(settings: &RenderSettings, ladder: u32, pilot: f64) -> Self {
         let seed = settings.seed;
@@ -114,8 +102,8 @@ impl Stream {
             ladder,
             step: 0,
             samples: SampleGenerators::new(seed, u64::from(ladder)),
-            chains: SampleGenerators::new(seed, CHAIN_LADDERS + u64::from(ladder)),
-            plan: plan(&settings.options, pilot),
+            chains: SampleGenerators::new(seed, streams::chains(ladder)),
+            plan: redistribution(&settings.options, pilot),
             redistributor: Redistributor::new(),
             carried: Carried::new(settings, ladder),
             light: Light::default(),
@@ -172,7 +160,7 @@ impl Stream {
                 return;
             }
             if tour.begins() && job.options.energy == Energy::Passes {
-                self.plan = plan(job.options, self.expected(job));
+                self.plan = redistribution(job.options, self.expected(job));
             }
             let mut draws = self.samples.at(self.step);
             // All that is asked of these is stratified: nothing is drawn twice.

@@ -8,20 +8,15 @@ use rayon::prelude::*;
 use super::{Chain, density, weight};
 use crate::RenderSettings;
 use crate::engine::Nonfinite;
+use crate::streams;
 
-/// The pool's samples come from a ladder that no render has.
-const POOL_LADDER: u64 = u64::MAX;
-/// So does the choice of the starts.
-const CHOICE_LADDER: u64 = u64::MAX - 1;
-/// And so do the samples between mutations, from here on one ladder for each chain.
-const FRESH_LADDERS: u64 = u64::MAX - 65_536;
 /// Weights of independent samples, in parallel, in the order of their indices.
 pub(super) fn weights(
     space: &PathSpace<'_>,
     map: &RasterMap,
     settings: &RenderSettings,
 ) -> Vec<f64> {
-    let generators = SampleGenerators::new(settings.seed, POOL_LADDER);
+    let generators = SampleGenerators::new(settings.seed, streams::PILOT);
     (0..settings.options.pilot as usize)
         .into_par_iter()
         .with_min_len(256)
@@ -43,7 +38,7 @@ pub(super) fn start_chains(
     pool: &Pool,
     settings: &RenderSettings,
 ) -> Vec<Chain> {
-    let mut choice = generator(settings.seed, CHOICE_LADDER);
+    let mut choice = generator(settings.seed, streams::CHOICE);
     let range = settings.ladder_range();
     let mut seeds = Seeds::new(space);
     let mut chains = Vec::new();
@@ -55,13 +50,13 @@ pub(super) fn start_chains(
             continue;
         }
         let mut path = Path::default();
-        let mut draws = sample_generator(settings.seed, POOL_LADDER, start.index);
+        let mut draws = sample_generator(settings.seed, streams::PILOT, start.index);
         seeds.sample(&mut path, &mut draws);
         chains.push(Chain {
             ladder,
             nonfinite: Nonfinite::default(),
             draws: generator(settings.seed, u64::from(ladder)),
-            fresh: generator(settings.seed, FRESH_LADDERS + u64::from(ladder)),
+            fresh: generator(settings.seed, streams::fresh(ladder)),
             independent: Mean::new(),
             metropolis: Metropolis::at((), path, &density(map), 0),
         });

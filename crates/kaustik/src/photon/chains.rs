@@ -1,4 +1,4 @@
-//! Photons of Markov chains that exchange states (spec: stf-photon.md 3, 7 and 8).
+//! Photons of Markov chains that exchange states (Hachisuka and Jensen 2011; Gruson et al. 2016, sec. 4.4).
 
 mod iteration;
 mod keep;
@@ -28,14 +28,10 @@ use crate::engine::{Nonfinite, add_counters};
 use crate::photon_options::Normalisation;
 use crate::state::{Reader, StateError, Writer};
 use crate::statistics::{PhotonLevel, PhotonStatistics};
+use crate::streams;
 use crate::{ChainStatistics, PhotonOptions, Place, RenderError, RenderSettings};
 use iteration::{Course, Iteration, Unheard};
 
-/// Uniform light paths that choose the first states come from a ladder that no render has; so does the choice.
-const POOL_LADDER: u64 = u64::MAX;
-const CHOICE_LADDER: u64 = u64::MAX - 1;
-/// So does the choice of those that chains go on from which an iteration has left in the dark.
-const REVIVAL_LADDER: u64 = u64::MAX - 2;
 /// Before the first iteration step sizes learn for so many rounds of so many sweeps.
 const WARM_UP: (u64, u64) = (8, 32);
 /// A ladder takes so many sweeps an iteration at least, or there are fewer ladders: means of short chains under targets that have
@@ -112,7 +108,7 @@ impl<const K: usize> PhotonChains<K> {
             rough: [1.0; K],
             sums: vec![[0.0; 3]; settings.pixels() as usize],
             visible: progressive.then(Mean::new),
-            revival: generator(settings.seed, REVIVAL_LADDER),
+            revival: generator(settings.seed, streams::REVIVAL),
             maps: options.maps.then(|| Maps::new(settings)),
             iterations: 0,
             nonfinite: Vec::new(),
@@ -139,7 +135,7 @@ impl<const K: usize> PhotonChains<K> {
     /// First states from uniform light paths, in proportion to each target; rough normalisers from the same.
     fn start(&mut self, stage: &Stage<'_>, settings: &RenderSettings) {
         let target = self.target(stage);
-        let generators = SampleGenerators::new(settings.seed, POOL_LADDER);
+        let generators = SampleGenerators::new(settings.seed, streams::PILOT);
         let levels = self.levels;
         let evaluate = |value: &mut PhotonValue, index: usize| {
             target.evaluate(&mut Independent::new(generators.at(index as u64)), value);
@@ -157,7 +153,7 @@ impl<const K: usize> PhotonChains<K> {
             let b = pools[level].normaliser().mean();
             if b > 0.0 { b } else { least }
         });
-        let mut choice = generator(settings.seed, CHOICE_LADDER);
+        let mut choice = generator(settings.seed, streams::CHOICE);
         let mutation = Power::new(1.0);
         let mut ladders = Vec::new();
         let useful = stage.photons / (K as u64 * LEAST_SWEEPS);

@@ -1,4 +1,4 @@
-//! The pilot of `photon-density` (Chen, Wang and Yong 2011; spec: stf-photon.md 4).
+//! The pilot of `photon-density` (Chen, Wang and Yong 2011).
 
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 
@@ -10,13 +10,12 @@ use rayon::prelude::*;
 
 use super::stage::Stage;
 use crate::RenderSettings;
+use crate::streams;
 
 /// Passes of uniform light paths.
 const PASSES: u64 = 4;
 /// So many times the radius.
 const WIDER: f64 = 3.0;
-/// Light paths of the pilot come from a ladder that no render has.
-const LADDER: u64 = u64::MAX - 4096;
 /// Light paths that one thread traces at a time.
 const CHUNK: u64 = 1024;
 
@@ -28,7 +27,7 @@ pub(super) fn pilot(scene: &Scene, settings: &RenderSettings) -> DensityTarget {
     let (columns, rows) = (settings.width as usize, settings.height as usize);
     let counts: Vec<AtomicU64> = (0..columns * rows).map(|_| AtomicU64::new(0)).collect();
     let mut areas = vec![0.0; columns * rows];
-    let generators = SampleGenerators::new(settings.seed, LADDER);
+    let generators = SampleGenerators::new(settings.seed, streams::DENSITY);
     for pass in 0..PASSES {
         stage.begin(None);
         let map = stage.map();

@@ -1,5 +1,5 @@
-//! Photon methods (spec: stf-photon.md): iterations of new measurement points and light paths that look for them,
-//! and path tracing of what photons cannot carry.
+//! Photon methods (Hachisuka and Jensen 2009, 2011; Gruson et al. 2016, "G"): iterations of new measurement points
+//! and light paths that look for them, and path tracing of what photons cannot carry.
 //!
 //! An iteration is whole or it is not: `--time` ends a render between two, and one that is stopped within an iteration
 //! gives it up, as if it had not begun it. All ladders share the points of an iteration, so that a process runs all of

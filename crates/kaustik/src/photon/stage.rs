@@ -18,11 +18,9 @@ use crate::control::is_stopped;
 use crate::render::builder_settings;
 use crate::state::{Reader, StateError};
 use crate::stratified::{Stratified, mix};
+use crate::streams;
 use crate::{RenderError, RenderSettings};
 
-/// The camera's generators come from a ladder that no render has; so do the pilot's.
-const CAMERA_LADDER: u64 = u64::MAX - 2048;
-const PILOT_LADDER: u64 = u64::MAX;
 /// Cells whose points one thread makes at a time.
 const CHUNK: u64 = 512;
 /// Chunks that are made before they are put together: what this takes beside the points themselves is bounded.
@@ -72,7 +70,7 @@ impl<'a> Stage<'a> {
         let options = settings.options;
         let builder = builder_settings(settings);
         let cells = Cells::new(settings);
-        let generators = SampleGenerators::new(settings.seed, CAMERA_LADDER);
+        let generators = SampleGenerators::new(settings.seed, streams::CAMERA);
         let mut first = generators.at(u64::MAX);
         let [first_wavelength, first_time] = [first.uniform(), first.uniform()];
         let size = DVec2::new(f64::from(settings.width), f64::from(settings.height));
@@ -82,10 +80,7 @@ impl<'a> Stage<'a> {
             tracing: PhotonTracing {
                 max_edges: settings.max_depth,
             },
-            scale: Scale {
-                width: size.x,
-                height: size.y,
-            },
+            scale: settings.scale(),
             seed: settings.seed,
             photons: options.photon.photons,
             iterations: 0,
@@ -140,7 +135,7 @@ impl<'a> Stage<'a> {
     /// Discs of the iteration of this number, from those before it.
     fn shrink(&mut self, index: u64) {
         if let (Some(alpha), true) = (self.reduction, index > 0) {
-            // spec 1: r_{i+1}^2 = r_i^2 (i + alpha) / (i + 1), i >= 1
+            // r_{i+1}^2 = r_i^2 (i + alpha) / (i + 1), i >= 1
             let i = index as f64;
             self.walk.radius *= ((i + alpha) / (i + 1.0)).sqrt();
         }
@@ -319,7 +314,7 @@ impl<'a> Stage<'a> {
     pub(super) fn typical_power(&self) -> f64 {
         let mut path = PhotonPath::default();
         let mut power = Mean::new();
-        let generators = SampleGenerators::new(self.seed, PILOT_LADDER);
+        let generators = SampleGenerators::new(self.seed, streams::PILOT);
         let instants = self.instants();
         for index in 0..PILOT {
             let scene = self.in_turn(&instants, index);

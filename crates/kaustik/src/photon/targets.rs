@@ -9,7 +9,7 @@ use super::stage::Stage;
 use crate::photon_options::{PhotonOptions, TargetFunction};
 use crate::state::StateError;
 
-/// Names of the four targets of spec stf-photon.md (9).
+/// Names of the four targets of G sec. 4.4.
 const NAMES: [&str; 4] = ["uniform", "visibility", "inverse-kernel", "full"];
 /// Camera walks a pixel before the first iteration, which the tree is made from (G sec. 4.2).
 const PILOT_PASSES: u64 = 4;
@@ -95,8 +95,8 @@ impl<const K: usize> Targets<K> {
         }
     }
 
-    /// For the iteration that the stage has begun (spec (8)). Returns by how much each of the four targets has grown in the
-    /// mean over the points.
+    /// For the iteration that the stage has begun (G Eq. 11). Returns by how much each of the four targets has grown in
+    /// the mean over the points.
     pub(super) fn assign(&mut self, stage: &Stage<'_>) -> [f64; 4] {
         self.of_points.clear();
         if self.plain {

@@ -11,16 +11,10 @@ use rayon::prelude::*;
 
 use super::{Chain, Small};
 use crate::engine::Nonfinite;
+use crate::streams;
 use crate::{RenderError, RenderSettings};
 
-/// The pilot's samples come from a ladder that no render has.
-pub(crate) const PILOT_LADDER: u64 = u64::MAX;
-/// So does the choice of the starts.
-const CHOICE_LADDER: u64 = u64::MAX - 1;
-/// And so do the samples that fix the constant in the weights: it must not depend on the pool, or the
-/// product of both would be biased (spec 4.4).
-const CONSTANT_LADDER: u64 = u64::MAX - 2;
-/// It needs to be no better than roughly right.
+/// The constant in the weights needs to be no better than roughly right.
 const CONSTANT_SHARE: u64 = 10;
 /// Where light is hard to find at all, so many times the pool's samples look for it.
 const PATIENCE: u64 = 10;
@@ -56,7 +50,7 @@ pub(super) fn rough_constant(
     let mut mean = Mean::new();
     for round in 0..PATIENCE * CONSTANT_SHARE {
         let samples = round * share..(round + 1) * share;
-        pilot(target, family, settings, CONSTANT_LADDER, samples)
+        pilot(target, family, settings, streams::CONSTANT, samples)
             .into_iter()
             .filter(|density| density.is_finite())
             .for_each(|density| mean.push(density));
@@ -77,7 +71,7 @@ pub(super) fn start_chains(
     pool: &Pool,
     settings: &RenderSettings,
 ) -> Result<Vec<Chain>, RenderError> {
-    let mut choice = generator(settings.seed, CHOICE_LADDER);
+    let mut choice = generator(settings.seed, streams::CHOICE);
     let range = settings.ladder_range();
     let mut chains = Vec::new();
     for ladder in 0..settings.options.ladders {
@@ -89,7 +83,7 @@ pub(super) fn start_chains(
         let small = Small::new(settings.options.small_step);
         let metropolis = match start {
             Some(start) => {
-                let mut draws = sample_generator(settings.seed, PILOT_LADDER, start.index);
+                let mut draws = sample_generator(settings.seed, streams::PILOT, start.index);
                 Metropolis::rebuild(&target, family, 0, small, &start, &mut draws)?
             }
             None => Metropolis::start(&target, family, 0, small, &mut own),

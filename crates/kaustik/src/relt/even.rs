@@ -18,11 +18,7 @@ use super::start::Started;
 use crate::RenderSettings;
 use crate::cells::Cells;
 use crate::stratified::{Stratified, mix};
-
-/// Ladders that no render has, for the generators.
-const LADDERS: u64 = 1 << 40;
-/// One more, for where all of them begin.
-const BEGINNING: u64 = LADDERS - 1;
+use crate::streams;
 
 /// The fewest and the most samples a sweep, if it is not said how many.
 const FEWEST: f64 = 2.0;
@@ -72,7 +68,7 @@ impl Even {
         let cells = Cells::new(settings);
         let count = cells.count();
         let ladders = u64::from(settings.options.ladders);
-        let begin = generator(settings.seed, BEGINNING).uniform();
+        let begin = generator(settings.seed, streams::EVEN_BEGINNING).uniform();
         let mut even = Self {
             cells,
             ladders,
@@ -82,7 +78,7 @@ impl Even {
             stride: stride(count),
             pass: 0,
             seed: mix(settings.seed),
-            generators: SampleGenerators::new(settings.seed, LADDERS + u64::from(ladder)),
+            generators: SampleGenerators::new(settings.seed, streams::even(ladder)),
             step: 0,
             value: Contributions::default(),
         };

@@ -1,4 +1,4 @@
-//! How replicas start: by population annealing (RELT 4.3, Algorithm 2; spec relt.md 7).
+//! How replicas start: by population annealing (RELT 4.3, Algorithm 2).
 
 use std::array::from_fn;
 use std::sync::atomic::{AtomicBool, AtomicU64};
@@ -15,6 +15,7 @@ use rayon::prelude::*;
 use super::scouts::{Scouts, scouting};
 use crate::control::is_stopped;
 use crate::render::builder_settings;
+use crate::streams;
 use crate::{RenderSettings, Steps};
 
 /// Small steps of a replica.
@@ -32,7 +33,7 @@ pub(crate) fn replica_builder(settings: &RenderSettings) -> Bidirectional {
     }
 }
 
-/// Small steps of a replica: RELT 5.1.3's sizes, s2 = 16 s1 (spec relt.md (10)). The specific replica's are
+/// Small steps of a replica: RELT 5.1.3's sizes, s2 = 16 s1. The specific replica's are
 /// smaller: as printed, or fine enough for light through glass that is a peak a thousandth wide.
 pub(crate) fn mutation(set: &ReplicaSet, steps: Steps, level: usize) -> Mutation {
     let specific = set.is_specific() && level + 1 == set.count();
@@ -107,16 +108,14 @@ pub(crate) fn start(
     }
 }
 
-/// Small steps of every particle at a level: copies must come apart (spec 7.2).
+/// Small steps of every particle at a level: copies must come apart.
 pub(crate) const MOVES: usize = 2;
-/// An annealing that dies is tried again so often, each time with twice the particles (spec 7.3).
+/// An annealing that dies is tried again so often, each time with twice the particles.
 const AGAIN: u32 = 3;
-/// Below this share of the replica before, the specific one is not worth its steps (spec 6.6). Its whole
+/// Below this share of the replica before, the specific one is not worth its steps. Its whole
 /// density counts, not only what particles have seen of its light: in water under a small lamp that is nothing, and
 /// a third of the picture.
 const NEGLIGIBLE: f64 = 1e-3;
-/// Ladders that no render has, for the generators of the attempts and levels.
-const LADDERS: u64 = 16;
 
 /// What an annealing leaves.
 pub(crate) struct Started {
@@ -124,14 +123,14 @@ pub(crate) struct Started {
     pub(crate) starts: Vec<Vec<State>>,
     /// Integrals of the replicas' densities: constants of the weights.
     pub(crate) rough: Vec<Estimate>,
-    /// Densities and [`light`] of the independent samples.
+    /// Densities and [`light`] of the first attempt's independent samples.
     pub(crate) pool: Vec<([f64; ReplicaSet::MOST], [f64; 2])>,
-    /// Implicit specular light of what scouts found, and how many were sent.
+    /// Implicit specular light of what the first attempt's scouts found, and how many were sent.
     pub(crate) scouted: (Vec<f64>, u64),
     /// Effective numbers of particles by replica: of the first population weighed at once, and of the
     /// annealed one before it is resampled at that level.
     pub(crate) effective: Vec<[f64; 2]>,
-    /// Mean of X + Y + Z over them.
+    /// Mean of X + Y + Z over the last attempt's samples, or over its scouts where these alone met light; 0 if nobody did.
     pub(crate) mean: f64,
     /// Particles of the last attempt.
     pub(crate) particles: u64,
@@ -147,12 +146,13 @@ fn anneal<const K: usize>(
     settings: &RenderSettings,
 ) -> Started {
     let mut attempt = 0;
+    let mut first = None;
     loop {
         let climb = Climb::<K>::new(target, set, settings, attempt);
         let (mut started, extinct, sighted) = climb.run();
-        // Without any light there is nothing to look for with more particles.
-        if extinct.is_some() && attempt < AGAIN && started.mean > 0.0 {
+        if extinct.is_some() && attempt < AGAIN {
             attempt += 1;
+            first.get_or_insert((started.pool, started.scouted));
             continue;
         }
         if let Some(Extinct { level }) = extinct {
@@ -173,6 +173,11 @@ fn anneal<const K: usize>(
                 "the specific replica does not run: its normalisation is below {NEGLIGIBLE} of that of \
                  the replica before"
             ));
+        }
+        // What counts as independent is the first attempt's: a later one was made because that had met too little,
+        // and is the last because it met enough.
+        if let Some(first) = first {
+            (started.pool, started.scouted) = first;
         }
         return started;
     }
@@ -210,7 +215,7 @@ impl<'a, const K: usize> Climb<'a, K> {
             Some(each) => particles * u64::from(each),
             None => 0,
         };
-        let ladder = ladder(attempt, K + 1);
+        let ladder = streams::annealing(attempt, K + 1);
         Self {
             target,
             set,
@@ -228,7 +233,7 @@ impl<'a, const K: usize> Climb<'a, K> {
         let kernels = kernels::<K>(self.target, self.set, steps);
         let first = mutation(self.set, steps, 0);
         let seed = self.settings.seed;
-        let bottom = ladder(self.attempt, 0);
+        let bottom = streams::annealing(self.attempt, 0);
         let samples = samples(
             self.target,
             &self.family,
@@ -241,14 +246,20 @@ impl<'a, const K: usize> Climb<'a, K> {
         let pool: Vec<_> = (samples.iter())
             .map(|(_, value)| (all_densities(&self.family, value), light(value)))
             .collect();
+        let scouted = self.scouts.light();
         let light = pool.iter().flat_map(|(_, light)| light).sum::<f64>();
+        let mean = match &scouted {
+            // Where no particle has met light, scouts may have.
+            (found, sent) if light <= 0.0 => found.iter().sum::<f64>() / (*sent).max(1) as f64,
+            _ => light / self.particles as f64,
+        };
         let mut started = Started {
             starts: Vec::new(),
             rough: Vec::new(),
             pool,
-            scouted: self.scouts.light(),
+            scouted,
             effective: vec![[self.particles as f64; 2]],
-            mean: light / self.particles as f64,
+            mean,
             particles: self.particles,
             dropped: None,
         };
@@ -256,7 +267,7 @@ impl<'a, const K: usize> Climb<'a, K> {
             all: self.family,
             scouted: self.scouts.count > 0,
         };
-        let mut central = generator(seed, ladder(self.attempt, K));
+        let mut central = generator(seed, streams::annealing(self.attempt, K));
         let mut bottom = Population::from_samples(samples, &family, Resampling::Systematic);
         let uniform = bottom.advance(0, &kernels[0], &mut central);
         debug_assert!(uniform.is_ok(), "all particles have the density 1");
@@ -304,7 +315,8 @@ impl<'a, const K: usize> Climb<'a, K> {
         family: &Elsewhere<K>,
         population: &mut Climbing<K>,
     ) {
-        let generators = SampleGenerators::new(self.settings.seed, ladder(self.attempt, level));
+        let generators =
+            SampleGenerators::new(self.settings.seed, streams::annealing(self.attempt, level));
         (population.particles_mut().par_iter_mut().enumerate())
             .with_min_len(64)
             .for_each(|(slot, particle)| {
@@ -358,11 +370,6 @@ fn effective(weights: impl Iterator<Item = f64>) -> f64 {
     } else {
         0.0
     }
-}
-
-/// A ladder that no render has, for the generators of an attempt's level.
-fn ladder(attempt: u32, level: usize) -> u64 {
-    u64::MAX - u64::from(attempt) * LADDERS - level as u64
 }
 
 /// The replicas' densities where scouts have not been: what they look for is left to them.

@@ -83,7 +83,7 @@ impl<const K: usize> PhotonChains<K> {
     }
 }
 
-/// Each normaliser from the chain below (spec (10)), with its standard error.
+/// Each normaliser from the chain below (RELT eq. 10; G sec. 4.4), with its standard error.
 fn chained<const K: usize>(stone: &SteppingStone<K>) -> [[f64; 2]; K] {
     let found = stone.normalisers(1.0);
     std::array::from_fn(|level| {
