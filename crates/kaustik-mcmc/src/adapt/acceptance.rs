@@ -6,7 +6,8 @@ use crate::{Acceptance, Scalable};
 /// is the round's mean acceptance *probability*. The default target is 0.234, the optimum of
 /// many independent dimensions (Roberts, Gelman and Gilks 1997); up to 0.44 is right for one
 /// or two. The default gain is 2, its decay 0.6: the size may still travel far, and settles
-/// in the end (the gains sum to infinity, their squares do not).
+/// in the end (the gains sum to infinity, their squares do not). Where rounds are few and long, sizes that are far
+/// too large come down by a fifth a round only: see [`in_logarithms`](Self::in_logarithms).
 ///
 /// ```
 /// use kaustik_mcmc::{
@@ -44,7 +45,11 @@ pub struct AcceptanceAdaptation<M> {
     #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::serial::count"))]
     rounds: u64,
     seen: Acceptance,
+    logarithmic: bool,
 }
+
+/// Acceptances are taken to be this much larger before their logarithms are taken: that of none is finite.
+const LEAST: f64 = 0.02;
 
 /// A size is never moved by more than this factor's logarithm.
 const FARTHEST: f64 = 20.0;
@@ -60,6 +65,7 @@ impl<M: Scalable> AcceptanceAdaptation<M> {
             log_scale: 0.0,
             rounds: 0,
             seen: Acceptance::default(),
+            logarithmic: false,
         }
     }
 
@@ -79,6 +85,17 @@ impl<M: Scalable> AcceptanceAdaptation<M> {
         }
     }
 
+    /// Compares the logarithms of the acceptances: log size += gain / n^decay * log(acceptance / target). For rounds of
+    /// many steps, whose acceptance is well known; the right gain is then about 1, as halving a size that is too large
+    /// doubles its acceptance, about.
+    #[must_use]
+    pub fn in_logarithms(self) -> Self {
+        Self {
+            logarithmic: true,
+            ..self
+        }
+    }
+
     /// Ends a round and gives the mutation of the next.
     ///
     /// `total` is the chain's counter of the small steps *since it began* (or the merged
@@ -91,10 +108,20 @@ impl<M: Scalable> AcceptanceAdaptation<M> {
         if round.proposed > 0 {
             self.rounds += 1;
             let gain = self.gain / libm::pow(self.rounds as f64, self.decay);
-            let log_scale = self.log_scale + gain * (round.rate() - self.target);
+            let off = if self.logarithmic {
+                libm::log((round.rate() + LEAST) / (self.target + LEAST))
+            } else {
+                round.rate() - self.target
+            };
+            let log_scale = self.log_scale + gain * off;
             self.log_scale = log_scale.clamp(-FARTHEST, FARTHEST);
         }
         self.mutation()
+    }
+
+    /// From now on learns as fast as at first, from where it is: for targets that have changed.
+    pub fn begin_anew(&mut self) {
+        self.rounds = 0;
     }
 
     /// The mutation of the current round.
@@ -107,7 +134,7 @@ impl<M: Scalable> AcceptanceAdaptation<M> {
         libm::exp(self.log_scale)
     }
 
-    /// How many rounds have been learnt from.
+    /// How many rounds have been learnt from, since it last began.
     pub fn rounds(&self) -> u64 {
         self.rounds
     }

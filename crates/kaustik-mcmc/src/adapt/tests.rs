@@ -43,6 +43,36 @@ fn adapted<M: Scalable>(width: f64, first: M, target: f64, rounds: u32) -> (f64,
     (last.rate(), adaptation.mutation())
 }
 
+/// In ten rounds from steps that go everywhere to those of a narrow peak; acceptances themselves need more.
+#[test]
+fn logarithms_of_acceptances_come_to_their_target_soon() {
+    let rate = |logarithmic: bool| {
+        let (toy, density) = peak(0.01);
+        let mut adaptation = AcceptanceAdaptation::new(Power::new(1.0));
+        if logarithmic {
+            adaptation = adaptation.with_gain(1.0, 0.5).in_logarithms();
+        }
+        let mut rng = generator(62, 0);
+        let mut chain = Metropolis::start(&&toy, &density, 0, adaptation.mutation(), &mut rng);
+        let kernel = PointKernel::new(&toy, 0.0);
+        for _ in 0..10 {
+            for _ in 0..1000 {
+                chain.step(&kernel, &density, &mut rng, &mut Ignore);
+            }
+            let total = *chain.statistics().small();
+            chain.set_mutation(adaptation.end_round(&total), &mut rng);
+        }
+        let before = *chain.statistics().small();
+        for _ in 0..1000 {
+            chain.step(&kernel, &density, &mut rng, &mut Ignore);
+        }
+        chain.statistics().small().since(&before).rate()
+    };
+    let (soon, late) = (rate(true), rate(false));
+    assert!((soon - 0.234).abs() < 0.06, "{soon}");
+    assert!((late - 0.234).abs() > 0.1, "{late}");
+}
+
 #[test]
 fn acceptance_comes_to_its_target_from_either_side() {
     for (sigma, aim) in [(0.5, 0.234), (1e-5, 0.234), (1e-3, 0.44)] {

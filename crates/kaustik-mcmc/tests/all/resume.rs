@@ -285,7 +285,8 @@ fn adaptations_and_diagnostics_resume_at_every_step() {
         let adaptations = (
             AcceptanceAdaptation::new(base)
                 .with_target(0.4)
-                .with_gain(1.0, 0.7),
+                .with_gain(1.0, 0.7)
+                .in_logarithms(),
             JumpAdaptation::new(base),
             DiminishingAdaptation::new().with_target(0.3),
         );

@@ -32,8 +32,14 @@ use crate::streams;
 use crate::{ChainStatistics, PhotonOptions, Place, RenderError, RenderSettings};
 use iteration::{Course, Iteration, Unheard};
 
-/// Before the first iteration step sizes learn for so many rounds of so many sweeps.
-const WARM_UP: (u64, u64) = (8, 32);
+/// Before the first iteration step sizes learn for so many rounds of so many sweeps at most.
+const WARM_UP: (u64, u64) = (48, 64);
+/// It ends when every level accepts as much as it should, but for this much.
+const WARM: f64 = 0.04;
+/// Step sizes are those of this mutation at first: far below that of a peak in all coordinates, and above that of narrow ones.
+const FIRST_STEP: f64 = 0.1;
+/// By how much step sizes learn from an iteration: gain and decay.
+const LEARNING: (f64, f64) = (1.0, 0.6);
 /// A ladder takes so many sweeps an iteration at least, or there are fewer ladders: means of short chains under targets that have
 /// just changed are off, and many ladders do not mend that.
 const LEAST_SWEEPS: u64 = 4096;
@@ -96,7 +102,10 @@ impl<const K: usize> PhotonChains<K> {
         let progressive = options.normalisation == Normalisation::Progressive
             && levels.get(1) == Some(&1)
             && !stage.moves();
-        let adaptation = AcceptanceAdaptation::new(Power::new(1.0)).with_target(options.acceptance);
+        let adaptation = AcceptanceAdaptation::new(Power::new(FIRST_STEP))
+            .with_target(options.acceptance)
+            .with_gain(LEARNING.0, LEARNING.1)
+            .in_logarithms();
         let mut chains = Self {
             levels: PhotonLevels(levels),
             options,
@@ -116,11 +125,32 @@ impl<const K: usize> PhotonChains<K> {
             normalisers: [[0.0; 2]; K],
         };
         chains.start(stage, settings);
-        for _ in 0..WARM_UP.0 {
-            chains.sweep_all(stage, WARM_UP.1);
-            chains.adapt();
-        }
+        chains.warm_up(stage);
         Ok(chains)
+    }
+
+    /// Finds step sizes for the first targets. Then learning begins anew: targets get narrower with every iteration that
+    /// knows more regions.
+    fn warm_up(&mut self, stage: &Stage<'_>) {
+        let wanted = self.options.acceptance;
+        for _ in 0..WARM_UP.0 {
+            let before: [Acceptance; K] = std::array::from_fn(|level| self.small_steps(level));
+            self.sweep_all(stage, WARM_UP.1);
+            let is_warm = |level: usize| {
+                let off = self.small_steps(level).since(&before[level]).rate() - wanted;
+                let size = self.adaptations[level].mutation().size();
+                // steps that go everywhere cannot be rejected more often
+                off.abs() < WARM || off > 0.0 && size >= 1.0
+            };
+            let warm = (1..K).all(is_warm);
+            self.adapt();
+            if warm {
+                break;
+            }
+        }
+        for adaptation in &mut self.adaptations {
+            adaptation.begin_anew();
+        }
     }
 
     fn target<'t>(&'t self, stage: &'t Stage<'_>) -> PhotonTarget<'t> {
@@ -154,7 +184,7 @@ impl<const K: usize> PhotonChains<K> {
             if b > 0.0 { b } else { least }
         });
         let mut choice = generator(settings.seed, streams::CHOICE);
-        let mutation = Power::new(1.0);
+        let mutation = Power::new(FIRST_STEP);
         let mut ladders = Vec::new();
         let useful = stage.photons / (K as u64 * LEAST_SWEEPS);
         let count = u64::from(settings.options.ladders).min(useful).max(1);
