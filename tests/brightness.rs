@@ -35,7 +35,7 @@ fn chi_square(found: &[[f64; 2]], factor: f64) -> f64 {
 fn seeds_differ_by_the_error_that_they_state() {
     for method in [Method::Pssmlt, Method::Mmlt, Method::Mlt] {
         for direct in [Direct::Lamps, Direct::Together, Direct::Apart] {
-            let mut settings = settings(method, 16, 400);
+            let mut settings = settings(method, 16, 200);
             settings.options.direct = direct;
             let found = normalisations(&settings);
             let right = chi_square(&found, 1.0);

@@ -15,14 +15,14 @@ const AGAIN: std::ops::Range<u64> = 100..132;
 /// Methods without bias, with samples a pixel that make their tiles certain to some per cent. Stages are made of `mlt` and `pssmlt`;
 /// their windows have a test of their own.
 const RIVALS: [(Method, u64); 8] = [
-    (Method::Light, 256),
-    (Method::Bdpt, 128),
-    (Method::Pssmlt, 512),
-    (Method::Mmlt, 1024),
-    (Method::Relt, 256),
-    (Method::Mlt, 1024),
-    (Method::ErptPss, 64),
-    (Method::Erpt, 64),
+    (Method::Light, 128),
+    (Method::Bdpt, 64),
+    (Method::Pssmlt, 256),
+    (Method::Mmlt, 512),
+    (Method::Relt, 128),
+    (Method::Mlt, 512),
+    (Method::ErptPss, 32),
+    (Method::Erpt, 32),
 ];
 
 fn seen_by(change: impl FnOnce(&mut CameraDescription)) -> Description {

@@ -66,7 +66,7 @@ fn the_sum_of_the_parts_is_the_whole() {
         (Method::Mlt, "standard", |_| {}),
     ];
     for (method, name, change) in variants {
-        let mut settings = apart(method, 256);
+        let mut settings = apart(method, 128);
         change(&mut settings.options);
         let sum = tiles_of_seeds(&scene, &settings, SEEDS);
         assert_agree(&format!("{method}, {name}"), &path, &sum, 0.1);
@@ -91,7 +91,7 @@ fn the_direct_part_is_path_up_to_two_edges() {
         Method::Mlt,
     ];
     for method in methods {
-        let settings = apart(method, 192);
+        let settings = apart(method, 128);
         let layers = SEEDS.map(|seed| direct_layer(&rendered(&scene, &settings, seed).image));
         assert_agree(method.name(), &path, &tiles_of(layers), 0.05);
         let settings = RenderSettings {

@@ -24,16 +24,16 @@ const STILLS: u64 = 32;
 /// Methods whose mean is that of path tracing, with samples a pixel that make their tiles certain to some per cent.
 const EXACT: [(Method, u64); 11] = [
     (Method::Path, 128),
-    (Method::Light, 256),
-    (Method::Bdpt, 128),
-    (Method::Pssmlt, 512),
-    (Method::Mmlt, 1024),
-    (Method::Relt, 256),
-    (Method::ErptPss, 64),
-    (Method::Mlt, 1024),
-    (Method::Erpt, 64),
-    (Method::MltMultistage, 1024),
-    (Method::PssmltMultistage, 512),
+    (Method::Light, 128),
+    (Method::Bdpt, 64),
+    (Method::Pssmlt, 256),
+    (Method::Mmlt, 512),
+    (Method::Relt, 128),
+    (Method::ErptPss, 32),
+    (Method::Mlt, 512),
+    (Method::Erpt, 32),
+    (Method::MltMultistage, 512),
+    (Method::PssmltMultistage, 256),
 ];
 
 /// Iterations of photon methods, as many as there are still pictures, and light paths of each: chains need some to
