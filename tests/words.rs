@@ -98,7 +98,14 @@ fn wrong_words() {
         &["magic", "pssmlt"],
     );
     refused(
-        &["render", "builtin:cornell", "--set", "plarge=2"],
+        &[
+            "render",
+            "builtin:cornell",
+            "--method",
+            "pssmlt",
+            "--set",
+            "plarge=2",
+        ],
         &["plarge", "0 < p <= 1"],
     );
     refused(

@@ -48,7 +48,14 @@ fn rivals(scale: Scale) -> Vec<MethodEntry> {
         relt(
             scale,
             "relt as printed",
-            &["replicas=paper", "exchange=pair", "steps=paper"],
+            &[
+                "replicas=paper",
+                "exchange=pair",
+                "steps=paper",
+                "normaliser=exchange",
+                "even=0",
+                "direct=together",
+            ],
         ),
     ]
 }
