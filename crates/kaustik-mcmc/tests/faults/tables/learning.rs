@@ -8,9 +8,16 @@ pub(crate) const ADAPTATION: &[Fault] = &[
     fault(
         "adaptation: steps shrink where they should grow",
         "adapt/acceptance.rs",
-        "(round.rate() - self.target)",
-        "(self.target - round.rate())",
+        "                round.rate() - self.target\n",
+        "                self.target - round.rate()\n",
         "lib:adapt::tests::acceptance_comes_to_its_target_from_either_side",
+    ),
+    fault(
+        "adaptation: logarithms shrink where they should grow",
+        "adapt/acceptance.rs",
+        "(round.rate() + LEAST) / (self.target + LEAST)",
+        "(self.target + LEAST) / (round.rate() + LEAST)",
+        "lib:adapt::tests::logarithms_of_acceptances_come_to_their_target_soon",
     ),
     fault(
         "adaptation: all rounds count again",

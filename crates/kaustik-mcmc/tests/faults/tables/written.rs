@@ -36,8 +36,15 @@ pub(crate) const WRITTEN: &[Fault] = &[
     fault(
         "written: what an adaptation has seen is forgotten",
         "adapt/acceptance.rs",
-        "seen: Acceptance,\n}",
-        "#[cfg_attr(feature = \"serde\", serde(skip))]\n    seen: Acceptance,\n}",
+        "seen: Acceptance,\n    logarithmic",
+        "#[cfg_attr(feature = \"serde\", serde(skip))]\n    seen: Acceptance,\n    logarithmic",
+        "resume::adaptations_and_diagnostics_resume_at_every_step",
+    ),
+    fault(
+        "written: that an adaptation is in logarithms is forgotten",
+        "adapt/acceptance.rs",
+        "logarithmic: bool,\n}",
+        "#[cfg_attr(feature = \"serde\", serde(skip))]\n    logarithmic: bool,\n}",
         "resume::adaptations_and_diagnostics_resume_at_every_step",
     ),
     fault(
