@@ -20,7 +20,7 @@ impl<const K: usize> Shares<K> {
     /// The squares of these are added:
     /// - by how much the light changes without one ladder after the other, and the error of the pool, which is the
     ///   same for all ladders;
-    /// - of light that few samples have met, what chains [foresee](Self::foreseen) above that: samples that have not
+    /// - of light that few samples have met, what chains foresee above that: samples that have not
     ///   met the rare and bright see no spread;
     /// - of such light, by how much samples and [bridges](Self::bridged) disagree beyond chance, as far as the
     ///   picture stands on bridges: the starts of all ladders come from one population, so that no spread among
