@@ -36,7 +36,7 @@ use iteration::{Course, Iteration, Unheard};
 const WARM_UP: (u64, u64) = (48, 64);
 /// It ends when every level accepts as much as it should, but for this much.
 const WARM: f64 = 0.04;
-/// Step sizes are those of this mutation at first: far below that of a peak in all coordinates, and above that of narrow ones.
+/// Size of the first steps: between what suits a scene of which all is seen and one of which a thousandth is.
 const FIRST_STEP: f64 = 0.1;
 /// By how much step sizes learn from an iteration: gain and decay.
 const LEARNING: (f64, f64) = (1.0, 0.6);
