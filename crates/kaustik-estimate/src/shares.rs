@@ -184,7 +184,7 @@ impl<const K: usize> Shares<K> {
     /// Light that one sample in 100,000 meets is nothing to the first 50,000, and far too much once the first has
     /// met it, while chains may have come to it by small steps. But all ladders started in one population, which may
     /// have had too little of that light or too much. (In `ring-and-sphere` after 20 seconds bridges were off by
-    /// 80 % of the specific light, as two samples would be, and in some seeds chains had found none.)
+    /// 80 % of the specific light, about as much as the mean of two effective samples is.)
     fn trust(&self, level: usize) -> f64 {
         let mean = &self.parts[level];
         let square = mean.mean() * mean.mean();
