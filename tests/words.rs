@@ -259,6 +259,8 @@ fn a_signal_writes_what_there_is() {
             .args([
                 "render",
                 "builtin:cornell",
+                "--method",
+                "path",
                 "--width",
                 "64",
                 "--time",

@@ -22,7 +22,7 @@ mod target;
 pub use density_target::DensityTarget;
 pub use deposit::{KelemenDeposit, Mis, Scale};
 pub use kaustik_path::ScalarTarget;
-pub use photon_deposit::{Combine, PhotonDeposit, TOUCH};
+pub use photon_deposit::{Combine, PhotonDeposit, Sharing, TOUCH};
 pub use photon_map::PhotonMap;
 pub use photon_target::{Meeting, PhotonLevels, PhotonTarget, PhotonValue};
 pub use raster_map::RasterMap;

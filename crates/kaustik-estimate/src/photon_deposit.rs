@@ -19,13 +19,44 @@ pub enum Combine {
     Average,
 }
 
+/// What of a path each chain of a ladder stands for.
+#[derive(Clone, Copy, Debug)]
+pub struct Sharing<const K: usize> {
+    /// How.
+    pub combine: Combine,
+    /// Rough normalisers, > 0.
+    pub rough: [f64; K],
+    /// How many samples each level delivers, relative to the others, > 0.
+    pub samples: [f64; K],
+}
+
+impl<const K: usize> Sharing<K> {
+    /// About how many samples of a level there are at a path, relative to the others: `n_l T_l / b0_l`.
+    #[inline]
+    pub(crate) fn expected(&self, densities: &[f64; K], level: usize) -> f64 {
+        self.samples[level] * densities[level] / self.rough[level]
+    }
+
+    /// The weight of a level, which is its part of what is expected of all, or `1 / K`; over `T_l / b0_l`.
+    #[inline]
+    fn share(&self, densities: &[f64; K], level: usize) -> f64 {
+        match self.combine {
+            Combine::Balance => {
+                let all = (0..K).map(|level| self.expected(densities, level));
+                self.samples[level] / all.sum::<f64>()
+            }
+            Combine::Average => self.rough[level] / (densities[level] * K as f64),
+        }
+    }
+}
+
 /// A visit of weight 1 in [`PhotonDeposit::touches`].
 pub const TOUCH: u64 = 1 << 16;
 
 /// Splats what chains visit: on a film for each level, with weights from rough normalisers `b0`.
 ///
 /// Level `l` of `N` weighted visits becomes its share of the picture by the factor `(b_l / b0_l) / N`, once `b_l` is known
-/// (as RELT eq. 23, every chain with the same number of samples): right for any `b0`, as weights made of it sum to 1.
+/// (as RELT eq. 23): right for any `b0` and any `samples`, as weights made of them sum to 1.
 #[derive(Debug)]
 pub struct PhotonDeposit<'a, const K: usize> {
     /// Where paths meet points.
@@ -34,10 +65,8 @@ pub struct PhotonDeposit<'a, const K: usize> {
     pub scale: Scale,
     /// A film for each level.
     pub films: [&'a Film; K],
-    /// Rough normalisers, > 0.
-    pub rough: [f64; K],
     /// How chains share.
-    pub combine: Combine,
+    pub sharing: Sharing<K>,
     /// Where statistics of regions are gathered, and into which half of them.
     pub regions: Option<(&'a RegionSums<K>, usize)>,
     /// How often each point was touched, in steps of [`TOUCH`], if anybody asks.
@@ -46,23 +75,6 @@ pub struct PhotonDeposit<'a, const K: usize> {
     pub counts: [f64; K],
     /// Values of the visits at each level that were not finite.
     pub faults: [u64; K],
-}
-
-/// The weight of level l, `(T_l / b0_l) / sum(T_m / b0_m)` or `1 / K`, over `T_l / b0_l`.
-#[inline]
-fn share<const K: usize>(
-    combine: Combine,
-    rough: &[f64; K],
-    densities: &[f64; K],
-    level: usize,
-) -> f64 {
-    match combine {
-        Combine::Balance => {
-            let sum: f64 = densities.iter().zip(rough).map(|(t, b)| t / b).sum();
-            1.0 / sum
-        }
-        Combine::Average => rough[level] / (densities[level] * K as f64),
-    }
 }
 
 impl<const K: usize> Recorder<PhotonValue, K> for PhotonDeposit<'_, K> {
@@ -80,7 +92,7 @@ impl<const K: usize> Recorder<PhotonValue, K> for PhotonDeposit<'_, K> {
         if visit.value.meetings.is_empty() {
             return;
         }
-        let weight = visit.weight * share(self.combine, &self.rough, visit.densities, level);
+        let weight = visit.weight * self.sharing.share(visit.densities, level);
         let photons = visit.value.path.photons();
         for meeting in &visit.value.meetings {
             let photon = &photons[meeting.photon as usize];
@@ -98,7 +110,7 @@ impl<const K: usize> Recorder<PhotonValue, K> for PhotonDeposit<'_, K> {
             }
         }
         if let Some((sums, half)) = self.regions {
-            sums.take(&visit, &self.map, &self.rough, half);
+            sums.take(&visit, &self.map, &self.sharing, half);
         }
     }
 }
@@ -112,15 +124,34 @@ mod tests {
     #[test]
     fn shares_sum_to_one() {
         for rough in [[1.0, 0.3, 0.01, 1e-5], [1.0, 0.9, 0.9, 0.2]] {
-            for densities in [[1.0, 1.0, 0.5, 1e-7], [1.0, 1.0, 1.0, 1.0]] {
+            for samples in [[1.0; 4], [1.0, 1.0, 2.0, 8.0]] {
                 for combine in [Combine::Balance, Combine::Average] {
-                    let of = |l: usize| densities[l] / rough[l];
-                    let sum: f64 = (0..4)
-                        .map(|l| of(l) * share(combine, &rough, &densities, l))
-                        .sum();
-                    assert!((sum - 1.0).abs() < 1e-12, "{combine:?}: {sum}");
+                    let sharing = Sharing {
+                        combine,
+                        rough,
+                        samples,
+                    };
+                    for densities in [[1.0, 1.0, 0.5, 1e-7], [1.0, 1.0, 1.0, 1.0]] {
+                        let of = |l: usize| densities[l] / rough[l] * sharing.share(&densities, l);
+                        let sum: f64 = (0..4).map(of).sum();
+                        assert!((sum - 1.0).abs() < 1e-12, "{sharing:?}: {sum}");
+                    }
                 }
             }
         }
+    }
+
+    /// A chain of twice the samples has twice the part of what both find.
+    #[test]
+    fn more_samples_have_a_larger_share() {
+        let sharing = Sharing {
+            combine: Combine::Balance,
+            rough: [1.0, 0.5],
+            samples: [1.0, 2.0],
+        };
+        let densities = [1.0, 0.5];
+        let [first, second] =
+            [0, 1].map(|l| densities[l] / sharing.rough[l] * sharing.share(&densities, l));
+        assert!((second / first - 2.0).abs() < 1e-12, "{first}, {second}");
     }
 }

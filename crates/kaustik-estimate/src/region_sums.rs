@@ -4,10 +4,13 @@ use std::sync::atomic::{AtomicI64, Ordering::Relaxed};
 
 use kaustik_mcmc::Visit;
 
-use crate::{LeafTally, PhotonMap, PhotonValue};
+use crate::{LeafTally, Meeting, PhotonMap, PhotonValue, Sharing};
 
 /// Steps of one: weights are near one, and sums stay below 2^62.
 const STEP: f64 = (1u64 << 24) as f64;
+
+/// No leaf.
+const NONE: u32 = u32::MAX;
 
 /// Of fluxes, which are given relative to a typical one: steps of squares, and the largest that counts.
 const SQUARE_STEP: f64 = (1u64 << 20) as f64;
@@ -80,12 +83,12 @@ impl<const K: usize> RegionSums<K> {
         }
     }
 
-    /// Takes a visit of a path that touches points.
+    /// Takes a visit of a path that touches points, in a ladder whose chains share so.
     pub(crate) fn take(
         &self,
         visit: &Visit<'_, PhotonValue, K>,
         map: &PhotonMap<'_>,
-        rough: &[f64; K],
+        sharing: &Sharing<K>,
         half: usize,
     ) {
         let level = visit.level;
@@ -93,40 +96,58 @@ impl<const K: usize> RegionSums<K> {
             return;
         }
         let of = |at: usize| {
-            let q = visit.densities[at] / rough[at];
+            let q = sharing.expected(visit.densities, at);
             if self.counts[at] { q * q } else { 0.0 }
         };
         let share = of(level) / (0..K).map(of).sum::<f64>();
-        let omega = share * rough[level] / visit.densities[level];
+        let omega = share * sharing.rough[level] / visit.densities[level];
         let meetings = &visit.value.meetings;
-        let leaf = |at: usize| self.leaves[meetings[at].point as usize];
-        for at in 0..meetings.len() {
+        let leaf = |meeting: &Meeting| self.leaves[meeting.point as usize];
+        let weight = visit.weight * omega;
+        // Photons meet many points of one leaf in a row: what they add is added at once.
+        let (mut run, mut points) = (NONE, 0_u32);
+        // Where the meetings of the photon begin: it meets no point twice.
+        let mut own = 0;
+        for (at, meeting) in meetings.iter().enumerate() {
+            if meetings[own].photon != meeting.photon {
+                own = at;
+            }
             // A path counts once at each point, and once in each leaf.
-            let before = &meetings[..at];
-            if before.iter().any(|other| other.point == meetings[at].point) {
+            let again = |other: &Meeting| other.point == meeting.point;
+            if meetings[..own].iter().any(again) {
                 continue;
             }
-            let sums = &self.sums[leaf(at) as usize][level];
-            add(&sums[half], visit.weight * omega);
+            let here = leaf(meeting);
+            if here != run {
+                self.add_points(run, level, half, weight * f64::from(points));
+                (run, points) = (here, 0);
+                if !meetings[..at].iter().rev().any(|other| leaf(other) == here) {
+                    add(&self.sums[here as usize][level][2], visit.weight * share);
+                }
+            }
+            points += 1;
             if let Some(typical) = self.typical {
-                let point = meetings[at].point;
-                let here = meetings[at..].iter().filter(|other| other.point == point);
+                let sums = &self.sums[here as usize][level];
                 let photons = visit.value.path.photons();
-                let flux = here
-                    .map(|m| {
-                        map.points
-                            .response(point as usize, &photons[m.photon as usize])
+                let flux = (meetings[at..].iter().filter(|other| again(other)))
+                    .map(|other| {
+                        let photon = &photons[other.photon as usize];
+                        map.points.response(meeting.point as usize, photon)
                     })
                     .sum::<f64>();
                 let relative = (flux / typical).clamp(0.0, MOST_FLUX);
-                add(&sums[3], visit.weight * omega * relative);
-                let square = visit.weight * omega * relative * relative;
-                let steps = (square * SQUARE_STEP).round_ties_even() as i64;
+                add(&sums[3], weight * relative);
+                let steps = (weight * relative * relative * SQUARE_STEP).round_ties_even() as i64;
                 sums[4].fetch_add(steps, Relaxed);
             }
-            if !(0..at).any(|other| leaf(other) == leaf(at)) {
-                add(&sums[2], visit.weight * share);
-            }
+        }
+        self.add_points(run, level, half, weight * f64::from(points));
+    }
+
+    #[inline]
+    fn add_points(&self, leaf: u32, level: usize, half: usize, weight: f64) {
+        if leaf != NONE {
+            add(&self.sums[leaf as usize][level][half], weight);
         }
     }
 
@@ -152,4 +173,85 @@ impl<const K: usize> RegionSums<K> {
 #[inline]
 fn add(sum: &AtomicI64, value: f64) {
     sum.fetch_add((value * STEP).round_ties_even() as i64, Relaxed);
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeSet;
+
+    use kaustik_mcmc::{Draws, generator};
+    use kaustik_path::{Lookup, MeasurementPoints};
+    use kaustik_spectrum::{WavelengthSampling, Wavelengths};
+
+    use super::*;
+    use crate::Combine;
+
+    /// Paths of up to three photons that meet points of four leaves, some points again: each leaf is told of each point once,
+    /// and of each path once.
+    #[test]
+    fn a_path_counts_once_at_a_point_and_in_a_leaf() {
+        let (points, lookup) = (MeasurementPoints::default(), Lookup::default());
+        let map = PhotonMap {
+            points: &points,
+            lookup: &lookup,
+            wavelengths: &Wavelengths::sample(0.5, WavelengthSampling::default()),
+            max_edges: 8,
+        };
+        let sharing = Sharing {
+            combine: Combine::Balance,
+            rough: [1.0, 0.5],
+            samples: [1.0, 3.0],
+        };
+        let leaves: Vec<u32> = (0..20).map(|point| point / 5).collect();
+        let mut sums = RegionSums::new(4, [0, 1], Witnesses::All);
+        sums.begin(leaves.clone());
+        let mut rng = generator(71, 0);
+        let mut below = |n: f64| (rng.uniform() * n) as u32;
+        let mut exact = vec![LeafTally::default(); 4];
+        for number in 0..500 {
+            let mut value = PhotonValue::default();
+            for photon in 0..=below(3.0) {
+                let first = below(17.0);
+                let met = (first..=first + below(3.0)).map(|point| Meeting { photon, point });
+                value.meetings.extend(met);
+            }
+            let (level, half) = (number % 2, number / 2 % 2);
+            let densities = &[1.0, 1.0];
+            sums.take(
+                &Visit {
+                    level,
+                    value: &value,
+                    densities,
+                    weight: 0.25,
+                    independent: 0.0,
+                },
+                &map,
+                &sharing,
+                half,
+            );
+            // expected samples: 1 and 6 at any path
+            let share = [1.0, 36.0][level] / 37.0;
+            let met: BTreeSet<u32> = value.meetings.iter().map(|m| m.point).collect();
+            let of = |point: &u32| leaves[*point as usize] as usize;
+            for point in &met {
+                exact[of(point)].psi[half] += 0.25 * share * sharing.rough[level];
+            }
+            for leaf in met.iter().map(of).collect::<BTreeSet<_>>() {
+                exact[leaf].paths += 0.25 * share;
+            }
+        }
+        for (leaf, (found, exact)) in sums.tallies(&[1.0; 2]).iter().zip(&exact).enumerate() {
+            let near = |a: f64, b: f64| (a - b).abs() < 1e-4;
+            assert!(
+                near(found.paths, exact.paths),
+                "{leaf}: {found:?}, {exact:?}"
+            );
+            let halves = found.psi.iter().zip(exact.psi);
+            assert!(
+                halves.clone().all(|(a, b)| near(*a, b)),
+                "{leaf}: {found:?}, {exact:?}"
+            );
+            assert!(exact.psi[0] > 1.0 && exact.psi[1] > 1.0);
+        }
+    }
 }

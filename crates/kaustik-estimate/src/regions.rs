@@ -77,6 +77,12 @@ pub enum Refinement {
         /// Percent by which the halves of its statistics may differ.
         percent: u32,
     },
+    /// To the last of them, but each is [drawn towards](Regions::shrunk_densities) the one that it is part of as long as not
+    /// many more light paths than so many have touched it.
+    Shrunk {
+        /// Light paths that what is known of the larger region counts for.
+        paths: u32,
+    },
     /// All, once an iteration.
     Iterations,
     /// Never.
@@ -95,6 +101,9 @@ impl Refinement {
         least: 200,
         percent: 30,
     };
+    /// At once. What is around a region counts for 20 light paths: those of a chain resemble each other, and tell less than as many
+    /// that were drawn apart.
+    pub const SHRUNK: Self = Self::Shrunk { paths: 20 };
 }
 
 impl Regions {
@@ -282,8 +291,40 @@ impl Regions {
     /// none, 1.
     pub fn densities(&self) -> Vec<f64> {
         let densities = self.cut.iter().map(|&node| self.known_density(node));
-        let densities: Vec<f64> = densities.collect();
-        let here = densities.iter().zip(&self.cut);
+        self.relative(densities.collect(), &self.cut)
+    }
+
+    /// The same without a cut: for each leaf what is known of it, drawn towards what is known of the region that this is half of,
+    /// and so on from the root.
+    ///
+    /// The mean of a Poisson variable that was seen `n` times where `e` were expected, with a gamma prior that counts for `paths`
+    /// looks at the region around it: `D = D_parent (paths + n) / (paths + e)`. Where nothing was seen, `e` goes by area.
+    pub fn shrunk_densities(&self, paths: u32) -> Vec<f64> {
+        let prior = f64::from(paths);
+        // parents come before their children
+        let mut known: Vec<f64> = Vec::with_capacity(self.nodes.len());
+        for (at, node) in self.nodes.iter().enumerate() {
+            let parent = &self.nodes[node.parent as usize];
+            known.push(match (node.density(), known.get(node.parent as usize)) {
+                _ if at == 0 => node.density().unwrap_or(0.0),
+                (Some(density), Some(above)) if node.paths > 0.0 && *above > 0.0 => {
+                    let expected = node.paths * above / density;
+                    above * (prior + node.paths) / (prior + expected)
+                }
+                (None, Some(above)) if parent.area > 0.0 => {
+                    let expected = parent.paths * node.area / parent.area;
+                    above * prior / (prior + expected)
+                }
+                (_, above) => above.copied().unwrap_or(0.0),
+            });
+        }
+        let of_leaves = self.leaves.iter().map(|&leaf| known[leaf as usize]);
+        self.relative(of_leaves.collect(), &self.leaves)
+    }
+
+    /// Densities of nodes over the largest of those that have points; 1 where nothing is known.
+    fn relative(&self, densities: Vec<f64>, nodes: &[u32]) -> Vec<f64> {
+        let here = densities.iter().zip(nodes);
         let most = here
             .filter(|(_, node)| self.nodes[**node as usize].area > 0.0)
             .map(|(density, _)| *density)
@@ -332,6 +373,7 @@ impl Regions {
                 let (least, error) = (f64::from(least), 0.01 * f64::from(percent));
                 self.refine(|regions, children| regions.suffices(children, least, error));
             }
+            Refinement::Shrunk { .. } => self.refine(|_, _| true),
             Refinement::Iterations => {
                 let before: Vec<bool> = self.nodes.iter().map(|node| node.in_cut).collect();
                 self.refine(|regions, [child, _]| {

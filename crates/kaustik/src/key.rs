@@ -409,6 +409,7 @@ pub const KEYS: &[Key] = &[
     photon_options::BURN_IN,
     photon_options::COMBINE,
     photon_options::LEVELS,
+    photon_options::PACE,
     photon_options::TARGET_FUNCTION,
     photon_options::PSI,
     photon_options::REFINEMENT,

@@ -84,7 +84,7 @@ pub use merge_statistics::{MergeStatistics, MergedPart, Parts};
 pub use method::{Method, UnknownMethod};
 pub use mutations::Mutations;
 pub use options::{OptionError, Options};
-pub use photon_options::{Normalisation, PhotonOptions, TargetFunction};
+pub use photon_options::{Normalisation, Pace, PhotonOptions, TargetFunction};
 pub use render::{Outcome, Rendered, Watch, render, render_watched, resume};
 pub use replay::{replay, replay_from};
 pub use replica_statistics::{ReplicaLevel, ReplicaStatistics};

@@ -20,6 +20,7 @@ pub struct PhotonOptions {
     pub combine: Combine,
     /// Chains of a ladder: 2, 3 or 4.
     pub levels: u32,
+    pub pace: Pace,
     pub target_function: TargetFunction,
     pub psi: Witnesses,
     pub refinement: Refinement,
@@ -40,6 +41,17 @@ pub enum TargetFunction {
     InverseKernel,
     /// The full one, with the spread of fluxes in each region as well (G Eq. 3).
     SecondMoment,
+}
+
+/// How often each chain of a ladder takes a step.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Pace {
+    /// By how many uniform light paths are seen: where many are, the first chain takes most steps.
+    #[default]
+    Auto,
+    /// In every so-many-th sweep (1 to 64): uniform, visibility, inverse kernel size, full target. Those that a ladder does not
+    /// have say nothing.
+    Periods([u32; 4]),
 }
 
 /// How the normaliser of visibility is estimated.
@@ -64,9 +76,10 @@ impl Default for PhotonOptions {
             burn_in: 64,
             combine: Combine::Balance,
             levels: 4,
+            pace: Pace::Auto,
             target_function: TargetFunction::Full,
             psi: Witnesses::All,
-            refinement: Refinement::EARLY,
+            refinement: Refinement::SHRUNK,
             orientation: false,
             normalisation: Normalisation::Progressive,
             maps: false,
@@ -172,6 +185,16 @@ pub(crate) const LEVELS: Key = Key {
               uniform and full alone",
     methods: REGIONS,
 };
+/// How often they step.
+pub(crate) const PACE: Key = Key {
+    name: "pace",
+    default: "auto",
+    range: "auto|a:b:c:d, 1..=64 each",
+    meaning: "in every so-many-th sweep the uniform chain takes a step, that of visibility, of inverse kernel size, of the \
+              full target (4:4:4:1: the last takes four to one of each other); auto: 1:32:32:32 where half of the uniform \
+              light paths are seen, else 1:2:2:1 as in the authors' code; without a full target 1:1:1:1",
+    methods: CHAINS,
+};
 /// What the last one follows.
 pub(crate) const TARGET_FUNCTION: Key = Key {
     name: "tf",
@@ -193,10 +216,11 @@ pub(crate) const PSI: Key = Key {
 /// When regions are divided.
 pub(crate) const REFINEMENT: Key = Key {
     name: "refinement",
-    default: "early",
-    range: "early|adaptive|iterations|off",
-    meaning: "when regions are divided: where the halves of their statistics differ by less than 30 % and 200 light paths \
-              have touched both parts; by less than 5 %, and 10,000 (the paper's); every iteration; never",
+    default: "shrunk",
+    range: "shrunk|early|adaptive|iterations|off",
+    meaning: "how regions are divided: all, what is known of each drawn towards the one around it where few light paths have \
+              touched it; or where the halves of the statistics differ by less than 30 % and 200 light paths have touched both \
+              parts; by less than 5 %, and 10,000 (the paper's); every iteration; never",
     methods: REGIONS,
 };
 
@@ -240,6 +264,7 @@ const PSIS: &[(&str, Witnesses)] = &[
     ("visibility", Witnesses::Visibility),
 ];
 const REFINEMENTS: &[(&str, Refinement)] = &[
+    ("shrunk", Refinement::SHRUNK),
     ("early", Refinement::EARLY),
     ("adaptive", Refinement::PUBLISHED),
     ("iterations", Refinement::Iterations),
@@ -264,6 +289,7 @@ impl PhotonOptions {
             "burnin" => self.burn_in.to_string(),
             "combine" => name(self.combine, COMBINES),
             "levels" => self.levels.to_string(),
+            "pace" => self.pace.text(),
             "tf" => name(self.target_function, TARGET_FUNCTIONS),
             "psi" => name(self.psi, PSIS),
             "refinement" => name(self.refinement, REFINEMENTS),
@@ -293,6 +319,7 @@ impl PhotonOptions {
             "burnin" => self.burn_in = value.parse().ok().filter(|n| *n <= 100_000)?,
             "combine" => self.combine = meaning(value, COMBINES)?,
             "levels" => self.levels = value.parse().ok().filter(|n| (2..=4).contains(n))?,
+            "pace" => self.pace = Pace::parse(value)?,
             "tf" => self.target_function = meaning(value, TARGET_FUNCTIONS)?,
             "psi" => self.psi = meaning(value, PSIS)?,
             "refinement" => self.refinement = meaning(value, REFINEMENTS)?,
@@ -302,6 +329,24 @@ impl PhotonOptions {
             _ => return None,
         }
         Some(())
+    }
+}
+
+impl Pace {
+    fn text(self) -> String {
+        match self {
+            Self::Auto => "auto".to_owned(),
+            Self::Periods(periods) => periods.map(|n| n.to_string()).join(":"),
+        }
+    }
+
+    fn parse(text: &str) -> Option<Self> {
+        if text == "auto" {
+            return Some(Self::Auto);
+        }
+        let period = |text: &str| text.parse().ok().filter(|n| (1..=64).contains(n));
+        let periods: Option<Vec<u32>> = text.split(':').map(period).collect();
+        Some(Self::Periods(periods?.try_into().ok()?))
     }
 }
 
@@ -335,6 +380,7 @@ mod tests {
             "burnin=100",
             "combine=average",
             "levels=3",
+            "pace=2:4:1:1",
             "tf=inverse-kernel",
             "psi=visibility",
             "refinement=adaptive",
@@ -360,6 +406,10 @@ mod tests {
             "remainder=some",
             "acceptance=1",
             "levels=5",
+            "pace=1:1:1",
+            "pace=1:1:1:0",
+            "pace=1:1:1:65",
+            "pace=fast",
             "tf=half",
             "refinement=soon",
         ] {

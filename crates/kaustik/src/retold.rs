@@ -8,7 +8,7 @@ use crate::engine::Engine;
 use crate::render::engine;
 use crate::state::{Header, Snapshot};
 use crate::threads::pool;
-use crate::{Budget, Method, Place, RenderSettings, replay, replay_from, small};
+use crate::{Budget, Method, Pace, Place, RenderSettings, replay, replay_from, small};
 
 const SIDE: u32 = 6;
 
@@ -120,27 +120,50 @@ fn is_of_light(event: &&Event) -> bool {
 #[derive(Debug)]
 struct Shown {
     current: Vec<Event>,
-    /// With what the step reports.
+    /// With what the step reports; nothing of a chain that rests.
     proposed: Vec<Event>,
     /// What the chain reports in exchanges after it.
     after: Vec<Event>,
 }
 
 fn parts(events: &[Event]) -> Shown {
-    let at = |wanted: &Event| events.iter().position(|e| e == wanted).expect("an event");
-    let path = |role| at(&Event::LightPath { role });
-    let [from, to] = [path(Role::Current), path(Role::Proposed)];
-    let decided = events
-        .iter()
-        .position(|e| matches!(e, Event::Decision { .. }));
-    let decided = decided.expect("a decision");
-    let part = |range: std::ops::Range<usize>| {
+    let at = |wanted: fn(&Event) -> bool| events.iter().position(wanted);
+    let current = at(|e| {
+        matches!(
+            e,
+            Event::LightPath {
+                role: Role::Current
+            }
+        )
+    })
+    .expect("a path");
+    let proposed = at(|e| {
+        matches!(
+            e,
+            Event::LightPath {
+                role: Role::Proposed
+            }
+        )
+    });
+    let decided = at(|e| matches!(e, Event::Decision { .. }));
+    assert_eq!(proposed.is_some(), decided.is_some());
+    let part = |range: std::ops::Range<usize>| -> Vec<Event> {
         let events = events[range].iter();
         events.filter(is_of_light).copied().collect()
     };
+    let Some((proposed, decided)) = proposed.zip(decided) else {
+        // It rests: first the path, then what it reports.
+        let told = part(current..events.len());
+        let (current, after) = told.split_at(walk(&told).len());
+        return Shown {
+            current: current.to_vec(),
+            proposed: Vec::new(),
+            after: after.to_vec(),
+        };
+    };
     Shown {
-        current: part(from..to),
-        proposed: part(to..decided),
+        current: part(current..proposed),
+        proposed: part(proposed..decided),
         after: part(decided..events.len()),
     }
 }
@@ -155,86 +178,108 @@ fn of_chain(events: &[Event], chain: usize) -> Vec<Event> {
 }
 
 /// Steps of all chains of two ladders in several iterations: the path where the chain is was told before, the one that it may go
-/// to and what falls on the image is what the render told there.
+/// to and what falls on the image is what the render told there. A chain that rests goes nowhere.
 #[test]
 fn chains_of_photons_are_retold() {
-    const ITERATIONS: u64 = 2;
-    let scene = scene();
-    for (method, chains) in [
-        (Method::PhotonVisibility, 2),
-        (Method::PhotonDensity, 2),
-        (Method::PhotonSpatial, 4),
-        (Method::PhotonImage, 4),
+    let even = [1; 4];
+    for (method, chains, pace) in [
+        (Method::PhotonVisibility, 2, even),
+        (Method::PhotonDensity, 2, even),
+        (Method::PhotonSpatial, 4, even),
+        (Method::PhotonSpatial, 4, [1, 8, 8, 8]),
+        (Method::PhotonImage, 4, [3, 2, 2, 1]),
     ] {
         let mut settings = settings(method);
-        // As few as give two ladders, one sweep uneven.
-        let photons = 2 * chains as u64 * 4096 + chains as u64;
-        settings.options.photon.photons = photons;
-        let burn_in = settings.options.photon.burn_in;
-        let sweeps = [4097 + burn_in, 4096 + burn_in];
-        let pool = pool(settings.threads).expect("threads");
-        let told: Vec<Vec<Event>> = pool.install(|| {
-            let mut engine = engine(&scene, &settings).expect("an engine");
-            let mut told = || {
-                let events = told(engine.as_mut(), &settings, 1);
-                events.into_iter().filter(|e| is_of_light(&e)).collect()
-            };
-            (0..ITERATIONS).map(|_| told()).collect()
-        });
-        let mut deposits = 0;
-        for (iteration, events) in (0..).zip(&told) {
-            let paths = cut(events, |event| matches!(event, Event::Start { .. }));
-            // States are read anew, then ladder after ladder sweeps.
-            let read = 2 * chains;
-            let all = sweeps.iter().sum::<u64>() as usize;
-            assert_eq!(paths.len(), read + all * chains, "{method}");
-            for (ladder, sweep) in [
-                (0, 0),
-                (0, burn_in),
-                (0, 77),
-                (0, 4099),
-                (1, 1),
-                (1, 2050),
-                (1, 4098),
-            ] {
-                let before = if ladder == 0 { 0 } else { sweeps[0] };
-                let first = read + (before + sweep) as usize * chains;
-                let shown: Vec<Shown> = (0..chains)
-                    .map(|chain| {
-                        let sweep = iteration * sweeps[ladder as usize] + sweep;
-                        let step = sweep * chains as u64 + chain as u64;
-                        let place = Place { ladder, step };
-                        let shown = replay(&scene, &settings, place).expect("events");
-                        parts(&shown)
-                    })
-                    .collect();
-                let mut rest: &[Event] = &[];
-                for (chain, shown) in shown.iter().enumerate() {
-                    let path = paths[first + chain];
-                    let what = format!("{method} {iteration} {ladder} {sweep} {chain}");
-                    assert!(path.starts_with(&shown.proposed), "{what}");
-                    rest = &path[shown.proposed.len()..];
-                    assert!(rest.is_empty() || chain + 1 == chains, "{what}");
-                    // Light paths that the render has told so far, without what they brought.
-                    let here = &paths[..first + chain];
-                    let known = (here.iter().map(|path| walk(path)))
-                        .any(|path| path == walk(&shown.current));
-                    assert!(known, "{what}");
+        // As few as give two ladders, of uneven length.
+        settings.options.photon.photons = 2 * 16_384 + chains as u64;
+        settings.options.photon.pace = Pace::Periods(pace);
+        retell_photons(&settings, &pace[..chains]);
+    }
+}
+
+fn retell_photons(settings: &RenderSettings, periods: &[u32]) {
+    const ITERATIONS: u64 = 2;
+    let (scene, method, chains) = (scene(), settings.method, periods.len());
+    let burn_in = settings.options.photon.burn_in;
+    let steps = |chain: usize, sweep: u64| {
+        let told = sweep.checked_sub(burn_in);
+        told.is_none_or(|told| told.is_multiple_of(u64::from(periods[chain])))
+    };
+    let rate: f64 = periods.iter().map(|&period| 1.0 / f64::from(period)).sum();
+    let all = (settings.options.photon.photons as f64 / rate).ceil() as u64;
+    let sweeps = [0, 1].map(|ladder| all / 2 + u64::from(ladder < all % 2) + burn_in);
+    let pool = pool(settings.threads).expect("threads");
+    let told: Vec<Vec<Event>> = pool.install(|| {
+        let mut engine = engine(&scene, settings).expect("an engine");
+        let mut told = || {
+            let events = told(engine.as_mut(), settings, 1);
+            events.into_iter().filter(|e| is_of_light(&e)).collect()
+        };
+        (0..ITERATIONS).map(|_| told()).collect()
+    });
+    // Light paths before a sweep.
+    let before = |ladder: usize, sweep: u64| {
+        let mut ladders = sweeps[..ladder].iter().copied().chain([sweep]);
+        let of = |chain| move |sweep: &u64| steps(chain, *sweep);
+        let in_all = |sweeps: u64| -> usize {
+            (0..chains)
+                .map(|chain| (0..sweeps).filter(of(chain)).count())
+                .sum()
+        };
+        // States are read anew, then ladder after ladder sweeps.
+        2 * chains + ladders.by_ref().map(in_all).sum::<usize>()
+    };
+    let mut deposits = 0;
+    for (iteration, events) in (0..).zip(&told) {
+        let paths = cut(events, |event| matches!(event, Event::Start { .. }));
+        assert_eq!(paths.len(), before(1, sweeps[1]), "{method}");
+        for (ladder, sweep) in [
+            (0, 0),
+            (0, burn_in),
+            (0, 77),
+            (0, sweeps[0] - 1),
+            (1, 1),
+            (1, burn_in + 2048),
+            (1, sweeps[1] - 1),
+        ] {
+            let what = format!("{method} {periods:?} {iteration} {ladder} {sweep}");
+            let mut next = before(ladder, sweep);
+            let shown: Vec<Shown> = (0..chains)
+                .map(|chain| {
+                    let sweep = iteration * sweeps[ladder] + sweep;
+                    let place = Place {
+                        ladder: ladder as u32,
+                        step: sweep * chains as u64 + chain as u64,
+                    };
+                    parts(&replay(&scene, settings, place).expect("events"))
+                })
+                .collect();
+            let mut rest: &[Event] = &[];
+            for (chain, shown) in shown.iter().enumerate() {
+                // Light paths that the render has told so far, without what they brought.
+                let mut known = paths[..next].iter().map(|path| walk(path));
+                assert!(
+                    known.any(|path| path == walk(&shown.current)),
+                    "{what} {chain}"
+                );
+                if !steps(chain, sweep) {
+                    assert!(shown.proposed.is_empty(), "{what} {chain}");
+                    continue;
                 }
-                // The exchanges, and at the end of a half what is still to be reported.
-                for (chain, shown) in shown.iter().enumerate() {
-                    let own = of_chain(rest, chain);
-                    assert!(
-                        own == shown.after,
-                        "{method} {iteration} {ladder} {sweep} {chain}"
-                    );
-                    let both = shown.proposed.iter().chain(&shown.after);
-                    deposits += both.filter(|e| matches!(e, Event::Deposit { .. })).count();
-                }
+                assert!(rest.is_empty(), "{what} {chain}");
+                assert!(paths[next].starts_with(&shown.proposed), "{what} {chain}");
+                rest = &paths[next][shown.proposed.len()..];
+                next += 1;
+            }
+            // The exchanges, and at the end of a half what is still to be reported.
+            for (chain, shown) in shown.iter().enumerate() {
+                assert!(of_chain(rest, chain) == shown.after, "{what} {chain}");
+                let both = shown.proposed.iter().chain(&shown.after);
+                deposits += both.filter(|e| matches!(e, Event::Deposit { .. })).count();
             }
         }
-        assert!(deposits > 20, "{method}: {deposits}");
     }
+    assert!(deposits > 20, "{method} {periods:?}: {deposits}");
 }
 
 /// A light path without its visits.

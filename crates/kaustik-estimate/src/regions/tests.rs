@@ -191,3 +191,87 @@ fn uneven_fluxes_make_a_region_thinner() {
         assert!((density - wanted).abs() < 1e-12, "{leaf}: {density}");
     }
 }
+
+/// Leaves of a tree in which those that so many light paths have touched, in the mean, lie side by side: what they tell in one
+/// iteration.
+fn touched(regions: &Regions, mean: impl Fn(usize) -> f64, seed: u64) -> Vec<LeafTally> {
+    let mut draws = generator(seed, 0);
+    let tally = |leaf: usize| {
+        // Poisson, by the time between two of them
+        let (mut count, mut time) = (0.0, 0.0);
+        loop {
+            time -= (1.0 - draws.uniform()).ln();
+            if time > mean(leaf) {
+                break;
+            }
+            count += 1.0;
+        }
+        LeafTally {
+            psi: [0.5 * count; 2],
+            paths: count,
+            ..LeafTally::default()
+        }
+    };
+    (0..regions.leaves()).map(tally).collect()
+}
+
+/// The formula itself, of a root with two leaves.
+#[test]
+fn what_is_known_of_a_half_is_drawn_towards_the_whole() {
+    let mut regions = Regions::spatial(&mut scattered(2 * Regions::LEAST_POINTS));
+    assert_eq!(regions.leaves(), 2);
+    regions.set_areas(&[1.0, 1.0]);
+    let tally = |count: f64| LeafTally {
+        psi: [0.5 * count; 2],
+        paths: count,
+        ..LeafTally::default()
+    };
+    for (counts, prior) in [([30.0, 10.0], 20), ([8.0, 0.0], 20), ([3.0, 5.0], 0)] {
+        let mut regions = regions.clone();
+        regions.learn(&counts.map(tally), Refinement::Shrunk { paths: prior });
+        assert_eq!(regions.cut(), 2, "what it shows are leaves");
+        let (found, prior) = (regions.shrunk_densities(prior), f64::from(prior));
+        let expected = 0.5 * (counts[0] + counts[1]);
+        let wanted = counts.map(|n| (prior + n) / (prior + expected));
+        let most = wanted[0].max(wanted[1]);
+        for (found, wanted) in found.iter().zip(wanted) {
+            assert!((found - wanted / most).abs() < 1e-12, "{counts:?}: {found}");
+        }
+    }
+}
+
+/// Where few light paths have come it is nearer to the truth than leaves alone and than the cut; where many have, it is what
+/// the leaves say.
+#[test]
+fn shrunk_densities_are_nearer() {
+    let truth = |leaf: usize| [3.0, 1.0, 6.0, 10.0][leaf / 20 % 4];
+    let mean = |count: f64| move |leaf: usize| count * truth(leaf);
+    let distance = |count: f64, of: fn(&Regions) -> Vec<f64>, refinement| {
+        let mut regions = Regions::spatial(&mut scattered(9_000));
+        regions.set_areas(&vec![1.0; regions.leaves()]);
+        regions.learn(&touched(&regions, mean(count), 9), refinement);
+        let known = of(&regions);
+        // up to a factor, which no target has
+        let logs = |d: &f64, leaf| (d / truth(leaf)).ln();
+        let logs: Vec<f64> = known
+            .iter()
+            .zip(0..)
+            .map(|(d, leaf)| logs(d, leaf))
+            .collect();
+        let middle = logs.iter().sum::<f64>() / logs.len() as f64;
+        let square = logs.iter().map(|log| (log - middle).powi(2)).sum::<f64>();
+        (square / logs.len() as f64).sqrt()
+    };
+    let shrunk = |count| {
+        let refinement = Refinement::SHRUNK;
+        distance(count, |regions| regions.shrunk_densities(20), refinement)
+    };
+    let few = shrunk(1.0);
+    let cut = distance(1.0, Regions::densities, Refinement::EARLY);
+    let leaves = distance(1.0, Regions::densities, Refinement::Shrunk { paths: 0 });
+    assert!(
+        few < 0.7 * cut && few < 0.7 * leaves,
+        "{few}, {cut}, {leaves}"
+    );
+    assert!(shrunk(1000.0) < 0.1, "{}", shrunk(1000.0));
+}

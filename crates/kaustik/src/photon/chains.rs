@@ -3,13 +3,14 @@
 mod iteration;
 mod keep;
 mod mark;
+mod periods;
 mod replay;
 mod sums;
 
 use std::io;
 use std::sync::atomic::AtomicBool;
 
-use kaustik_estimate::{PhotonLevels, PhotonTarget, PhotonValue};
+use kaustik_estimate::{PhotonLevels, PhotonTarget, PhotonValue, Sharing};
 use kaustik_film::{Counters, Film, Image, Layer, Quantum};
 use kaustik_mcmc::{
     Acceptance, AcceptanceAdaptation, Draws, Ignore, Independent, Ladder, Mean, Metropolis,
@@ -31,6 +32,7 @@ use crate::statistics::{PhotonLevel, PhotonStatistics};
 use crate::streams;
 use crate::{ChainStatistics, PhotonOptions, Place, RenderError, RenderSettings};
 use iteration::{Course, Iteration, Unheard};
+use periods::Periods;
 
 /// Before the first iteration step sizes learn for so many rounds of so many sweeps at most.
 const WARM_UP: (u64, u64) = (48, 64);
@@ -40,15 +42,16 @@ const WARM: f64 = 0.04;
 const FIRST_STEP: f64 = 0.1;
 /// By how much step sizes learn from an iteration: gain and decay.
 const LEARNING: (f64, f64) = (1.0, 0.6);
-/// A ladder takes so many sweeps an iteration at least, or there are fewer ladders: means of short chains under targets that have
-/// just changed are off, and many ladders do not mend that.
-const LEAST_SWEEPS: u64 = 4096;
+/// Chains take so many steps an iteration at least, in the mean over a ladder, or there are fewer ladders: means of short chains under
+/// targets that have just changed are off, and many ladders do not mend that.
+const LEAST_STEPS: u64 = 4096;
 
 /// Ladders of K chains each: the first draws uniform light paths, the others follow targets.
 pub(super) struct PhotonChains<const K: usize> {
     levels: PhotonLevels<K>,
     options: PhotonOptions,
     ladders: Vec<Chains<K>>,
+    periods: Periods<K>,
     /// Of all levels but the last, which has one that is lent. Black between two iterations, but for what the first chain has
     /// brought in all where visibility's normaliser is still to come.
     films: Vec<Film>,
@@ -110,6 +113,8 @@ impl<const K: usize> PhotonChains<K> {
             levels: PhotonLevels(levels),
             options,
             ladders: Vec::new(),
+            // until it is known how much is visible
+            periods: Periods::new(options.pace, levels, 0.0),
             films,
             first: mark::First::default(),
             targets,
@@ -183,10 +188,11 @@ impl<const K: usize> PhotonChains<K> {
             let b = pools[level].normaliser().mean();
             if b > 0.0 { b } else { least }
         });
+        let visible = samples.iter().filter(|sample| sample[1] > 0.0).count() as f64 * least;
         let mut choice = generator(settings.seed, streams::CHOICE);
         let mutation = Power::new(FIRST_STEP);
         let mut ladders = Vec::new();
-        let useful = stage.photons / (K as u64 * LEAST_SWEEPS);
+        let useful = stage.photons / (K as u64 * LEAST_STEPS);
         let count = u64::from(settings.options.ladders).min(useful).max(1);
         for ladder in 0..count {
             let mut draws = generator(settings.seed, ladder);
@@ -214,6 +220,7 @@ impl<const K: usize> PhotonChains<K> {
         self.nonfinite = vec![Nonfinite::default(); ladders.len()];
         self.ladders = ladders;
         self.rough = rough;
+        self.periods = Periods::new(self.options.pace, levels.0, visible);
     }
 
     /// Sweeps that tell nothing.
@@ -321,8 +328,11 @@ impl<const K: usize> PhotonChains<K> {
             course: self.course(stage, ladders),
             scale: stage.scale,
             films: std::array::from_fn(|level| self.films.get(level).unwrap_or(spare)),
-            rough: self.rough,
-            combine: self.options.combine,
+            sharing: Sharing {
+                combine: self.options.combine,
+                rough: self.rough,
+                samples: self.periods.rates(),
+            },
             regions: self.targets.sums(),
             touches: self.maps.as_ref().map(Maps::touches),
         }
@@ -332,8 +342,9 @@ impl<const K: usize> PhotonChains<K> {
     fn course(&self, stage: &Stage<'_>, ladders: usize) -> Course<K> {
         Course {
             burn_in: self.options.burn_in,
-            sweeps: stage.photons.div_ceil(K as u64),
+            sweeps: self.periods.sweeps(stage.photons),
             ladders: ladders as u64,
+            periods: self.periods,
         }
     }
 
@@ -378,7 +389,7 @@ impl<const K: usize> Tracer for PhotonChains<K> {
         }
         let factors = self.normalise();
         self.collect(spare, &factors);
-        self.targets.learn(&factors, self.options.refinement);
+        self.targets.learn(&factors);
         for (nonfinite, chains) in self.nonfinite.iter_mut().zip(&self.ladders) {
             *nonfinite = nonfinite.and(chains.found);
         }
@@ -402,8 +413,8 @@ impl<const K: usize> Tracer for PhotonChains<K> {
     fn add_to(&mut self, stage: &Stage<'_>, image: &mut Image) -> Result<(), RenderError> {
         self.first = mark::First::default();
         let factor = stage.cell_area() / self.iterations.max(1) as f64;
-        // Every sweep is one light path of the first chain, whose normaliser is 1.
-        let first = 1.0 / self.course(stage, self.ladders.len()).sweeps as f64;
+        // The first chain's normaliser is 1.
+        let first = 1.0 / self.course(stage, self.ladders.len()).count(0) as f64;
         let pixels = self.total(first);
         image.add_pixels(pixels.map(|sum| Rgb::from(Xyz(sum.map(|v| (v * factor) as f32))).0));
         Ok(())

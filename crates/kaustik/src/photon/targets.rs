@@ -46,6 +46,7 @@ pub(super) struct Targets<const K: usize> {
     /// Visibility asks nothing of points.
     plain: bool,
     regions: Option<Regions>,
+    refinement: Refinement,
     sums: Option<RegionSums<K>>,
     of_points: Vec<[f32; 2]>,
     /// Mean of either target over the points.
@@ -89,6 +90,7 @@ impl<const K: usize> Targets<K> {
             normals,
             plain: levels.iter().all(|&level| level < 2),
             regions,
+            refinement: options.refinement,
             sums,
             of_points: Vec::new(),
             means: [1.0; 2],
@@ -124,7 +126,10 @@ impl<const K: usize> Targets<K> {
                     areas[leaf as usize] += disc.area();
                 }
                 regions.set_areas(&areas);
-                let densities = regions.densities();
+                let densities = match self.refinement {
+                    Refinement::Shrunk { paths } => regions.shrunk_densities(paths),
+                    _ => regions.densities(),
+                };
                 self.of_points
                     .extend(discs.iter().zip(&leaves).map(|(disc, &leaf)| {
                         let kernel = kernel(disc.area());
@@ -239,9 +244,9 @@ impl<const K: usize> Targets<K> {
     }
 
     /// Ends an iteration: regions take what visits have told.
-    pub(super) fn learn(&mut self, factors: &[f64; K], refinement: Refinement) {
+    pub(super) fn learn(&mut self, factors: &[f64; K]) {
         if let (Some(regions), Some(sums)) = (&mut self.regions, &self.sums) {
-            regions.learn(&sums.tallies(factors), refinement);
+            regions.learn(&sums.tallies(factors), self.refinement);
         }
     }
 

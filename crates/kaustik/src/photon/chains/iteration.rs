@@ -3,11 +3,12 @@
 use std::sync::atomic::{AtomicBool, AtomicU64};
 
 use kaustik_estimate::{
-    Combine, PhotonDeposit, PhotonLevels, PhotonTarget, PhotonValue, RegionSums, Scale,
+    PhotonDeposit, PhotonLevels, PhotonTarget, PhotonValue, RegionSums, Scale, Sharing,
 };
 use kaustik_film::Film;
 use kaustik_mcmc::{Ignore, PointKernel, Recorder};
 
+use super::periods::Periods;
 use super::{Chains, kernels};
 use crate::control::is_stopped;
 use crate::engine::Nonfinite;
@@ -16,7 +17,8 @@ use crate::engine::Nonfinite;
 const STRIDE: u64 = 32;
 
 /// Sweeps that ladders of K chains take in every iteration, and how the steps of all iterations are counted: a ladder's
-/// sweeps one after the other, those that burn in included, and in each sweep a step of every chain.
+/// sweeps one after the other, those that burn in included, and in each sweep one for every chain, whether it takes a step there
+/// or rests.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Course<const K: usize> {
     /// Sweeps of each ladder that tell nothing.
@@ -24,6 +26,8 @@ pub(super) struct Course<const K: usize> {
     /// Those of all ladders that follow.
     pub(super) sweeps: u64,
     pub(super) ladders: u64,
+    /// Which chains take a step in these.
+    pub(super) periods: Periods<K>,
 }
 
 /// Where a step of a ladder lies.
@@ -39,6 +43,24 @@ impl<const K: usize> Course<K> {
     /// Sweeps of a ladder that are told.
     fn told(&self, ladder: u64) -> u64 {
         self.sweeps / self.ladders + u64::from(ladder < self.sweeps % self.ladders)
+    }
+
+    /// Does the chain take a step in the sweep of this number? All do in those that burn in.
+    #[inline]
+    pub(super) fn steps(&self, level: usize, sweep: u64) -> bool {
+        (sweep.checked_sub(self.burn_in)).is_none_or(|told| self.periods.steps(level, told))
+    }
+
+    /// Are exchanges tried after it?
+    #[inline]
+    pub(super) fn exchanges(&self, sweep: u64) -> bool {
+        (sweep.checked_sub(self.burn_in)).is_none_or(|told| self.periods.exchanges(told))
+    }
+
+    /// Light paths of the chain of all ladders that are told.
+    pub(super) fn count(&self, level: usize) -> u64 {
+        let of = |ladder| self.periods.count(level, self.told(ladder));
+        (0..self.ladders).map(of).sum()
     }
 
     /// All sweeps of a ladder.
@@ -70,8 +92,7 @@ pub(super) struct Iteration<'a, const K: usize> {
     pub(super) course: Course<K>,
     pub(super) scale: Scale,
     pub(super) films: [&'a Film; K],
-    pub(super) rough: [f64; K],
-    pub(super) combine: Combine,
+    pub(super) sharing: Sharing<K>,
     pub(super) regions: Option<&'a RegionSums<K>>,
     pub(super) touches: Option<&'a [AtomicU64]>,
 }
@@ -89,7 +110,7 @@ pub(super) trait Sweeps<const K: usize> {
         &mut self,
         number: u64,
         chains: &mut Chains<K>,
-        of: (&Kernels<'_, K>, &PhotonLevels<K>),
+        of: (&Iteration<'_, K>, &Kernels<'_, K>),
         recorder: &mut R,
     );
 
@@ -116,13 +137,20 @@ impl<const K: usize> Sweeps<K> for Unheard<'_> {
     #[inline]
     fn sweep<R: Recorder<PhotonValue, K>>(
         &mut self,
-        _: u64,
+        number: u64,
         chains: &mut Chains<K>,
-        (kernels, levels): (&Kernels<'_, K>, &PhotonLevels<K>),
+        (iteration, kernels): (&Iteration<'_, K>, &Kernels<'_, K>),
         recorder: &mut R,
     ) {
         let Chains { ladder, draws, .. } = chains;
-        ladder.sweep(kernels, levels, draws, recorder);
+        for (level, kernel) in kernels.iter().enumerate() {
+            if iteration.course.steps(level, number) {
+                ladder.step_at(level, kernel, iteration.levels, draws, recorder);
+            }
+        }
+        if iteration.course.exchanges(number) {
+            ladder.exchange(kernels, draws, recorder);
+        }
     }
 
     fn flush<R: Recorder<PhotonValue, K>>(
@@ -139,7 +167,7 @@ impl<const K: usize> Iteration<'_, K> {
     /// The sweeps of the ladder of this number, or the first of them.
     pub(super) fn run(&self, index: usize, chains: &mut Chains<K>, sweeps: &mut impl Sweeps<K>) {
         let kernels = kernels::<K>(&self.target);
-        let of = (&kernels, self.levels);
+        let of = (self, &kernels);
         for number in 0..self.course.burn_in {
             if sweeps.end(number) {
                 return;
@@ -194,8 +222,7 @@ impl<const K: usize> Iteration<'_, K> {
             map: self.target.map,
             scale: self.scale,
             films: self.films,
-            rough: self.rough,
-            combine: self.combine,
+            sharing: self.sharing,
             regions: self.regions.map(|sums| (sums, half)),
             touches: self.touches,
             counts: [0.0; K],
@@ -214,6 +241,7 @@ mod tests {
             burn_in: 4,
             sweeps: 11,
             ladders: 2,
+            periods: Periods::of([1, 2, 3]),
         };
         for (ladder, sweeps) in [(0, 10), (1, 9)] {
             let all = (0..3).flat_map(|iteration| {
@@ -231,5 +259,7 @@ mod tests {
             }
         }
         assert_eq!(course.step(2, 0), None);
+        // six sweeps and five: the second chain takes 3 + 3 steps, the last 2 + 2
+        assert_eq!([0, 1, 2].map(|level| course.count(level)), [11, 6, 4]);
     }
 }

@@ -1,11 +1,11 @@
 //! A step of a chain of photons, shown once more.
 
-use kaustik_estimate::{PhotonLevels, PhotonValue};
+use kaustik_estimate::PhotonValue;
 use kaustik_film::Film;
 use kaustik_mcmc::{Recorder, Statistics, Visit};
 use kaustik_path::{Event, Role, note, trace};
 
-use super::iteration::{Kernels, Step, Sweeps};
+use super::iteration::{Iteration, Kernels, Step, Sweeps, Unheard};
 use super::{Chains, PhotonChains};
 use crate::Place;
 use crate::photon::stage::Stage;
@@ -18,8 +18,8 @@ impl<const K: usize> PhotonChains<K> {
     }
 
     /// Tells what happens in the step at this place, of the iteration that the stage has begun: the path where the chain is,
-    /// the one that it may go to, and what either brings to the picture in the sweep of this step. Other ladders stay where
-    /// they are: nobody learns from them before the iteration ends.
+    /// the one that it may go to unless it rests there, and what either brings to the picture in the sweep of this step. Other
+    /// ladders stay where they are: nobody learns from them before the iteration ends.
     pub(super) fn show(&mut self, stage: &Stage<'_>, spare: &mut Film, place: Place) -> Vec<Event> {
         let Some(step) = self.step(stage, place) else {
             return Vec::new();
@@ -66,47 +66,56 @@ impl<const K: usize> Sweeps<K> for Heard {
         sweep > self.sweep
     }
 
-    /// As a ladder's own sweep: a step of every chain, then exchanges.
+    /// As of a render: a step of every chain that takes one, then exchanges.
     fn sweep<R: Recorder<PhotonValue, K>>(
         &mut self,
         number: u64,
         chains: &mut Chains<K>,
-        (kernels, levels): (&Kernels<'_, K>, &PhotonLevels<K>),
+        of: (&Iteration<'_, K>, &Kernels<'_, K>),
         recorder: &mut R,
     ) {
-        let Chains { ladder, draws, .. } = chains;
         if number != self.sweep {
-            ladder.sweep(kernels, levels, draws, recorder);
+            Unheard { stop: None }.sweep(number, chains, of, recorder);
             return;
         }
+        let (Iteration { course, levels, .. }, kernels) = of;
+        let Chains { ladder, draws, .. } = chains;
         for (level, kernel) in kernels.iter().enumerate() {
-            if level != self.level {
-                ladder.step_at(level, kernel, levels, draws, recorder);
+            let (steps, heard) = (course.steps(level, number), level == self.level);
+            if heard {
+                let mut chain = ladder.replicas()[level].clone();
+                self.listen(|| {
+                    note(|| Event::LightPath {
+                        role: Role::Current,
+                    });
+                    // Of a chain that goes no further: what it draws is drawn by nobody else.
+                    chain.evaluate_again(
+                        &kernel.target,
+                        &mut PhotonValue::default(),
+                        &mut draws.clone(),
+                    );
+                });
+            }
+            if !steps {
                 continue;
             }
-            let mut chain = ladder.replicas()[level].clone();
-            self.listen(|| {
-                note(|| Event::LightPath {
-                    role: Role::Current,
-                });
-                // Of a chain that goes no further: what it draws is drawn by nobody else.
-                chain.evaluate_again(
-                    &kernel.target,
-                    &mut PhotonValue::default(),
-                    &mut draws.clone(),
-                );
-            });
-            let before = accepted(chain.statistics());
+            if !heard {
+                ladder.step_at(level, kernel, *levels, draws, recorder);
+                continue;
+            }
+            let before = accepted(ladder.replicas()[level].statistics());
             self.listen(|| {
                 note(|| Event::LightPath {
                     role: Role::Proposed,
                 });
-                ladder.step_at(level, kernel, levels, draws, recorder);
+                ladder.step_at(level, kernel, *levels, draws, recorder);
             });
             let accepted = accepted(ladder.replicas()[level].statistics()) > before;
             self.events.push(Event::Decision { accepted });
         }
-        ladder.exchange(kernels, draws, &mut Filtered { recorder, to: self });
+        if course.exchanges(number) {
+            ladder.exchange(kernels, draws, &mut Filtered { recorder, to: self });
+        }
     }
 
     fn flush<R: Recorder<PhotonValue, K>>(
