@@ -112,7 +112,7 @@ impl Regions {
     /// No render has so many iterations.
     const MOST_ITERATIONS: u64 = 1 << 60;
     /// Points of a pilot that a leaf holds at least.
-    pub const LEAST_POINTS: usize = 64;
+    pub const LEAST_POINTS: usize = 16;
 
     /// Splits at medians along the longest side; at the middle of it where that is the normal's, whose values are few.
     /// Leaves at the border reach to infinity.

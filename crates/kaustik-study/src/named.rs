@@ -6,6 +6,7 @@
 
 mod checks;
 mod erpt;
+mod evenness;
 mod pssmlt;
 mod relt;
 mod spatial_target;

@@ -6,7 +6,7 @@ use crate::chart::number;
 use crate::{Figure, Finding, Group, Results, SceneResults, Verdict};
 
 /// A scene by name with its place in the study.
-fn scene<'a>(results: &'a Results, name: &str) -> Option<&'a SceneResults> {
+pub(super) fn scene<'a>(results: &'a Results, name: &str) -> Option<&'a SceneResults> {
     let place = results
         .study
         .scenes
@@ -15,7 +15,7 @@ fn scene<'a>(results: &'a Results, name: &str) -> Option<&'a SceneResults> {
     results.scenes.get(place)
 }
 
-fn method(results: &Results, name: &str) -> Option<usize> {
+pub(super) fn method(results: &Results, name: &str) -> Option<usize> {
     results
         .study
         .methods
@@ -83,52 +83,6 @@ pub(super) fn lower_nsd(
         measured += &format!(", {name} {} (ratio {ratio:.2})", number(theirs.mean));
     }
     Finding::new(measured, holds)
-}
-
-/// Pixels of a tile's side.
-const TILE: usize = 8;
-
-/// The 95th over the 5th percentile over tiles of the mean relative error of `better` is at most `factor` times that of
-/// `worse`.
-pub(super) fn evener(
-    results: &Results,
-    place: &str,
-    better: &str,
-    worse: &str,
-    factor: f64,
-) -> Finding {
-    let spread = |name: &str| {
-        let shown = &scene(results, place)?.shown;
-        let shown = (shown.iter()).find(|s| Some(s.method) == method(results, name))?;
-        let width = shown.image.width() as usize;
-        let across = width.div_ceil(TILE);
-        let mut tiles = vec![(0.0, 0.0); across * (shown.image.height() as usize).div_ceil(TILE)];
-        for (pixel, difference) in shown.difference.iter().enumerate() {
-            let error = f64::from(difference.abs());
-            let (x, y) = (pixel % width / TILE, pixel / width / TILE);
-            let tile: &mut (f64, f64) = &mut tiles[y * across + x];
-            if error.is_finite() {
-                *tile = (tile.0 + error, tile.1 + 1.0);
-            }
-        }
-        let means = tiles.iter().filter(|tile| tile.1 > 0.0 && tile.0 > 0.0);
-        let mut means: Vec<f64> = means.map(|(sum, count)| sum / count).collect();
-        means.sort_by(f64::total_cmp);
-        let at = |q: f64| means.get((q * means.len() as f64) as usize).copied();
-        Some(at(0.95)? / at(0.05)?)
-    };
-    match (spread(better), spread(worse)) {
-        (Some(ours), Some(theirs)) => Finding::new(
-            format!(
-                "{place}, 95th over 5th percentile of tiles: {better} {}, {worse} {} (ratio {:.2})",
-                number(ours),
-                number(theirs),
-                ours / theirs
-            ),
-            ours <= factor * theirs,
-        ),
-        _ => Finding::open("not rendered"),
-    }
 }
 
 /// The same at every budget, as a share of the budgets.
@@ -207,7 +161,7 @@ fn luminance([r, g, b]: [f32; 3]) -> f64 {
     0.2126 * f64::from(r) + 0.7152 * f64::from(g) + 0.0722 * f64::from(b)
 }
 
-fn luminances(planes: [&[f32]; 3]) -> Vec<f64> {
+pub(super) fn luminances(planes: [&[f32]; 3]) -> Vec<f64> {
     let pixels = planes[0].iter().zip(planes[1]).zip(planes[2]);
     pixels.map(|((r, g), b)| luminance([*r, *g, *b])).collect()
 }

@@ -2,7 +2,8 @@
 
 use kaustik::Method;
 
-use super::checks::{evener, lower, lower_nsd};
+use super::checks::{lower, lower_nsd};
+use super::evenness::evener;
 use super::{PaperFigure, Scale, blank, minutes, seconds, settings};
 use crate::{Claim, Figure, MethodEntry, SceneEntry, Study};
 
