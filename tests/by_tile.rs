@@ -294,6 +294,27 @@ const LIGHT: Contender = Contender {
     change: |_| {},
 };
 
+/// Chains on paths: a window of a quarter, so that each has room for its caustics.
+const MLT: Contender = Contender {
+    method: Method::Mlt,
+    block: TILES / 2,
+    first: 1_000,
+    error: 0.0042,
+    change: |settings| settings.options.pilot = 100_000,
+};
+
+const ERPT: Contender = Contender {
+    method: Method::Erpt,
+    first: 100,
+    ..MLT
+};
+
+const ERPT_PSS: Contender = Contender {
+    method: Method::ErptPss,
+    first: 50,
+    ..MLT
+};
+
 #[test]
 fn windows_agree_roughly_and_a_missing_bounce_is_found() {
     let short = |contender, first| Contender {
@@ -326,6 +347,29 @@ fn path_light_and_pssmlt_agree_on_water() {
         assert!(verdict.rejected.is_empty(), "{verdict:?}");
         assert!(verdict.uncertain.len() <= SPARED, "{verdict:?}");
     }
+}
+
+/// One long test a scene: chains on paths and redistribution against independent bidirectional paths.
+macro_rules! mutations_agree_on {
+    ($($name:ident: $words:literal;)*) => {$(
+        #[test]
+        #[ignore = "hours; KAUSTIK_KEEP keeps what is done"]
+        fn $name() {
+            for verdict in compare($words, &[BDPT, MLT, ERPT, ERPT_PSS], SEEDS, 0.005) {
+                assert!(verdict.rejected.is_empty(), "{verdict:?}");
+                assert!(verdict.uncertain.len() <= SPARED, "{verdict:?}");
+            }
+        }
+    )*};
+}
+
+mutations_agree_on! {
+    mutations_agree_on_cornell: "cornell";
+    mutations_agree_on_direct_light: "cornell-direct";
+    mutations_agree_on_indirect_light: "cornell-indirect";
+    mutations_agree_on_ring_and_sphere: "ring-and-sphere?light=0.8";
+    mutations_agree_on_glass_cube: "glass-cube?light=0.8";
+    mutations_agree_on_water: "water-cornell?light=0.8";
 }
 
 #[test]
