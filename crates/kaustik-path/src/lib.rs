@@ -40,6 +40,6 @@ pub use photon::{
 };
 pub use rays::Rays;
 pub use scalar::ScalarTarget;
-pub use sighting::{Sighting, sight};
+pub use sighting::{Beginning, Sighting, sight};
 pub use trace::{Event, Role, Side, Stand, is_listening, note, trace};
 pub use unidirectional::Unidirectional;

@@ -28,7 +28,7 @@ use crate::{
     ReplicaLevel, ReplicaStatistics, Steps,
 };
 use run::{Run, below, pool, runs};
-use scouts::{SpecularLight, scouting};
+use scouts::{Looks, scouting};
 use start::{Started, for_so_many_replicas, kernels, replica_builder, start};
 
 /// Paths of a sweep, about: a look at the stop flag comes as often as elsewhere.
@@ -78,7 +78,7 @@ struct ReltEngine<'a, const K: usize> {
     /// What the first population and the first scouts say of the light of each replica.
     pool: Shares<K>,
     /// What scouts look for, if there are any.
-    region: Option<SpecularLight<'a>>,
+    looks: Option<Looks<'a>>,
     /// Samples of each replica a sweep.
     counts: [f64; K],
     /// How many of the first's are spread evenly.
@@ -129,7 +129,7 @@ impl<'a, const K: usize> ReltEngine<'a, K> {
             family,
             weights,
             pool,
-            region: scouts.map(|_| SpecularLight::new(scene, settings)),
+            looks: scouts.map(|_| Looks::new(scene, settings)),
             counts,
             even,
             rough,
@@ -180,10 +180,10 @@ impl<'a, const K: usize> ReltEngine<'a, K> {
                     (run.ladder).step_at(level, kernel, &self.family, &mut run.draws, &mut deposit);
                 }
             }
-            if let Some(region) = &self.region {
+            if let Some(looks) = &self.looks {
                 run.scout(
                     self.set.scouts(),
-                    (&target, region),
+                    (&target, looks),
                     &self.family,
                     &mut deposit,
                 );
@@ -396,7 +396,7 @@ impl<const K: usize> Engine for ReltEngine<'_, K> {
                 .collect(),
             pairs: pairs.iter().map(|&(a, b)| [a + 1, b + 1]).collect(),
             even: self.sweeps() * u64::from(self.even),
-            scouts: match self.region {
+            scouts: match self.looks {
                 Some(_) => self.sweeps() * u64::from(self.set.scouts()),
                 None => 0,
             },

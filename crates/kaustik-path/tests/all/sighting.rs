@@ -1,6 +1,6 @@
 use kaustik_mcmc::{Independent, generator};
 use kaustik_path::{
-    Bidirectional, BuilderSettings, Class, Contributions, Form, Heuristic, PathBuilder,
+    Beginning, Bidirectional, BuilderSettings, Class, Contributions, Form, Heuristic, PathBuilder,
     ScalarTarget, Sighting, sight,
 };
 use kaustik_pss::Recording;
@@ -33,7 +33,7 @@ fn scenes() -> impl Iterator<Item = (String, Scene)> {
 #[test]
 fn what_is_sighted_is_what_the_full_form_finds() {
     let mut out = Contributions::default();
-    let mut found = 0;
+    let mut found = [0; 2];
     for (name, scene) in scenes() {
         for min_edges in [1, 2, 4] {
             let settings = BuilderSettings {
@@ -52,14 +52,23 @@ fn what_is_sighted_is_what_the_full_form_finds() {
                 full.build(&scene, &mut recording, &mut out);
                 let mut recorded = recording.finish();
                 let light = out.by_class(ScalarTarget::Xyz)[Class::L0 as usize];
-                let sighting = sight(&settings, &scene, &mut recorded);
+                let mut sees = |beginning| {
+                    let seen = sight(&settings, &scene, beginning, &mut recorded);
+                    seen == Sighting::Light
+                };
                 let place = format!("{name}, {min_edges} edges at least, point {point}");
-                assert_eq!(light > 0.0, sighting == Sighting::Light, "{place}: {light}");
-                found += u32::from(light > 0.0);
+                assert_eq!(light > 0.0, sees(Beginning::Any), "{place}: {light}");
+                // each sees its own part
+                let parts = [Beginning::Specular, Beginning::Plain].map(&mut sees);
+                let seen = parts.into_iter().filter(|seen| *seen).count();
+                assert_eq!(seen, usize::from(light > 0.0), "{place}: {parts:?}");
+                for (found, seen) in found.iter_mut().zip(parts) {
+                    *found += u32::from(seen);
+                }
             }
         }
     }
-    assert!(found > 1_000, "only {found}");
+    assert!(found.iter().all(|&found| found > 300), "only {found:?}");
 }
 
 #[test]
@@ -67,7 +76,8 @@ fn a_scene_without_dirac_surfaces_is_plain() {
     let scene = compile(&builtin::load("cornell").expect("a built-in scene"));
     let mut source = Independent::new(generator(18, 0));
     for _ in 0..POINTS {
-        let sighting = sight(&BuilderSettings::default(), &scene, &mut source);
+        let settings = BuilderSettings::default();
+        let sighting = sight(&settings, &scene, Beginning::Any, &mut source);
         assert_eq!(sighting, Sighting::Plain);
     }
 }

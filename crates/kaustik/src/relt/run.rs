@@ -10,7 +10,7 @@ use kaustik_mcmc::{
 use kaustik_path::Contributions;
 
 use super::even::Even;
-use super::scouts::SpecularLight;
+use super::scouts::{Looks, SpecularLight};
 use super::start::{Mutation, Started, State, mutation};
 use crate::RenderSettings;
 use crate::engine::Nonfinite;
@@ -58,27 +58,43 @@ impl<const K: usize> Run<K> {
     pub(super) fn scout(
         &mut self,
         count: u32,
-        (target, region): (&PathTarget<'_>, &SpecularLight<'_>),
+        (target, looks): (&PathTarget<'_>, &Looks<'_>),
         family: &ReplicaFamily<K>,
         deposit: &mut ReplicaDeposit<'_, K>,
     ) {
-        let scouting = Scouting { target, region };
-        for _ in 0..count {
-            let Self {
-                ladder,
-                spare,
-                draws,
-                ..
-            } = self;
-            let light = match ladder.scout(K - 1, &scouting, spare, family, draws, deposit) {
-                Scouted::Nothing => 0.0,
-                Scouted::Found { measure, accepted } => {
-                    self.found += 1;
-                    self.followed += u64::from(accepted);
-                    measure
-                }
-            };
+        let first = self.sweeps * u64::from(count);
+        for number in first..first + u64::from(count) {
+            let mut light = self.send(target, &looks.specular, family, deposit);
+            if number.is_multiple_of(Looks::PLAIN) {
+                let plain = self.send(target, &looks.plain, family, deposit);
+                light += plain * Looks::PLAIN as f64;
+            }
             deposit.shares.scout(K - 1, light);
+        }
+    }
+
+    /// Sends one; returns the light that it has found.
+    fn send(
+        &mut self,
+        target: &PathTarget<'_>,
+        region: &SpecularLight<'_>,
+        family: &ReplicaFamily<K>,
+        deposit: &mut ReplicaDeposit<'_, K>,
+    ) -> f64 {
+        let scouting = Scouting { target, region };
+        let Self {
+            ladder,
+            spare,
+            draws,
+            ..
+        } = self;
+        match ladder.scout(K - 1, &scouting, spare, family, draws, deposit) {
+            Scouted::Nothing => 0.0,
+            Scouted::Found { measure, accepted } => {
+                self.found += 1;
+                self.followed += u64::from(accepted);
+                measure
+            }
         }
     }
 

@@ -112,6 +112,9 @@ pub(crate) fn start(
 pub(crate) const MOVES: usize = 2;
 /// An annealing that dies is tried again so often, each time with twice the particles.
 const AGAIN: u32 = 3;
+
+/// So many scouts a particle go out before it, or fewer if fewer go out later. These look at all beginnings.
+const FIRST_SCOUTS: u32 = 16;
 /// Below this share of the replica before, the specific one is not worth its steps. Its whole
 /// density counts, not only what particles have seen of its light: in water under a small lamp that is nothing, and
 /// a third of the picture.
@@ -212,7 +215,7 @@ impl<'a, const K: usize> Climb<'a, K> {
         let family = ReplicaFamily::new(set, settings.options.target);
         let particles = settings.options.particles << attempt;
         let count = match scouting(set) {
-            Some(each) => particles * u64::from(each),
+            Some(each) => particles * u64::from(each.min(FIRST_SCOUTS)),
             None => 0,
         };
         let ladder = streams::annealing(attempt, K + 1);

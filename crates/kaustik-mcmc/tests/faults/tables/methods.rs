@@ -154,3 +154,35 @@ pub(crate) const REDISTRIBUTION: &[Fault] = &[
         "lib:redistribute::tests::dropped_weight_is_accounted_for lib:redistribute::tests::impatience_drops_what_stays_too_long",
     ),
 ];
+
+/// Scouts.
+pub(crate) const SCOUT: &[Fault] = &[
+    fault(
+        "scout: followed from out of the region",
+        "scout.rs",
+        "region.measure(&self.value) > 0.0 && region.may_hold(&mut self.state.current(draws))",
+        "region.measure(&self.value) >= 0.0 || region.may_hold(&mut self.state.current(draws))",
+        "lib:scout::tests::scouts_leave_the_target_as_it_is",
+    ),
+    fault(
+        "scout: followed from where no look would see",
+        "scout.rs",
+        " && region.may_hold(&mut self.state.current(draws))",
+        " && (true || region.may_hold(&mut self.state.current(draws)))",
+        "lib:scout::tests::a_look_at_a_part_leaves_the_target_as_it_is",
+    ),
+    fault(
+        "scout: followed always",
+        "scout.rs",
+        "decide(acceptance(self.density(), wanted, 1.0), draws)",
+        "decide(acceptance(wanted, wanted, 1.0), draws)",
+        "lib:scout::tests::scouts_leave_the_target_as_it_is",
+    ),
+    fault(
+        "scout: what was gathered goes with it",
+        "scout.rs",
+        "            self.flush(recorder);\n            spare.commit();\n",
+        "            spare.commit();\n",
+        "lib:scout::tests::scouts_leave_the_target_as_it_is",
+    ),
+];

@@ -44,6 +44,7 @@ pub(crate) const TABLES: &[&[Fault]] = &[
     population::POPULATION,
     methods::MIXTURE,
     methods::SECOND,
+    methods::SCOUT,
     methods::REDISTRIBUTION,
     learning::ADAPTATION,
     learning::DIAGNOSTICS,
