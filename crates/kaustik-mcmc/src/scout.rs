@@ -9,11 +9,10 @@ use crate::{Draws, Family, Metropolis, Mutation, Point, Recorder, Step, Target};
 
 /// A part of the unit cube that is hard to find and cheap to recognise: where both the look and the measure say so.
 pub trait Region<V> {
-    /// A look at a point. The coordinates that it reads are those that the evaluation reads.
+    /// A look at a point. It says the same of the same coordinates, and reads none that the evaluation does not read.
     fn may_hold(&self, u: &mut dyn Coordinates) -> bool;
 
-    /// How much the value of a point where the look was `true` brings of what is looked for: positive in the region,
-    /// otherwise 0.
+    /// How much a value brings of what is looked for, at least 0. Where the look is `false` it may be anything.
     fn measure(&self, value: &V) -> f64;
 }
 

@@ -11,16 +11,16 @@ use crate::{BuilderSettings, camera_walk, layout};
 
 const BOUNCES: (Stream, u32) = (Stream::Camera, layout::CAMERA_HEAD);
 
-/// Which walks a look follows beyond their first surface.
+/// Which walks a look follows beyond their first surface: by how they scatter there.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Beginning {
     /// All.
     Any,
-    /// Those that scatter into a Dirac direction there: light seen by way of glass, mirrors or water. Nearly all
-    /// implicit specular light begins so: what begins otherwise walks from the light find as well, and heuristics leave it to these.
-    Specular,
-    /// The others.
-    Plain,
+    /// Those that scatter into a Dirac direction: light seen by way of glass, mirrors or water. What begins otherwise
+    /// walks from the light find as well, so that heuristics leave most of its light to these.
+    Dirac,
+    /// The others: at diffuse and glossy surfaces.
+    Other,
 }
 
 impl Beginning {
@@ -28,8 +28,8 @@ impl Beginning {
     fn admits(self, specular: bool) -> bool {
         match self {
             Self::Any => true,
-            Self::Specular => specular,
-            Self::Plain => !specular,
+            Self::Dirac => specular,
+            Self::Other => !specular,
         }
     }
 }
@@ -37,16 +37,17 @@ impl Beginning {
 /// How far a walk from the camera came on the way to an implicit specular path ([`Class::L0`](crate::Class::L0)).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Sighting {
-    /// It never scattered into a Dirac direction.
+    /// It never scattered into a Dirac direction, or it turned round before.
     Plain,
-    /// It did, and met no light after.
+    /// It did, and met no light after, or it turned round before.
     Specular,
     /// It did, and ran into light after.
     Light,
 }
 
 /// The camera walk of [`Bidirectional`](crate::Bidirectional) paths in their full form, without anything that is
-/// joined to it, up to the first light that it meets after a specular scattering: it reads the same
+/// joined to it, up to the first light that it meets after a specular scattering, or to its first surface if it does not begin
+/// as it should: it reads the same
 /// coordinates and comes to the same places. So where this does not see light, the value of the point has nothing in
 /// [`Class::L0`](crate::Class::L0) of such a beginning. It takes a tenth of the time, and much less where few
 /// walks begin so.

@@ -59,12 +59,14 @@ fn what_is_sighted_is_what_the_full_form_finds() {
                 let place = format!("{name}, {min_edges} edges at least, point {point}");
                 assert_eq!(light > 0.0, sees(Beginning::Any), "{place}: {light}");
                 // each sees its own part
-                let parts = [Beginning::Specular, Beginning::Plain].map(&mut sees);
+                let parts = [Beginning::Dirac, Beginning::Other].map(&mut sees);
                 let seen = parts.into_iter().filter(|seen| *seen).count();
                 assert_eq!(seen, usize::from(light > 0.0), "{place}: {parts:?}");
                 for (found, seen) in found.iter_mut().zip(parts) {
                     *found += u32::from(seen);
                 }
+                // looks read nothing that the evaluation has not read
+                assert_eq!(recorded.missing(), None, "{place}");
             }
         }
     }

@@ -62,12 +62,10 @@ impl<const K: usize> Run<K> {
         family: &ReplicaFamily<K>,
         deposit: &mut ReplicaDeposit<'_, K>,
     ) {
-        let first = self.sweeps * u64::from(count);
-        for number in first..first + u64::from(count) {
-            let mut light = self.send(target, &looks.specular, family, deposit);
-            if number.is_multiple_of(Looks::PLAIN) {
-                let plain = self.send(target, &looks.plain, family, deposit);
-                light += plain * Looks::PLAIN as f64;
+        for number in 0..count {
+            let mut light = self.send(target, &looks.dirac, family, deposit);
+            if let Some(weight) = Looks::companion(number, count) {
+                light += weight * self.send(target, &looks.other, family, deposit);
             }
             deposit.shares.scout(K - 1, light);
         }

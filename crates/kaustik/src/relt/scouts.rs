@@ -57,22 +57,29 @@ impl Region<Contributions> for SpecularLight<'_> {
 #[derive(Clone, Copy)]
 pub(super) struct Looks<'a> {
     /// By way of a Dirac surface from the first, which is nearly all of it.
-    pub(super) specular: SpecularLight<'a>,
+    pub(super) dirac: SpecularLight<'a>,
     /// The rest, so that nothing is left out.
-    pub(super) plain: SpecularLight<'a>,
+    pub(super) other: SpecularLight<'a>,
 }
 
 impl<'a> Looks<'a> {
     /// One scout in so many is accompanied by one for the rest: a millionth of such light in `ring-and-sphere`, a twentieth in
     /// `mirror-statue`.
-    pub(super) const PLAIN: u64 = 16;
+    pub(super) const APART: u32 = 16;
 
     pub(super) fn new(scene: &'a Scene, settings: &RenderSettings) -> Self {
         let light = |beginning| SpecularLight::new(scene, settings, beginning);
         Self {
-            specular: light(Beginning::Specular),
-            plain: light(Beginning::Plain),
+            dirac: light(Beginning::Dirac),
+            other: light(Beginning::Other),
         }
+    }
+
+    /// Is this one, of as many as go out in a sweep, accompanied? Then by how much the light of its companion counts, so
+    /// that all companions of a sweep count as much as all others do.
+    pub(super) fn companion(number: u32, count: u32) -> Option<f64> {
+        let accompanied = number.is_multiple_of(Self::APART);
+        accompanied.then(|| f64::from(count) / f64::from(count.div_ceil(Self::APART)))
     }
 }
 
@@ -187,5 +194,20 @@ impl<'a, const K: usize> Scouts<'a, K> {
     pub(crate) fn light(&self) -> (Vec<f64>, u64) {
         let light = self.found.iter().map(|find| find.light);
         (light.collect(), self.count)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn companions_of_a_sweep_count_as_much_as_the_others() {
+        for count in 1..=ReplicaSet::MOST_SCOUTS {
+            let companions = (0..count).filter_map(|number| Looks::companion(number, count));
+            let sum: f64 = companions.sum();
+            let off = (sum / f64::from(count) - 1.0).abs();
+            assert!(off < 1e-12, "{sum} for {count}");
+        }
     }
 }
