@@ -339,26 +339,27 @@ fn windows_agree_roughly_and_a_missing_bounce_is_found() {
     assert!(!verdicts[0].rejected.is_empty(), "{verdicts:?}");
 }
 
-#[test]
-#[ignore = "hours; KAUSTIK_KEEP keeps what is done"]
-fn path_light_and_pssmlt_agree_on_water() {
-    let rivals = [PATH, PSSMLT, LIGHT];
-    for verdict in compare("water-cornell?light=0.8", &rivals, SEEDS, 0.005) {
+/// Each two agree, and are known to half a percent.
+fn assert_agreement(words: &str, contenders: &[Contender]) {
+    for verdict in compare(words, contenders, SEEDS, 0.005) {
         assert!(verdict.rejected.is_empty(), "{verdict:?}");
         assert!(verdict.uncertain.len() <= SPARED, "{verdict:?}");
     }
+}
+
+#[test]
+#[ignore = "hours; KAUSTIK_KEEP keeps what is done"]
+fn path_light_and_pssmlt_agree_on_water() {
+    assert_agreement("water-cornell?light=0.8", &[PATH, PSSMLT, LIGHT]);
 }
 
 /// One long test a scene: chains on paths and redistribution against independent bidirectional paths.
 macro_rules! mutations_agree_on {
     ($($name:ident: $words:literal;)*) => {$(
         #[test]
-        #[ignore = "hours; KAUSTIK_KEEP keeps what is done"]
+        #[ignore = "long; KAUSTIK_KEEP keeps what is done"]
         fn $name() {
-            for verdict in compare($words, &[BDPT, MLT, ERPT, ERPT_PSS], SEEDS, 0.005) {
-                assert!(verdict.rejected.is_empty(), "{verdict:?}");
-                assert!(verdict.uncertain.len() <= SPARED, "{verdict:?}");
-            }
+            assert_agreement($words, &[BDPT, MLT, ERPT, ERPT_PSS]);
         }
     )*};
 }
@@ -375,7 +376,5 @@ mutations_agree_on! {
 #[test]
 #[ignore = "hours; KAUSTIK_KEEP keeps what is done"]
 fn path_and_bdpt_agree_on_water() {
-    let verdicts = compare("water-cornell?light=0.8", &[PATH, BDPT], SEEDS, 0.005);
-    assert!(verdicts[0].rejected.is_empty(), "{verdicts:?}");
-    assert!(verdicts[0].uncertain.len() <= SPARED, "{verdicts:?}");
+    assert_agreement("water-cornell?light=0.8", &[PATH, BDPT]);
 }

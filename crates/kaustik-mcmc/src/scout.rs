@@ -93,9 +93,7 @@ impl<M: Mutation, V, const K: usize> Metropolis<Point<M>, V, K> {
         }
         Scouted::Found { measure, accepted }
     }
-}
 
-impl<M: Mutation, V, const K: usize> Metropolis<Point<M>, V, K> {
     /// Is the chain in the region?
     fn is_inside<D: Draws + ?Sized>(&mut self, region: &impl Region<V>, draws: &mut D) -> bool {
         region.measure(&self.value) > 0.0 && region.may_hold(&mut self.state.current(draws))

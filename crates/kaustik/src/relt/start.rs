@@ -112,8 +112,7 @@ pub(crate) fn start(
 pub(crate) const MOVES: usize = 2;
 /// An annealing that dies is tried again so often, each time with twice the particles.
 const AGAIN: u32 = 3;
-
-/// So many scouts a particle go out before it, or fewer if fewer go out later. These look at all beginnings.
+/// Before an annealing so many scouts a particle go out, or fewer if fewer go out a sweep. These look at all beginnings.
 const FIRST_SCOUTS: u32 = 16;
 /// Below this share of the replica before, the specific one is not worth its steps. Its whole
 /// density counts, not only what particles have seen of its light: in water under a small lamp that is nothing, and
