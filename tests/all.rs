@@ -51,6 +51,7 @@ mod kept;
 /// Two commands on one output.
 mod locks;
 /// What moves while the shutter is open.
+mod meter;
 mod motion;
 /// A scene opens nothing outside its folder.
 mod outside;

@@ -113,6 +113,10 @@ pub(crate) fn cases() -> Vec<(String, RenderSettings)> {
             s.budget = Budget::PerPixel(30);
         });
     }
+    // A pass of the meter falls due every thousand mutations or so.
+    for method in [Method::Pssmlt, Method::Mmlt, Method::Mlt] {
+        add("metered", method, |s| s.options.pilot = 1_000);
+    }
     // Lamps have a pass each 16: the whole more than any share.
     add("long", Method::Pssmlt, |s| s.budget = Budget::PerPixel(40));
     add("printed", Method::Pssmlt, |s| s.options.mis = Mis::Printed);

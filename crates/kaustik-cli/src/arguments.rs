@@ -306,10 +306,11 @@ fn at(text: &str) -> Result<At, String> {
         let seed = seed.map(str::parse).transpose().ok()?;
         let ladder = match ladder {
             "lamps" => Place::LAMPS,
+            "meter" => Place::METER,
             ladder => ladder
                 .parse()
                 .ok()
-                .filter(|&ladder| ladder < Place::LAMPS)?,
+                .filter(|&ladder| ladder < Place::METER)?,
         };
         let step = step.parse().ok()?;
         let place = Place { ladder, step };
@@ -322,7 +323,7 @@ fn at(text: &str) -> Result<At, String> {
         _ => None,
     }
     .ok_or_else(|| {
-        "expected SEED:LADDER:STEP or LADDER:STEP, for instance 0:3:1000; LADDER may be lamps"
+        "expected SEED:LADDER:STEP or LADDER:STEP, for instance 0:3:1000; LADDER may be lamps or meter"
             .to_owned()
     })
 }
@@ -392,6 +393,7 @@ mod tests {
         assert_eq!(at("1:2:3"), Ok(place(Some(1), 2)));
         assert_eq!(at("2:3"), Ok(place(None, 2)));
         assert_eq!(at("lamps:3"), Ok(place(None, Place::LAMPS)));
+        assert_eq!(at("meter:3"), Ok(place(None, Place::METER)));
         assert_eq!(
             at("1:lamps:3").map(|at| at.place.to_string()),
             Ok("lamps:3".to_owned())

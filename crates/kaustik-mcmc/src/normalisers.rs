@@ -39,6 +39,15 @@ impl Estimate {
     }
 }
 
+impl From<Mean> for Estimate {
+    fn from(mean: Mean) -> Self {
+        Self {
+            value: mean.mean(),
+            standard_error: mean.standard_error(),
+        }
+    }
+}
+
 /// Rough normalising constants of K densities, from an initial phase: fixed for the whole
 /// run, and the only ones that may stand inside weights.
 ///

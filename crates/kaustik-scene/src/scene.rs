@@ -130,6 +130,11 @@ impl Scene {
         !self.emitters.is_empty()
     }
 
+    /// Are there lights without extent or at a single direction, which no walk from the camera can run into?
+    pub fn has_punctual_lights(&self) -> bool {
+        self.emitters.any_punctual()
+    }
+
     /// The solids around the camera.
     pub fn camera_interior(&self) -> Interior {
         self.camera_interior

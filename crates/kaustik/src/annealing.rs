@@ -11,6 +11,7 @@ use kaustik_path::{Contributions, Event, PathBuilder};
 use kaustik_scene::Scene;
 use rayon::prelude::*;
 
+use crate::beside::Beside;
 use crate::control::is_stopped;
 use crate::engine::{Engine, Nonfinite, add_counters, add_nonfinite};
 use crate::lamps::Lamps;
@@ -393,6 +394,7 @@ impl<const K: usize> Engine for AnnealingEngine<'_, K> {
             large_acceptance: 1.0,
             normalisation: told.light.mean(),
             normalisation_error: told.light.standard_error(),
+            metered: 0.0,
             b0: self.rough[1.min(K - 1)].value,
             longest_stay: 0,
             defects: 0,

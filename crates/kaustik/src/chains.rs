@@ -5,7 +5,6 @@ use kaustik_path::{Event, trace};
 use rayon::prelude::*;
 
 use crate::Place;
-use crate::lamps::Lamps;
 use crate::state::{Reader, StateError};
 
 /// The chain of one ladder.
@@ -68,32 +67,6 @@ pub(crate) fn check_counts(
     let counts = moves.chain([independent, statistics.defects]);
     if chain.ladder() != ladder || counts.max() > Some(steps) {
         return Err(StateError::damaged("a chain does not agree with itself"));
-    }
-    Ok(())
-}
-
-/// Takes up the lamps of a state, if there are any; tells how many passes they have there.
-pub(crate) fn take_up_lamps(
-    lamps: &mut Option<Lamps<'_>>,
-    from: &mut Reader<'_>,
-) -> Result<Option<u64>, StateError> {
-    lamps.as_mut().map(|lamps| lamps.take_up(from)).transpose()
-}
-
-/// Lamps that have been taken up with so many passes, beside chains that took so many steps in the state, keep up with the
-/// steps of all states so far: what several shares are due together is more than the most of any.
-pub(crate) fn keep_up_lamps(
-    lamps: &mut Option<Lamps<'_>>,
-    passes: Option<u64>,
-    (taken, steps): (u64, u64),
-) -> Result<(), StateError> {
-    if passes != lamps.as_ref().map(|lamps| lamps.due(taken)) {
-        return Err(StateError::damaged(
-            "its lamps do not keep up with its chains",
-        ));
-    }
-    if let Some(lamps) = lamps {
-        lamps.keep_up(steps);
     }
     Ok(())
 }

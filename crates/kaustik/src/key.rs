@@ -31,6 +31,9 @@ const LARGE_STEPS: &[Method] = &[Method::Pssmlt, Method::Mmlt, Method::PssmltMul
 const REDISTRIBUTION: &[Method] = &[Method::ErptPss, Method::Erpt];
 const ENERGY: &[Method] = &[Method::Erpt];
 const CHAINS: &[Method] = &[Method::Pssmlt, Method::Mmlt];
+/// Chains whose light can be measured beside them.
+const METERED: &[Method] = &[Method::Pssmlt, Method::Mmlt, Method::Mlt];
+
 const NORMALISED: &[Method] = &[
     Method::Pssmlt,
     Method::Mmlt,
@@ -201,6 +204,14 @@ pub const KEYS: &[Key] = &[
         range: "running|initial",
         meaning: "the scale of the image: from the pilot and all large steps (mlt: and samples between its mutations); from the pilot alone (exactly unbiased)",
         methods: NORMALISED,
+    },
+    Key {
+        name: "meter",
+        default: "on",
+        range: "on|off",
+        meaning: "where light comes by way of smooth glass, mirrors or water, the scale of the image is measured by samples beside the \
+                  chains as well, if they know it better (normaliser=running, contribution=sum)",
+        methods: METERED,
     },
     Key {
         name: "direct",

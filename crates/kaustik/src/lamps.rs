@@ -16,6 +16,7 @@ use kaustik_path::{
 use kaustik_scene::Scene;
 use rayon::prelude::*;
 
+use crate::beside::Beside;
 use crate::cells::Cells;
 use crate::engine::Nonfinite;
 use crate::render::builder_settings;
@@ -156,32 +157,6 @@ impl<'a> Lamps<'a> {
         self.builder.build(self.scene, &mut coordinates, value);
     }
 
-    /// Passes beside so many mutations.
-    pub(crate) fn due(&self, mutations: u64) -> u64 {
-        1 + mutations / (EACH * self.pixels)
-    }
-
-    /// Takes the passes that so many mutations are due.
-    pub(crate) fn keep_up(&mut self, mutations: u64) {
-        let due = self.due(mutations);
-        let passes = self.passes..due.max(self.passes);
-        self.passes = passes.end;
-        let this = &*self;
-        let sample = |value: &mut Contributions, (cell, &often): (usize, &u64)| {
-            let mut faults = Nonfinite::default();
-            for index in passes.start * often..passes.end * often {
-                this.build(cell as u64, index, value);
-                faults.count(u64::from(value.nonfinite()), this.step(cell as u64, index));
-                this.scale.splat(&this.film, value, 1.0 / often as f64);
-            }
-            faults
-        };
-        let found = (this.often.par_iter().enumerate().with_min_len(256))
-            .map_init(Contributions::default, sample)
-            .reduce(Nonfinite::default, Nonfinite::and);
-        self.nonfinite = self.nonfinite.and(found);
-    }
-
     /// The number of a sample among all: that of its generator.
     fn step(&self, cell: u64, index: u64) -> u64 {
         index * self.cells.count() + cell
@@ -198,21 +173,6 @@ impl<'a> Lamps<'a> {
     pub(crate) fn write(&self, out: &mut Writer<'_>) -> io::Result<()> {
         out.value(&(self.passes, self.nonfinite))?;
         out.film(&self.film)
-    }
-
-    /// Takes up what was written. All shares of a render take the same passes, some more of them than others: those
-    /// with the most are kept, what the whole is due beyond them is for [`keep_up`](Self::keep_up). Tells how many
-    /// passes it has.
-    pub(crate) fn take_up(&mut self, from: &mut Reader<'_>) -> Result<u64, StateError> {
-        let (passes, nonfinite): (u64, Nonfinite) = from.value()?;
-        let (passes, nonfinite) = (Reader::count(passes)?.max(1), nonfinite.checked()?);
-        let wanted = from.is_first() || passes > self.passes;
-        from.film_instead(&mut self.film, wanted)?;
-        if wanted {
-            self.passes = passes;
-            self.nonfinite = nonfinite;
-        }
-        Ok(passes)
     }
 
     /// The film, with what turns it into a part of the picture.
@@ -241,5 +201,45 @@ impl<'a> Lamps<'a> {
     /// What the film left out.
     pub(crate) fn film_counters(&self) -> Counters {
         self.film.counters()
+    }
+}
+
+impl Beside for Lamps<'_> {
+    const NAME: &'static str = "light seen directly";
+
+    fn due(&self, mutations: u64) -> u64 {
+        1 + mutations / (EACH * self.pixels)
+    }
+
+    fn keep_up(&mut self, mutations: u64) {
+        let due = self.due(mutations);
+        let passes = self.passes..due.max(self.passes);
+        self.passes = passes.end;
+        let this = &*self;
+        let sample = |value: &mut Contributions, (cell, &often): (usize, &u64)| {
+            let mut faults = Nonfinite::default();
+            for index in passes.start * often..passes.end * often {
+                this.build(cell as u64, index, value);
+                faults.count(u64::from(value.nonfinite()), this.step(cell as u64, index));
+                this.scale.splat(&this.film, value, 1.0 / often as f64);
+            }
+            faults
+        };
+        let found = (this.often.par_iter().enumerate().with_min_len(256))
+            .map_init(Contributions::default, sample)
+            .reduce(Nonfinite::default, Nonfinite::and);
+        self.nonfinite = self.nonfinite.and(found);
+    }
+
+    fn take_up(&mut self, from: &mut Reader<'_>) -> Result<u64, StateError> {
+        let (passes, nonfinite): (u64, Nonfinite) = from.value()?;
+        let (passes, nonfinite) = (Reader::count(passes)?.max(1), nonfinite.checked()?);
+        let wanted = from.is_first() || passes > self.passes;
+        from.film_instead(&mut self.film, wanted)?;
+        if wanted {
+            self.passes = passes;
+            self.nonfinite = nonfinite;
+        }
+        Ok(passes)
     }
 }

@@ -23,6 +23,7 @@
 //! ```
 
 mod annealing;
+mod beside;
 mod builders;
 mod carried;
 mod cells;
@@ -44,6 +45,7 @@ mod lamps;
 mod mark;
 mod merge;
 mod merge_statistics;
+mod meter;
 mod method;
 mod mlt;
 mod mmlt;

@@ -14,7 +14,7 @@ use std::sync::atomic::AtomicBool;
 use glam::DVec2;
 use kaustik_estimate::RasterMap;
 use kaustik_film::{Counters, Film, Image, Quantum, develop};
-use kaustik_mcmc::{Mean, Metropolis, Mixture, Move, Pcg64Dxsm, Pool, Statistics, Visit};
+use kaustik_mcmc::{Estimate, Mean, Metropolis, Mixture, Move, Pcg64Dxsm, Pool, Statistics, Visit};
 use kaustik_mutate::{
     BidirectionalMutation, CausticPerturbation, EveryPerturbation, LensMutation, LensPerturbation,
     Path, PathSpace, Radii, Run, Seeds, TimeMutation, Told, WavelengthMutation, WrittenPath,
@@ -23,10 +23,12 @@ use kaustik_path::{Event, Role};
 use kaustik_scene::Scene;
 use serde::{Deserialize, Serialize};
 
+use crate::beside::Beside;
 use crate::chains::{self, LadderChain};
 use crate::control::is_stopped;
 use crate::engine::{Engine, Nonfinite, STRIDE, add_counters, add_nonfinite};
 use crate::lamps::Lamps;
+use crate::meter::{Meter, Own};
 use crate::render::builder_settings;
 use crate::{
     ChainStatistics, Jitter, MutationStatistics, Mutations, Normaliser, Options, Place,
@@ -35,6 +37,8 @@ use crate::{
 
 /// A sample for so many mutations: it takes the time of a few.
 const EACH: u64 = 64;
+/// Mutations for each cell of a pass of a [`Meter`]: a tenth to a fifth of the time.
+const METERED: u64 = 256;
 
 /// How many kinds of mutations there are.
 const KINDS: usize = Mutations::NAMES.len();
@@ -52,6 +56,7 @@ pub(crate) struct MltEngine<'a> {
     chains: Vec<Chain>,
     film: Film,
     lamps: Option<Lamps<'a>>,
+    meter: Option<Meter<'a>>,
     pool: Mean,
     size: DVec2,
     /// Of this process; where the pool is dark they have no chains.
@@ -88,7 +93,17 @@ impl<'a> MltEngine<'a> {
     /// Fills the pool and starts the chains.
     pub(crate) fn new(scene: &'a Scene, settings: &RenderSettings) -> Result<Self, RenderError> {
         let lamps = Lamps::new(scene, settings)?;
-        Self::with_map(scene, settings, RasterMap::even(), lamps)
+        let mut engine = Self::with_map(scene, settings, RasterMap::even(), lamps)?;
+        if engine.pool.mean() > 0.0 {
+            let own = Own {
+                variance: engine.pool.variance(),
+                per_step: 1.0 / EACH as f64,
+                each: METERED,
+                unit: engine.space.settings.window_area(),
+            };
+            engine.meter = Meter::new(scene, settings, own);
+        }
+        Ok(engine)
     }
 
     /// With these weights on the image.
@@ -112,6 +127,7 @@ impl<'a> MltEngine<'a> {
             chains: pool::start_chains(&space, &map, &pool, settings),
             film: Film::with_layout(&settings.layout(), Quantum::from_mean(b / 3.0))?,
             lamps,
+            meter: None,
             pool: *pool.normaliser(),
             space,
             options,
@@ -199,7 +215,8 @@ impl<'a> MltEngine<'a> {
         };
         let density = density(&self.map);
         let mut record = |visit: Visit<'_, Path, 1>| self.deposit(&visit);
-        let running = self.options.normaliser == Normaliser::Running;
+        let running = self.options.normaliser == Normaliser::Running
+            && !self.meter.as_ref().is_some_and(Meter::is_alone);
         let instant = chain.metropolis.value().time();
         for done in 0..steps {
             let moved_on = chain.metropolis.value().time().total_cmp(&instant).is_ne();
@@ -219,14 +236,23 @@ impl<'a> MltEngine<'a> {
         steps
     }
 
+    /// Samples between mutations; none where a meter does without them.
+    fn own(&self) -> Mean {
+        let mut own = Mean::new();
+        self.chains.iter().for_each(|c| own.merge(&c.independent));
+        own
+    }
+
     /// The estimate of `b` that scales the image: independent samples all, and so its standard error is
     /// theirs.
-    fn normaliser(&self) -> Mean {
-        let mut mean = self.pool;
-        for chain in &self.chains {
-            mean.merge(&chain.independent);
+    fn normaliser(&self) -> Estimate {
+        let own = self.own();
+        if let Some(meter) = &self.meter {
+            return meter.with(&own);
         }
-        mean
+        let mut mean = self.pool;
+        mean.merge(&own);
+        mean.into()
     }
 
     /// Adds the pool's `b` times the path's colour, whose scalar is 1, at its raster point, over the weight that its density has
@@ -275,6 +301,9 @@ impl Engine for MltEngine<'_> {
         if let Some(lamps) = &mut self.lamps {
             lamps.keep_up(steps);
         }
+        if let Some(meter) = &mut self.meter {
+            meter.keep_up(steps);
+        }
         taken
     }
 
@@ -289,7 +318,7 @@ impl Engine for MltEngine<'_> {
         let per_step = self.size.element_product() / steps as f64;
         // where the pool saw no light the film is empty
         let scale = match self.pool.mean() {
-            mean if mean > 0.0 => self.normaliser().mean() / mean,
+            mean if mean > 0.0 => self.normaliser().value / mean,
             _ => 0.0,
         };
         let mut films = vec![(&self.film, scale * per_step)];
@@ -304,11 +333,8 @@ impl Engine for MltEngine<'_> {
             // What keeps most of a path, and what may make all of it anew.
             small_acceptance: rate(&statistics, &[1, 2, 3, Mutations::EVERY]),
             large_acceptance: rate(&statistics, &[0]),
-            ..ChainStatistics::new(
-                &statistics,
-                [b.mean(), b.standard_error()],
-                self.pool.mean(),
-            )
+            metered: (self.meter.as_ref()).map_or(0.0, |meter| meter.share(&self.own())),
+            ..ChainStatistics::new(&statistics, [b.value, b.standard_error], self.pool.mean())
         })
     }
 
@@ -334,10 +360,11 @@ impl Engine for MltEngine<'_> {
         let chains = self.chains.iter();
         let fresh = Nonfinite::all(chains.map(|chain| (chain.ladder, chain.nonfinite)));
         let own = add_nonfinite(proposed, Some(fresh));
-        add_nonfinite(own, self.lamps.as_ref().map(Lamps::nonfinite))
+        let own = add_nonfinite(own, self.lamps.as_ref().map(Lamps::nonfinite));
+        add_nonfinite(own, self.meter.as_ref().map(Meter::nonfinite))
     }
 
-    /// Lamps have no part in it.
+    /// What is beside the chains has no part in it.
     fn replay(&mut self, place: Place) -> Result<Vec<Event>, RenderError> {
         let mut chains = std::mem::take(&mut self.chains);
         let events = chains::replay(&mut chains, place, |chain, steps| {

@@ -34,6 +34,7 @@ pub struct Options {
     pub small_step: SmallStep,
     pub mis: Mis,
     pub normaliser: Normaliser,
+    pub meter: bool,
     pub direct: Direct,
     /// `None`: the standard set with `delta`.
     pub replicas: Option<ReplicaSet>,
@@ -79,6 +80,7 @@ impl Default for Options {
             small_step: SmallStep::Kelemen(1.0 / 1024.0, 1.0 / 64.0),
             mis: Mis::default(),
             normaliser: Normaliser::default(),
+            meter: true,
             direct: Direct::default(),
             replicas: None,
             delta: ReplicaSet::DELTA,

@@ -9,18 +9,24 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use kaustik_estimate::{CountedTarget, KelemenDeposit, Mis, PathTarget, ScalarContribution, Scale};
 use kaustik_film::{Counters, Film, Image, Quantum, develop};
-use kaustik_mcmc::{Family, Mean, Metropolis, Pcg64Dxsm, Point, PointKernel, Pool, Statistics};
+use kaustik_mcmc::{
+    Estimate, Family, Mean, Metropolis, Pcg64Dxsm, Point, PointKernel, Pool, Statistics,
+};
 use kaustik_path::{Contributions, Event, PathBuilder, Rays};
 use kaustik_scene::Scene;
 use serde::{Deserialize, Serialize};
 
+use crate::beside::Beside;
 use crate::builders::builder;
 use crate::chains::{self, LadderChain};
 use crate::control::is_stopped;
 use crate::engine::{Engine, Nonfinite, STRIDE, add_counters, add_nonfinite, add_rays};
 use crate::lamps::Lamps;
+use crate::meter::{Meter, Own};
 use crate::streams;
-use crate::{ChainStatistics, Normaliser, Options, Place, RenderError, RenderSettings};
+use crate::{
+    Builder, ChainStatistics, Method, Normaliser, Options, Place, RenderError, RenderSettings,
+};
 use pilot::{rough_constant, start_chains};
 
 pub(crate) use pilot::pilot;
@@ -36,12 +42,21 @@ pub(crate) struct PssmltEngine<'a, F = ScalarContribution> {
     chain_film: Film,
     large_film: Option<Film>,
     lamps: Option<Lamps<'a>>,
+    meter: Option<Meter<'a>>,
     pool: Mean,
     /// The constant in the weights; 0 if neither pool nor pilot saw any light.
     b0: f64,
     scale: Scale,
     /// Raster area of the window in pixels.
     area: f64,
+}
+
+/// Mutations for each cell of a pass of a [`Meter`]: a tenth to a fifth of the time.
+fn mutations_a_cell(settings: &RenderSettings) -> u64 {
+    match settings.options.builder {
+        Builder::Bidirectional if settings.method == Method::Pssmlt => 32,
+        _ => 128,
+    }
 }
 
 /// One ladder.
@@ -72,7 +87,17 @@ impl<'a> PssmltEngine<'a> {
             contribution: options.contribution,
         };
         let lamps = Lamps::new(scene, settings)?;
-        Self::of_family(scene, settings, builder, family, lamps)
+        let mut engine = Self::of_family(scene, settings, builder, family, lamps)?;
+        if engine.b0 > 0.0 {
+            let own = Own {
+                variance: engine.pool.variance(),
+                per_step: options.p_large,
+                each: mutations_a_cell(settings),
+                unit: 1.0,
+            };
+            engine.meter = Meter::new(scene, settings, own);
+        }
+        Ok(engine)
     }
 }
 
@@ -123,6 +148,7 @@ impl<'a, F: Family<Contributions, 1> + Send + Sync> PssmltEngine<'a, F> {
             chain_film: Film::with_layout(&layout, quantum)?,
             large_film,
             lamps,
+            meter: None,
             pool: *pool.normaliser(),
             b0,
             scale: settings.scale(),
@@ -179,12 +205,16 @@ impl<'a, F: Family<Contributions, 1> + Send + Sync> PssmltEngine<'a, F> {
     }
 
     /// The estimate of `b` that scales the image.
-    fn normaliser(&self, statistics: &Statistics<1>) -> Mean {
+    fn normaliser(&self, statistics: &Statistics<1>) -> Estimate {
+        let own = &statistics.independent[0];
+        if let Some(meter) = &self.meter {
+            return meter.with(own);
+        }
         let mut mean = self.pool;
         if self.options.normaliser == Normaliser::Running {
-            mean.merge(&statistics.independent[0]);
+            mean.merge(own);
         }
-        mean
+        mean.into()
     }
 }
 
@@ -208,6 +238,9 @@ impl<F: Family<Contributions, 1> + Send + Sync> Engine for PssmltEngine<'_, F> {
         if let Some(lamps) = &mut self.lamps {
             lamps.keep_up(steps);
         }
+        if let Some(meter) = &mut self.meter {
+            meter.keep_up(steps);
+        }
         taken
     }
 
@@ -219,7 +252,7 @@ impl<F: Family<Contributions, 1> + Send + Sync> Engine for PssmltEngine<'_, F> {
         self.chains = chains;
         let statistics = self.statistics();
         let per_step = self.area / statistics.steps.max(1) as f64;
-        let b = self.normaliser(&statistics).mean();
+        let b = self.normaliser(&statistics).value;
         let scale = match self.options.mis {
             Mis::Printed => 1.0,
             Mis::Split | Mis::Off if self.b0 > 0.0 => b / self.b0,
@@ -234,20 +267,21 @@ impl<F: Family<Contributions, 1> + Send + Sync> Engine for PssmltEngine<'_, F> {
     fn chain_statistics(&self) -> Option<ChainStatistics> {
         let statistics = self.statistics();
         let b = self.normaliser(&statistics);
-        Some(ChainStatistics::new(
-            &statistics,
-            [b.mean(), b.standard_error()],
-            self.b0,
-        ))
+        let metered = (self.meter.as_ref()).map(|meter| meter.share(&statistics.independent[0]));
+        Some(ChainStatistics {
+            metered: metered.unwrap_or_default(),
+            ..ChainStatistics::new(&statistics, [b.value, b.standard_error], self.b0)
+        })
     }
 
     fn nonfinite(&self) -> (u64, Vec<Place>) {
         let chains = self.chains.iter();
         let own = Nonfinite::all(chains.map(|chain| (chain.ladder, chain.nonfinite)));
-        add_nonfinite(own, self.lamps.as_ref().map(Lamps::nonfinite))
+        let own = add_nonfinite(own, self.lamps.as_ref().map(Lamps::nonfinite));
+        add_nonfinite(own, self.meter.as_ref().map(Meter::nonfinite))
     }
 
-    /// Lamps have no part in it.
+    /// What is beside the chains has no part in it.
     fn replay(&mut self, place: Place) -> Result<Vec<Event>, RenderError> {
         let mut chains = std::mem::take(&mut self.chains);
         let events = chains::replay(&mut chains, place, |chain, steps| {

@@ -20,6 +20,7 @@ use kaustik_path::{Bidirectional, Event, trace};
 use kaustik_scene::Scene;
 use rayon::prelude::*;
 
+use crate::beside::Beside;
 use crate::control::is_stopped;
 use crate::engine::{Engine, Nonfinite, STRIDE, add_counters, add_nonfinite};
 use crate::lamps::Lamps;

@@ -4,6 +4,7 @@ use kaustik_path::Event;
 use kaustik_scene::Scene;
 
 use crate::lamps::Lamps;
+use crate::meter::Meter;
 use crate::render::{check, engine};
 use crate::state::take_up;
 use crate::threads::pool;
@@ -13,7 +14,8 @@ use crate::{Place, RenderError, RenderSettings, State};
 /// of that step, of `erpt-pss` and `erpt` in the sample and its chains, of `sppm` in the light path (all of them count as
 /// ladder 0); of chains of photons in the step of one chain and the exchanges after it, of `annealing` in the step
 /// of one particle. Photon methods show the sample of the same place of what photons cannot carry as well, `direct=apart` the
-/// steps of that number of both parts. [`Place::LAMPS`] stands for the samples of emitters seen directly beside chains.
+/// steps of that number of both parts. [`Place::LAMPS`] stands for the samples of emitters seen directly beside chains,
+/// [`Place::METER`] for those that measure the brightness.
 ///
 /// The step is that of the render with these settings, to the bit, whatever its budget, threads and share of the ladders.
 /// Independent samples are made at once, and so is a round of `annealing`; a chain goes there from its start; chains of
@@ -51,6 +53,12 @@ pub fn replay_from(
         let lamps = lamps.ok_or_else(|| no_ladder(settings, place))?;
         return Ok(lamps.replay(place.step));
     }
+    if place.ladder == Place::METER {
+        check(scene, settings)?;
+        let replay = || Meter::replay(scene, settings, place.step);
+        let events = pool(settings.threads)?.install(replay);
+        return events.ok_or_else(|| no_ladder(settings, place));
+    }
     if place.ladder >= settings.options.ladders {
         return Err(no_ladder(settings, place));
     }
@@ -83,6 +91,10 @@ fn no_ladder(settings: &RenderSettings, place: Place) -> RenderError {
         Place::LAMPS => (
             "lamps".to_owned(),
             ": this render has no samples of emitters seen directly beside its chains",
+        ),
+        Place::METER => (
+            "meter".to_owned(),
+            ": this render does not measure its brightness beside its chains",
         ),
         ladder => (ladder.to_string(), ""),
     };

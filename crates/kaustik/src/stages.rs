@@ -21,6 +21,7 @@ use kaustik_film::{Counters, Image, develop};
 use kaustik_path::{Event, Rays};
 use kaustik_scene::Scene;
 
+use crate::beside::Beside;
 use crate::builders::builder;
 use crate::control::is_stopped;
 use crate::engine::{Engine, add_counters, add_nonfinite, add_rays};

@@ -127,7 +127,8 @@ pub struct RayStatistics {
 /// A sample or step among all of a render. Is written as `LADDER:STEP`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct Place {
-    /// Which chain or stream; [`LAMPS`](Self::LAMPS), written as `lamps`, of emitters seen directly beside chains.
+    /// Which chain or stream; [`LAMPS`](Self::LAMPS), written as `lamps`, of emitters seen directly beside chains;
+    /// [`METER`](Self::METER), written as `meter`, of samples of the brightness beside them.
     #[serde(serialize_with = "ladder")]
     pub ladder: u32,
     /// Its step, counted from 0.
@@ -138,12 +139,15 @@ impl Place {
     /// Stands for a ladder of samples that belong to none: those of emitters and surroundings seen directly beside
     /// chains ([`Direct::Lamps`](crate::Direct::Lamps)).
     pub const LAMPS: u32 = u32::MAX;
+    /// Stands for the samples beside chains that measure the brightness of the picture as a whole.
+    pub const METER: u32 = u32::MAX - 1;
 }
 
 impl fmt::Display for Place {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.ladder {
             Self::LAMPS => write!(f, "lamps:{}", self.step),
+            Self::METER => write!(f, "meter:{}", self.step),
             ladder => write!(f, "{ladder}:{}", self.step),
         }
     }
@@ -152,6 +156,7 @@ impl fmt::Display for Place {
 fn ladder<S: Serializer>(ladder: &u32, to: S) -> Result<S::Ok, S::Error> {
     match *ladder {
         Place::LAMPS => to.serialize_str("lamps"),
+        Place::METER => to.serialize_str("meter"),
         ladder => to.serialize_u32(ladder),
     }
 }
@@ -176,6 +181,9 @@ pub struct ChainStatistics {
     pub normalisation: f64,
     /// Its standard error.
     pub normalisation_error: f64,
+    /// Share of samples beside the chains in it, made for nothing else; the rest is of samples that the method
+    /// makes anyway.
+    pub metered: f64,
     /// The constant in the weights.
     pub b0: f64,
     /// Longest stay in one state, in steps.
@@ -195,6 +203,7 @@ impl ChainStatistics {
             large_acceptance: statistics.large().rate(),
             normalisation: b,
             normalisation_error: error,
+            metered: 0.0,
             b0,
             longest_stay: statistics.longest_stay,
             defects: statistics.defects,

@@ -16,6 +16,10 @@ pub(crate) const REVIVAL: u64 = u64::MAX - 2;
 pub(crate) const TECHNIQUES: u64 = u64::MAX - 3;
 /// Light seen directly, beside chains.
 pub(crate) const LAMPS: u64 = u64::MAX - 1024;
+/// How bright a picture is as a whole, beside chains.
+pub(crate) const METER: u64 = u64::MAX - 1025;
+/// Where such samples look first.
+pub(crate) const METER_LOOK: u64 = u64::MAX - 1026;
 /// Photon methods: what the camera sees.
 pub(crate) const CAMERA: u64 = u64::MAX - 2048;
 /// `photon-density`: light paths of the pilot.
@@ -69,11 +73,14 @@ mod tests {
         let one = |number: u64| number..=number;
         let by_ladder = |of: fn(u32) -> u64| of(0)..=of(LADDERS - 1);
         let started = [one(PILOT), one(CHOICE), one(LAMPS)];
+        let metered = [one(METER), one(METER_LOOK)];
         let own = match method {
             Method::Path | Method::Light | Method::Bdpt => vec![one(PILOT)],
-            Method::Pssmlt | Method::PssmltMultistage => [&started[..], &[one(CONSTANT)]].concat(),
-            Method::Mmlt => [&started[..], &[one(CONSTANT), one(TECHNIQUES)]].concat(),
-            Method::Mlt | Method::MltMultistage => [&started[..], &[by_ladder(fresh)]].concat(),
+            Method::Pssmlt => [&started[..], &metered, &[one(CONSTANT)]].concat(),
+            Method::PssmltMultistage => [&started[..], &[one(CONSTANT)]].concat(),
+            Method::Mmlt => [&started[..], &metered, &[one(CONSTANT), one(TECHNIQUES)]].concat(),
+            Method::Mlt => [&started[..], &metered, &[by_ladder(fresh)]].concat(),
+            Method::MltMultistage => [&started[..], &[by_ladder(fresh)]].concat(),
             Method::Relt => vec![
                 annealing(3, 15)..=annealing(0, 0),
                 one(LAMPS),

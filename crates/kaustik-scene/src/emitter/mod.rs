@@ -144,6 +144,11 @@ impl Emitters {
         self.choice.is_empty()
     }
 
+    /// Is any of them neither a surface nor the environment?
+    pub(crate) fn any_punctual(&self) -> bool {
+        !self.punctual.is_empty()
+    }
+
     pub(crate) fn environment(&self) -> Option<&Environment> {
         self.environment.as_ref()
     }

@@ -6,6 +6,7 @@ use kaustik_mcmc::{Estimate, Mean};
 use serde::{Deserialize, Serialize};
 
 use super::{AnnealingEngine, Level, Told};
+use crate::beside;
 use crate::engine::Nonfinite;
 use crate::state::{Keep, Reader, StateError, Writer};
 
@@ -53,8 +54,7 @@ impl<const K: usize> Keep for AnnealingEngine<'_, K> {
             return Err(StateError::pilot(value(&rough), value(&self.rough)));
         }
         from.film(&mut self.film)?;
-        let passes = self.direct.as_mut().map(|direct| direct.take_up(from));
-        let passes = passes.transpose()?;
+        let passes = beside::take_up(&mut self.direct, from)?;
         let kept: Vec<Kept> = from.value()?;
         let (ladders, cost) = (from.ladders(), self.cost());
         let told = (self.told.iter_mut()).filter(|told| ladders.contains(&told.ladder));
@@ -66,16 +66,8 @@ impl<const K: usize> Keep for AnnealingEngine<'_, K> {
             *told = kept.checked(told.ladder, cost)?;
             rounds += told.rounds;
         }
-        if passes != self.direct.as_ref().map(|direct| direct.due(rounds * cost)) {
-            return Err(StateError::damaged(
-                "its lamps do not keep up with its rounds",
-            ));
-        }
-        let steps = self.rounds() * cost;
-        if let Some(direct) = &mut self.direct {
-            direct.keep_up(steps);
-        }
-        Ok(())
+        let steps = (rounds * cost, self.rounds() * cost);
+        beside::keep_up(&mut self.direct, passes, steps)
     }
 }
 

@@ -7,7 +7,8 @@ use kaustik_mcmc::Mean;
 use kaustik_mutate::PathSpace;
 
 use super::{Chain, Kept, MltEngine, density};
-use crate::chains::{check_counts, keep_up_lamps, take_up_lamps};
+use crate::beside;
+use crate::chains::check_counts;
 use crate::state::{Keep, Reader, StateError, Writer};
 
 /// Film and chains; the pool is filled again, and compared.
@@ -28,6 +29,9 @@ impl Keep for MltEngine<'_> {
         if let Some(lamps) = &self.lamps {
             lamps.write(out)?;
         }
+        if let Some(meter) = &self.meter {
+            meter.write(out)?;
+        }
         (self.chains.iter()).try_for_each(|chain| out.value(&chain.written()))
     }
 
@@ -37,7 +41,8 @@ impl Keep for MltEngine<'_> {
             return Err(StateError::pilot(pool.mean(), self.pool.mean()));
         }
         from.film(&mut self.film)?;
-        let passes = take_up_lamps(&mut self.lamps, from)?;
+        let passes = beside::take_up(&mut self.lamps, from)?;
+        let metered = beside::take_up(&mut self.meter, from)?;
         let ladders = from.ladders();
         let mut taken = 0;
         for chain in (self.chains.iter_mut()).filter(|c| ladders.contains(&c.ladder)) {
@@ -47,7 +52,8 @@ impl Keep for MltEngine<'_> {
             taken += chain.metropolis.statistics().steps;
         }
         let steps = self.statistics().steps;
-        keep_up_lamps(&mut self.lamps, passes, (taken, steps))
+        beside::keep_up(&mut self.meter, metered, (taken, steps))?;
+        beside::keep_up(&mut self.lamps, passes, (taken, steps))
     }
 }
 

@@ -71,6 +71,7 @@ impl Options {
                 ];
                 self.normaliser = word(value, &words.map(|n| (n.name(), n)))?;
             }
+            "meter" => self.meter = switch(value)?,
             "direct" => {
                 let words = [
                     ("lamps", Direct::Lamps),

@@ -65,6 +65,7 @@ impl Options {
                 Mis::Off => "off",
             }
             .to_owned(),
+            "meter" => switch(self.meter).to_owned(),
             "normaliser" => self.normaliser.name().to_owned(),
             "direct" => match self.direct {
                 Direct::Lamps => "lamps",

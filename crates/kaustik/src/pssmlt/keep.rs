@@ -6,7 +6,8 @@ use kaustik_mcmc::{Family, Mean, checked_densities};
 use kaustik_path::Contributions;
 
 use super::{Chain, PssmltEngine};
-use crate::chains::{LadderChain, check_counts, keep_up_lamps, take_up_lamps};
+use crate::beside;
+use crate::chains::{LadderChain, check_counts};
 use crate::state::{Keep, Reader, StateError, Writer};
 
 /// Films and chains; what the pilots found is found again, and compared.
@@ -25,6 +26,9 @@ impl<F: Family<Contributions, 1> + Send + Sync> Keep for PssmltEngine<'_, F> {
         if let Some(lamps) = &self.lamps {
             lamps.write(out)?;
         }
+        if let Some(meter) = &self.meter {
+            meter.write(out)?;
+        }
         self.chains.iter().try_for_each(|chain| out.value(chain))
     }
 
@@ -41,7 +45,8 @@ impl<F: Family<Contributions, 1> + Send + Sync> Keep for PssmltEngine<'_, F> {
         if let Some(film) = &mut self.large_film {
             from.film(film)?;
         }
-        let passes = take_up_lamps(&mut self.lamps, from)?;
+        let passes = beside::take_up(&mut self.lamps, from)?;
+        let metered = beside::take_up(&mut self.meter, from)?;
         let ladders = from.ladders();
         let chains = self.chains.iter_mut();
         let mut taken = 0;
@@ -52,7 +57,8 @@ impl<F: Family<Contributions, 1> + Send + Sync> Keep for PssmltEngine<'_, F> {
             *chain = kept;
         }
         let steps = self.statistics().steps;
-        keep_up_lamps(&mut self.lamps, passes, (taken, steps))
+        beside::keep_up(&mut self.meter, metered, (taken, steps))?;
+        beside::keep_up(&mut self.lamps, passes, (taken, steps))
     }
 }
 

@@ -11,6 +11,7 @@ use super::ReltEngine;
 use super::run::{Run, below};
 use super::start::Mutation;
 use crate::Steps;
+use crate::beside;
 use crate::engine::Nonfinite;
 use crate::state::{Keep, Reader, StateError, Writer};
 
@@ -78,8 +79,7 @@ impl<const K: usize> Keep for ReltEngine<'_, K> {
         for film in &mut self.films {
             from.film(film)?;
         }
-        let passes = self.direct.as_mut().map(|direct| direct.take_up(from));
-        let passes = passes.transpose()?;
+        let passes = beside::take_up(&mut self.direct, from)?;
         let (ladders, cost) = (from.ladders(), self.cost());
         let adapts = self.options.steps == Steps::Adapted;
         let mut steps = 0;
@@ -93,16 +93,8 @@ impl<const K: usize> Keep for ReltEngine<'_, K> {
             run.even.go_to(run.sweeps * u64::from(self.even), run.index);
             steps += run.sweeps * cost;
         }
-        if passes != self.direct.as_ref().map(|direct| direct.due(steps)) {
-            return Err(StateError::damaged(
-                "its lamps do not keep up with its ladders",
-            ));
-        }
-        let steps = self.sweeps() * cost;
-        if let Some(direct) = &mut self.direct {
-            direct.keep_up(steps);
-        }
-        Ok(())
+        let all = self.sweeps() * cost;
+        beside::keep_up(&mut self.direct, passes, (steps, all))
     }
 }
 

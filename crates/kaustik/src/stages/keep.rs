@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use super::past::Past;
 use super::sums::Sums;
 use super::{StagedEngine, begin, sees};
-use crate::chains::{keep_up_lamps, take_up_lamps};
+use crate::beside;
 use crate::state::{Keep, Reader, StateError, Writer};
 
 /// Where a render stands among its stages.
@@ -65,11 +65,11 @@ impl Keep for StagedEngine<'_> {
         }
         (self.began, self.stage, self.past) = (kept.began, kept.stage, kept.past);
         self.sums = sums;
-        let passes = take_up_lamps(&mut self.lamps, from)?;
+        let passes = beside::take_up(&mut self.lamps, from)?;
         self.engine.take_up(from)?;
         self.check_steps()?;
         let steps = self.steps();
-        keep_up_lamps(&mut self.lamps, passes, (steps, steps))
+        beside::keep_up(&mut self.lamps, passes, (steps, steps))
     }
 }
 

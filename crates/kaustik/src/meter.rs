@@ -1,0 +1,307 @@
+//! How bright a picture is as a whole, measured apart from the chains that make it.
+//!
+//! Chains know what is bright beside what, not how bright all of it is: that is an integral over all paths, which
+//! independent samples know. Where light runs into a small lamp by way of glass, mirrors or water, those of most
+//! methods hardly ever meet it: a share of the picture that one seed misses and another counts ten times over. So such light
+//! ([`Class::L0`](kaustik_path::Class::L0)) is looked for by scouts, walks from the camera alone, many of them and where it
+//! comes from, and all other light is measured by bidirectional samples, which meet the rest of it well.
+
+mod grid;
+mod look;
+mod samples;
+
+use std::io;
+use std::ops::Range;
+
+use kaustik_estimate::{Contribution, Mis};
+use kaustik_mcmc::{Estimate, Mean};
+use kaustik_path::{Beginning, Event, trace};
+use kaustik_scene::Scene;
+use rayon::prelude::*;
+
+use crate::beside::Beside;
+use crate::engine::Nonfinite;
+use crate::state::{Reader, StateError, Writer};
+use crate::streams;
+use crate::{Builder, Method, Normaliser, Place, RenderSettings};
+use look::Look;
+use samples::{At, Samples, Scratch};
+
+/// Samples a pass in each cell that join two walks.
+const JOINED: u64 = 4;
+/// Scouts a pass, for each cell in the mean, that look at Dirac surfaces.
+const SCOUTS: u64 = 32;
+/// Scouts a pass, for each cell, that look for what comes to the camera from a surface that is none of these first: a millionth of
+/// such light in `ring-and-sphere`, a twentieth in `mirror-statue`.
+const OTHERS: u64 = 2;
+/// Passes that tell how well the meter knows the light, and are no part of what it says of it.
+const TRIALS: Range<u64> = (1 << 40)..(1 << 40) + 4;
+/// A meter that would have less than this of a say is not worth its time.
+const SAY: f64 = 0.25;
+/// Passes before the first mutation.
+const FIRST: u64 = 4;
+/// Passes that are taken at once.
+const BLOCK: u64 = 16;
+
+/// Independent samples that a method makes itself.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Own {
+    /// Of their scalar contribution, as a pilot saw it.
+    pub(crate) variance: f64,
+    /// How many there are for each mutation.
+    pub(crate) per_step: f64,
+    /// For each cell of a pass of the meter there are so many mutations.
+    pub(crate) each: u64,
+    /// Its `b` over the mean of the scalar contribution of samples on the window.
+    pub(crate) unit: f64,
+}
+
+/// Passes over a coarse grid of the image: in each cell bidirectional samples for all light but the implicit
+/// specular, and scouts for that, more of them where they are likely to find some.
+pub(crate) struct Meter<'a> {
+    samples: Samples<'a>,
+    /// Number of the first sample of each cell in a pass, and of the first of the next pass.
+    first: Vec<u64>,
+    each: u64,
+    passes: u64,
+    /// The method's `b`, by passes.
+    light: Mean,
+    /// The same of trials.
+    trials: Mean,
+    unit: f64,
+    /// Weight of the method's own samples beside it.
+    own: f64,
+    nonfinite: Nonfinite,
+}
+
+/// Does the method measure the same light as bidirectional samples?
+fn is_wanted(scene: &Scene, settings: &RenderSettings) -> bool {
+    let options = &settings.options;
+    let all_light = match settings.method {
+        Method::Pssmlt => options.builder == Builder::Bidirectional || !scene.has_punctual_lights(),
+        Method::Mmlt | Method::Mlt => true,
+        _ => false,
+    };
+    // the paper's weights need no scale
+    let scaled = settings.method == Method::Mlt || options.mis != Mis::Printed;
+    options.meter
+        && all_light
+        && scaled
+        && options.normaliser == Normaliser::Running
+        && options.contribution == Contribution::Sum
+}
+
+impl<'a> Meter<'a> {
+    /// `None` where the method's own samples measure other light, or the same well enough, or where nothing scatters
+    /// specularly. Takes the first passes.
+    pub(crate) fn new(scene: &'a Scene, settings: &RenderSettings, own: Own) -> Option<Self> {
+        let (mut meter, look) = Self::prepared(scene, settings, own.each, own.unit)?;
+        // Who meets light seldom does not know how much he misses.
+        if let Some(second_moment) = look.second_moment {
+            let samples = own.per_step * meter.mutations_a_pass() as f64;
+            let of_own = (own.variance + second_moment * own.unit * own.unit) / samples;
+            meter.trials = meter.take(TRIALS).0.into_iter().collect();
+            let variance = meter.trials.variance();
+            meter.own = variance / (variance + of_own);
+            if meter.own.is_nan() || meter.own > 1.0 - SAY {
+                return None;
+            }
+        }
+        meter.keep_up(0);
+        Some(meter)
+    }
+
+    /// Before any pass.
+    fn prepared(
+        scene: &'a Scene,
+        settings: &RenderSettings,
+        each: u64,
+        unit: f64,
+    ) -> Option<(Self, Look)> {
+        if !is_wanted(scene, settings) {
+            return None;
+        }
+        let look = Look::new(&Samples::new(scene, settings, streams::METER_LOOK))?;
+        let samples = Samples::new(scene, settings, streams::METER);
+        let scouts = look.often(&samples, SCOUTS);
+        let meter = Self {
+            first: first(&scouts),
+            samples,
+            each,
+            passes: 0,
+            light: Mean::new(),
+            trials: Mean::new(),
+            unit,
+            own: 0.0,
+            nonfinite: Nonfinite::default(),
+        };
+        Some((meter, look))
+    }
+
+    fn mutations_a_pass(&self) -> u64 {
+        self.each * self.samples.grid.count() as u64
+    }
+
+    fn samples_a_pass(&self) -> u64 {
+        self.first[self.samples.grid.count()]
+    }
+
+    /// The light by each of these passes.
+    fn take(&self, passes: Range<u64>) -> (Vec<f64>, Nonfinite) {
+        let cells = self.samples.grid.count();
+        let count = (passes.end - passes.start) as usize * cells;
+        let cell = |scratch: &mut Scratch, at: usize| {
+            let (pass, cell) = (passes.start + (at / cells) as u64, at % cells);
+            self.cell(pass, cell, scratch)
+        };
+        let all: Vec<(f64, Nonfinite)> = (0..count)
+            .into_par_iter()
+            .with_min_len(16)
+            .map_init(Scratch::default, cell)
+            .collect();
+        let mean = |pass: &[(f64, Nonfinite)]| {
+            let sum: f64 = pass.iter().map(|(light, _)| light).sum();
+            self.unit * sum / cells as f64
+        };
+        let faults = all.iter().map(|(_, faults)| *faults);
+        (
+            all.chunks(cells).map(mean).collect(),
+            faults.fold(Nonfinite::default(), Nonfinite::and),
+        )
+    }
+
+    /// What a pass finds in a cell.
+    fn cell(&self, pass: u64, cell: usize, scratch: &mut Scratch) -> (f64, Nonfinite) {
+        let mut faults = Nonfinite::default();
+        let first = pass * self.samples_a_pass();
+        let mut light = 0.0;
+        for number in self.first[cell]..self.first[cell + 1] {
+            let step = first + number;
+            light += self.sample(step, scratch);
+            faults.count(u64::from(scratch.value.nonfinite()), step);
+        }
+        (light, faults)
+    }
+
+    /// What the sample of this number says of the light of its cell: the sum over a pass's is the cell's.
+    fn sample(&self, step: u64, scratch: &mut Scratch) -> f64 {
+        let (pass, number) = (step / self.samples_a_pass(), step % self.samples_a_pass());
+        let cell = self.first.partition_point(|first| *first <= number) - 1;
+        let (index, end) = (number - self.first[cell], self.first[cell + 1]);
+        let scouts = end - self.first[cell] - JOINED - OTHERS;
+        let at = At {
+            step,
+            pass,
+            cell,
+            index,
+        };
+        let (light, count) = if index < JOINED {
+            (self.samples.join(at, scratch), JOINED)
+        } else {
+            let (beginning, count) = match number < end - OTHERS {
+                true => (Beginning::Dirac, scouts),
+                false => (Beginning::Other, OTHERS),
+            };
+            (self.samples.scout(at, beginning, scratch).1, count)
+        };
+        light / count as f64
+    }
+
+    /// Tells what happens in the sample of this number; `None` of a render without a meter.
+    pub(crate) fn replay(
+        scene: &'a Scene,
+        settings: &RenderSettings,
+        step: u64,
+    ) -> Option<Vec<Event>> {
+        let (meter, _) = Self::prepared(scene, settings, 1, 1.0)?;
+        Some(trace(|| meter.sample(step, &mut Scratch::default())).1)
+    }
+
+    /// Do samples of the method's own count for nothing beside it?
+    pub(crate) fn is_alone(&self) -> bool {
+        self.own <= 0.0
+    }
+
+    /// Its share in the method's `b`, beside so many samples of its own.
+    pub(crate) fn share(&self, own: &Mean) -> f64 {
+        if own.count() < 2 { 1.0 } else { 1.0 - self.own }
+    }
+
+    /// The method's `b`, from passes and its own samples beside the chains.
+    pub(crate) fn with(&self, own: &Mean) -> Estimate {
+        let here = Estimate {
+            value: self.light.mean(),
+            standard_error: (self.variance() / self.passes as f64).sqrt(),
+        };
+        let weight = 1.0 - self.share(own);
+        if weight <= 0.0 {
+            return here;
+        }
+        Estimate {
+            value: weight * own.mean() + (1.0 - weight) * here.value,
+            standard_error: (weight * own.standard_error())
+                .hypot((1.0 - weight) * here.standard_error),
+        }
+    }
+
+    /// Of a pass, as trials know it as well.
+    fn variance(&self) -> f64 {
+        let mut all = self.trials;
+        all.merge(&self.light);
+        all.variance()
+    }
+
+    /// Writes the passes so far.
+    pub(crate) fn write(&self, out: &mut Writer<'_>) -> io::Result<()> {
+        out.value(&(self.passes, self.light, self.nonfinite))
+    }
+
+    /// Contributions left out because they were not finite, and the first samples where that was so.
+    pub(crate) fn nonfinite(&self) -> (u64, Vec<Place>) {
+        Nonfinite::all(std::iter::once((Place::METER, self.nonfinite)))
+    }
+}
+
+impl Beside for Meter<'_> {
+    const NAME: &'static str = "meter of light";
+
+    fn due(&self, mutations: u64) -> u64 {
+        FIRST + mutations / self.mutations_a_pass()
+    }
+
+    fn keep_up(&mut self, mutations: u64) {
+        let due = self.due(mutations);
+        while self.passes < due {
+            let end = (self.passes + BLOCK).min(due);
+            let (light, nonfinite) = self.take(self.passes..end);
+            // One by one: the same bits however many are taken at once.
+            light.into_iter().for_each(|light| self.light.push(light));
+            self.nonfinite = self.nonfinite.and(nonfinite);
+            self.passes = end;
+        }
+    }
+
+    fn take_up(&mut self, from: &mut Reader<'_>) -> Result<u64, StateError> {
+        let (passes, light, nonfinite): (u64, Mean, Nonfinite) = from.value()?;
+        let (passes, nonfinite) = (Reader::count(passes)?, nonfinite.checked()?);
+        let sound = light.mean().is_finite() && light.mean() >= 0.0;
+        if light.count() != passes || !sound {
+            return Err(StateError::damaged("its meter does not agree with itself"));
+        }
+        if from.is_first() || passes > self.passes {
+            (self.passes, self.light, self.nonfinite) = (passes, light, nonfinite);
+        }
+        Ok(passes)
+    }
+}
+
+/// Numbers of the first sample of each cell. In each, [`JOINED`] join two walks, so many scouts follow, and [`OTHERS`] that look at
+/// other beginnings.
+fn first(scouts: &[u64]) -> Vec<u64> {
+    let mut next = 0;
+    let cells = scouts.iter().map(|scouts| {
+        next += JOINED + scouts + OTHERS;
+        next
+    });
+    std::iter::once(0).chain(cells).collect()
+}
