@@ -11,6 +11,7 @@ use kaustik_pss::{Coordinates, Stream};
 use kaustik_scene::Scene;
 use kaustik_spectrum::Xyz;
 
+use crate::beside::Beside;
 use crate::builders::builder;
 use crate::cells::Cells;
 use crate::engine::Engine;
