@@ -1,12 +1,14 @@
 //! The light of a picture measured beside the chains that make it.
 
 use glam::Affine3A;
+use kaustik::estimate::{Contribution, ScalarTarget};
+use kaustik::film::{Filter, Window};
 use kaustik::scene::Scene;
 use kaustik::scene::builtin;
-use kaustik::scene::description::{LightDescription, LightKind};
+use kaustik::scene::description::{Lens, LightDescription, LightKind};
 use kaustik::{
-    Builder, ChainStatistics, Control, Method, Mis, Normaliser, Place, RenderSettings, render,
-    replay,
+    Budget, Builder, ChainStatistics, Control, Direct, Method, Mis, Normaliser, Place,
+    RenderSettings, render, replay,
 };
 
 use crate::bits::bits;
@@ -19,8 +21,8 @@ fn chain(scene: &Scene, settings: &RenderSettings) -> ChainStatistics {
     done.statistics.chain.expect("a chain")
 }
 
-/// Methods that it measures for.
-fn metered() -> [RenderSettings; 4] {
+/// Methods that it measures for, and settings under which it measures something else.
+fn metered() -> [RenderSettings; 7] {
     let with = |method, builder| {
         // A sample of `mmlt` is one strategy of many.
         let spp = if method == Method::Mmlt { 2_000 } else { 300 };
@@ -28,11 +30,28 @@ fn metered() -> [RenderSettings; 4] {
         settings.options.builder = builder;
         settings
     };
+    let mut luminance = with(Method::Pssmlt, Builder::Simple);
+    luminance.options.target = ScalarTarget::Luminance;
+    let mut apart = with(Method::Pssmlt, Builder::Endpoint);
+    apart.options.direct = Direct::Apart;
+    apart.budget = Budget::PerPixel(1_500);
+    // Its `b` is of the image, whatever the window.
+    let mut window = with(Method::Mlt, Builder::default());
+    window.filter = Filter::new("tent", Some(2.0)).expect("a filter");
+    window.crop = Some(Window {
+        x0: 3,
+        y0: 2,
+        x1: 13,
+        y1: 16,
+    });
     [
         with(Method::Pssmlt, Builder::Unidirectional),
         with(Method::Pssmlt, Builder::Bidirectional),
         with(Method::Mmlt, Builder::default()),
         with(Method::Mlt, Builder::default()),
+        luminance,
+        apart,
+        window,
     ]
 }
 
@@ -124,7 +143,7 @@ fn elsewhere_it_changes_nothing() {
         (&lamp, |s| s.options.normaliser = Normaliser::Initial),
         (&lamp, |s| s.options.mis = Mis::Printed),
         (&lamp, |s| {
-            s.options.contribution = kaustik::estimate::Contribution::Maximum;
+            s.options.contribution = Contribution::Maximum;
         }),
         (&point, |_| {}),
     ];
@@ -145,6 +164,16 @@ fn elsewhere_it_changes_nothing() {
     assert!(with != without);
     let [with, without] = both(&point, |s| s.options.builder = Builder::Bidirectional);
     assert!(with != without);
+    let [with, without] = both(&point, |s| s.method = Method::Mlt);
+    assert!(with != without);
+    // Points by way of glass alone, through a lens with area, are nothing that `mlt` shows.
+    description.cameras[0].lens = Some(Lens {
+        aperture: 0.05,
+        focus: 3.0,
+        blades: None,
+    });
+    let [with, without] = both(&compile(&description, SIDE), |s| s.method = Method::Mlt);
+    assert!(with == without);
 }
 
 #[test]

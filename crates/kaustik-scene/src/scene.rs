@@ -135,6 +135,11 @@ impl Scene {
         self.emitters.any_punctual()
     }
 
+    /// Are there emissive surfaces, or an environment?
+    pub fn has_extended_lights(&self) -> bool {
+        self.emitters.any_extended()
+    }
+
     /// The solids around the camera.
     pub fn camera_interior(&self) -> Interior {
         self.camera_interior

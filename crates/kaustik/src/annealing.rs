@@ -11,7 +11,7 @@ use kaustik_path::{Contributions, Event, PathBuilder};
 use kaustik_scene::Scene;
 use rayon::prelude::*;
 
-use crate::beside::Beside;
+use crate::beside;
 use crate::control::is_stopped;
 use crate::engine::{Engine, Nonfinite, add_counters, add_nonfinite};
 use crate::lamps::Lamps;
@@ -349,9 +349,7 @@ impl<const K: usize> Engine for AnnealingEngine<'_, K> {
             }
         }
         let steps = self.rounds() * self.cost();
-        if let Some(direct) = &mut self.direct {
-            direct.keep_up(steps);
-        }
+        beside::keep_up(&mut self.direct, steps);
         steps - before * self.cost()
     }
 

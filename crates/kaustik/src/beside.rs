@@ -27,21 +27,24 @@ pub(crate) fn take_up(
     beside.as_mut().map(|some| some.take_up(from)).transpose()
 }
 
-/// What has been taken up with so many passes, beside chains that took so many steps in the state, keeps up with the
-/// steps of all states so far: what several shares are due together is more than the most of any.
-pub(crate) fn keep_up<B: Beside>(
-    beside: &mut Option<B>,
+/// Refuses so many passes of a state beside so many steps of its chains, rounds or ladders.
+pub(crate) fn check<B: Beside>(
+    beside: Option<&B>,
     passes: Option<u64>,
-    (taken, steps): (u64, u64),
+    steps: u64,
 ) -> Result<(), StateError> {
-    if passes != beside.as_ref().map(|some| some.due(taken)) {
-        return Err(StateError::damaged(format!(
-            "its {} does not keep up with its chains",
-            B::NAME
-        )));
+    if passes == beside.map(|some| some.due(steps)) {
+        return Ok(());
     }
+    Err(StateError::damaged(format!(
+        "its {} does not keep up with its steps",
+        B::NAME
+    )))
+}
+
+/// Takes the passes that so many steps are due: of several shares together they are more than the most of any.
+pub(crate) fn keep_up(beside: &mut Option<impl Beside>, steps: u64) {
     if let Some(some) = beside {
         some.keep_up(steps);
     }
-    Ok(())
 }

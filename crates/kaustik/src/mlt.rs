@@ -23,12 +23,12 @@ use kaustik_path::{Event, Role};
 use kaustik_scene::Scene;
 use serde::{Deserialize, Serialize};
 
-use crate::beside::Beside;
+use crate::beside;
 use crate::chains::{self, LadderChain};
 use crate::control::is_stopped;
 use crate::engine::{Engine, Nonfinite, STRIDE, add_counters, add_nonfinite};
 use crate::lamps::Lamps;
-use crate::meter::{Meter, Own};
+use crate::meter::{Meter, Own, Terms};
 use crate::render::builder_settings;
 use crate::{
     ChainStatistics, Jitter, MutationStatistics, Mutations, Normaliser, Options, Place,
@@ -98,10 +98,12 @@ impl<'a> MltEngine<'a> {
             let own = Own {
                 variance: engine.pool.variance(),
                 per_step: 1.0 / EACH as f64,
+            };
+            let terms = Terms {
                 each: METERED,
                 unit: engine.space.settings.window_area(),
             };
-            engine.meter = Meter::new(scene, settings, own);
+            engine.meter = Meter::new(scene, settings, own, terms);
         }
         Ok(engine)
     }
@@ -236,23 +238,21 @@ impl<'a> MltEngine<'a> {
         steps
     }
 
-    /// Samples between mutations; none where a meter does without them.
-    fn own(&self) -> Mean {
-        let mut own = Mean::new();
-        self.chains.iter().for_each(|c| own.merge(&c.independent));
-        own
+    /// These and the samples between mutations, of which there are none where a meter does without them.
+    fn with_own(&self, mut mean: Mean) -> Mean {
+        for chain in &self.chains {
+            mean.merge(&chain.independent);
+        }
+        mean
     }
 
     /// The estimate of `b` that scales the image: independent samples all, and so its standard error is
     /// theirs.
     fn normaliser(&self) -> Estimate {
-        let own = self.own();
-        if let Some(meter) = &self.meter {
-            return meter.with(&own);
+        match &self.meter {
+            Some(meter) => meter.with(&self.with_own(Mean::new())),
+            None => self.with_own(self.pool).into(),
         }
-        let mut mean = self.pool;
-        mean.merge(&own);
-        mean.into()
     }
 
     /// Adds the pool's `b` times the path's colour, whose scalar is 1, at its raster point, over the weight that its density has
@@ -298,12 +298,8 @@ impl Engine for MltEngine<'_> {
             self.drive(chain, steps, stop);
         });
         self.chains = chains;
-        if let Some(lamps) = &mut self.lamps {
-            lamps.keep_up(steps);
-        }
-        if let Some(meter) = &mut self.meter {
-            meter.keep_up(steps);
-        }
+        beside::keep_up(&mut self.lamps, steps);
+        beside::keep_up(&mut self.meter, steps);
         taken
     }
 
@@ -333,7 +329,8 @@ impl Engine for MltEngine<'_> {
             // What keeps most of a path, and what may make all of it anew.
             small_acceptance: rate(&statistics, &[1, 2, 3, Mutations::EVERY]),
             large_acceptance: rate(&statistics, &[0]),
-            metered: (self.meter.as_ref()).map_or(0.0, |meter| meter.share(&self.own())),
+            metered: (self.meter.as_ref())
+                .map_or(0.0, |meter| meter.share(&self.with_own(Mean::new()))),
             ..ChainStatistics::new(&statistics, [b.value, b.standard_error], self.pool.mean())
         })
     }

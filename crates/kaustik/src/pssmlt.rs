@@ -16,13 +16,13 @@ use kaustik_path::{Contributions, Event, PathBuilder, Rays};
 use kaustik_scene::Scene;
 use serde::{Deserialize, Serialize};
 
-use crate::beside::Beside;
+use crate::beside;
 use crate::builders::builder;
 use crate::chains::{self, LadderChain};
 use crate::control::is_stopped;
 use crate::engine::{Engine, Nonfinite, STRIDE, add_counters, add_nonfinite, add_rays};
 use crate::lamps::Lamps;
-use crate::meter::{Meter, Own};
+use crate::meter::{Meter, Own, Terms};
 use crate::streams;
 use crate::{
     Builder, ChainStatistics, Method, Normaliser, Options, Place, RenderError, RenderSettings,
@@ -92,10 +92,12 @@ impl<'a> PssmltEngine<'a> {
             let own = Own {
                 variance: engine.pool.variance(),
                 per_step: options.p_large,
+            };
+            let terms = Terms {
                 each: mutations_a_cell(settings),
                 unit: 1.0,
             };
-            engine.meter = Meter::new(scene, settings, own);
+            engine.meter = Meter::new(scene, settings, own, terms);
         }
         Ok(engine)
     }
@@ -235,12 +237,8 @@ impl<F: Family<Contributions, 1> + Send + Sync> Engine for PssmltEngine<'_, F> {
             self.drive(chain, steps, stop);
         });
         self.chains = chains;
-        if let Some(lamps) = &mut self.lamps {
-            lamps.keep_up(steps);
-        }
-        if let Some(meter) = &mut self.meter {
-            meter.keep_up(steps);
-        }
+        beside::keep_up(&mut self.lamps, steps);
+        beside::keep_up(&mut self.meter, steps);
         taken
     }
 

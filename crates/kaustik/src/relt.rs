@@ -20,7 +20,7 @@ use kaustik_path::{Bidirectional, Event, trace};
 use kaustik_scene::Scene;
 use rayon::prelude::*;
 
-use crate::beside::Beside;
+use crate::beside;
 use crate::control::is_stopped;
 use crate::engine::{Engine, Nonfinite, STRIDE, add_counters, add_nonfinite};
 use crate::lamps::Lamps;
@@ -299,9 +299,7 @@ impl<const K: usize> Engine for ReltEngine<'_, K> {
             .for_each(|(run, &steps)| self.drive(run, steps / self.cost(), stop));
         self.runs = runs;
         let sweeps = self.sweeps();
-        if let Some(direct) = &mut self.direct {
-            direct.keep_up(sweeps * cost);
-        }
+        beside::keep_up(&mut self.direct, sweeps * cost);
         (sweeps - before) * cost
     }
 

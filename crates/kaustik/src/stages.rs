@@ -21,7 +21,7 @@ use kaustik_film::{Counters, Image, develop};
 use kaustik_path::{Event, Rays};
 use kaustik_scene::Scene;
 
-use crate::beside::Beside;
+use crate::beside;
 use crate::builders::builder;
 use crate::control::is_stopped;
 use crate::engine::{Engine, add_counters, add_nonfinite, add_rays};
@@ -217,9 +217,7 @@ impl Engine for StagedEngine<'_> {
             self.turn();
         }
         let steps = self.steps();
-        if let Some(lamps) = &mut self.lamps {
-            lamps.keep_up(steps);
-        }
+        beside::keep_up(&mut self.lamps, steps);
         steps - before
     }
 

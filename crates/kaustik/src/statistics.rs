@@ -28,7 +28,7 @@ pub struct RenderStatistics {
     /// Where the first of them arose, by ladder, at most [`MOST_PLACES`](Self::MOST_PLACES): with seed and settings all
     /// that [`replay`](fn@crate::replay) needs.
     pub nonfinite_places: Vec<Place>,
-    /// Rays of all steps, the pilot's left out; of methods that count them.
+    /// Rays of all steps, the pilot's and the meter's left out; of methods that count them.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rays: Option<RayStatistics>,
     /// What the films left out.

@@ -149,6 +149,11 @@ impl Emitters {
         !self.punctual.is_empty()
     }
 
+    /// Is any of them a surface or the environment?
+    pub(crate) fn any_extended(&self) -> bool {
+        self.list.len() > self.punctual.len()
+    }
+
     pub(crate) fn environment(&self) -> Option<&Environment> {
         self.environment.as_ref()
     }

@@ -66,8 +66,10 @@ impl<const K: usize> Keep for AnnealingEngine<'_, K> {
             *told = kept.checked(told.ladder, cost)?;
             rounds += told.rounds;
         }
-        let steps = (rounds * cost, self.rounds() * cost);
-        beside::keep_up(&mut self.direct, passes, steps)
+        beside::check(self.direct.as_ref(), passes, rounds * cost)?;
+        let steps = self.rounds() * cost;
+        beside::keep_up(&mut self.direct, steps);
+        Ok(())
     }
 }
 

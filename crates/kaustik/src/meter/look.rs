@@ -18,6 +18,8 @@ pub(super) struct Look {
     /// Mean square of implicit specular light over the image, what it adds to the second moment of a method's own samples;
     /// `None` where too few scouts met any.
     pub(super) second_moment: Option<f64>,
+    /// Share of scouts in the image that met any.
+    found: f64,
 }
 
 impl Look {
@@ -50,16 +52,21 @@ impl Look {
         let dirac: Vec<f64> = seen.iter().map(|(dirac, _)| *dirac).collect();
         dirac.iter().any(|share| *share > 0.0).then(|| Self {
             second_moment: known.then(|| found.iter().sum::<f64>() / sent),
+            found: found.len() as f64 / sent,
             dirac,
         })
     }
 
-    /// How many scouts go out in each cell in a pass, so many in the mean: as many for all of the Dirac surfaces that are seen.
-    /// Neighbours share, as few scouts know little of a cell; one at least, so that no light is left out.
-    pub(super) fn often(&self, samples: &Samples<'_>, each: u64) -> Vec<u64> {
+    /// How many scouts go out in each cell in a pass, `each` in the mean: as many for all of the Dirac surfaces that are seen.
+    /// Neighbours share, as few scouts know little of a cell; one at least, so that no light is left out. A find is evaluated, for
+    /// much more than a look costs: fewer go out where more than `finds` a cell were to be expected.
+    pub(super) fn often(&self, samples: &Samples<'_>, each: u64, finds: u64) -> Vec<u64> {
         let shares = samples.grid.blurred(&self.dirac);
         let mean = shares.iter().sum::<f64>() / shares.len() as f64;
-        let often = |share: &f64| ((each as f64 * share / mean).round() as u64).max(1);
+        // of scouts that go where Dirac surfaces are
+        let expected = each as f64 * self.found / mean;
+        let each = each as f64 * (finds as f64 / expected).min(1.0);
+        let often = |share: &f64| ((each * share / mean).round() as u64).max(1);
         shares.iter().map(often).collect()
     }
 }

@@ -51,9 +51,12 @@ impl Keep for MltEngine<'_> {
                 .checked(chain.ladder, &self.space, &self.map)?;
             taken += chain.metropolis.statistics().steps;
         }
+        beside::check(self.lamps.as_ref(), passes, taken)?;
+        beside::check(self.meter.as_ref(), metered, taken)?;
         let steps = self.statistics().steps;
-        beside::keep_up(&mut self.meter, metered, (taken, steps))?;
-        beside::keep_up(&mut self.lamps, passes, (taken, steps))
+        beside::keep_up(&mut self.lamps, steps);
+        beside::keep_up(&mut self.meter, steps);
+        Ok(())
     }
 }
 

@@ -56,9 +56,12 @@ impl<F: Family<Contributions, 1> + Send + Sync> Keep for PssmltEngine<'_, F> {
             taken += kept.metropolis.statistics().steps;
             *chain = kept;
         }
+        beside::check(self.lamps.as_ref(), passes, taken)?;
+        beside::check(self.meter.as_ref(), metered, taken)?;
         let steps = self.statistics().steps;
-        beside::keep_up(&mut self.meter, metered, (taken, steps))?;
-        beside::keep_up(&mut self.lamps, passes, (taken, steps))
+        beside::keep_up(&mut self.lamps, steps);
+        beside::keep_up(&mut self.meter, steps);
+        Ok(())
     }
 }
 

@@ -94,7 +94,9 @@ impl<const K: usize> Keep for ReltEngine<'_, K> {
             steps += run.sweeps * cost;
         }
         let all = self.sweeps() * cost;
-        beside::keep_up(&mut self.direct, passes, (steps, all))
+        beside::check(self.direct.as_ref(), passes, steps)?;
+        beside::keep_up(&mut self.direct, all);
+        Ok(())
     }
 }
 

@@ -69,7 +69,9 @@ impl Keep for StagedEngine<'_> {
         self.engine.take_up(from)?;
         self.check_steps()?;
         let steps = self.steps();
-        beside::keep_up(&mut self.lamps, passes, (steps, steps))
+        beside::check(self.lamps.as_ref(), passes, steps)?;
+        beside::keep_up(&mut self.lamps, steps);
+        Ok(())
     }
 }
 
