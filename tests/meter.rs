@@ -22,7 +22,7 @@ fn chain(scene: &Scene, settings: &RenderSettings) -> ChainStatistics {
 }
 
 /// Methods that it measures for, and settings under which it measures something else.
-fn metered() -> [RenderSettings; 7] {
+fn metered() -> [RenderSettings; 8] {
     let with = |method, builder| {
         // A sample of `mmlt` is one strategy of many.
         let spp = if method == Method::Mmlt { 2_000 } else { 300 };
@@ -49,6 +49,7 @@ fn metered() -> [RenderSettings; 7] {
         with(Method::Pssmlt, Builder::Bidirectional),
         with(Method::Mmlt, Builder::default()),
         with(Method::Mlt, Builder::default()),
+        with(Method::Relt, Builder::default()),
         luminance,
         apart,
         window,
@@ -92,6 +93,30 @@ fn lamp() -> Scene {
     scene("glass-cube?light=1.5", SIDE)
 }
 
+/// The specific replica's light, measured and by its scouts alone.
+#[test]
+fn it_measures_the_specific_replica() {
+    let scene = lamp();
+    let light = |meter, depth| {
+        let mut settings = settings(Method::Relt, SIDE, 300);
+        (settings.options.meter, settings.max_depth) = (meter, depth);
+        let done = render(&scene, &settings, &mut Control::default()).expect("a render");
+        let levels = done.statistics.replicas.expect("replicas").levels;
+        let last = levels.last().expect("a level");
+        [last.share, last.share_error.expect("an error")]
+    };
+    let ([with, error], [without, own_error]) = (light(true, 64), light(false, 64));
+    let off = |with: f64| (with - without).abs() / error.hypot(own_error);
+    assert!(
+        off(with) < 4.0,
+        "{with} +- {error}, {without} +- {own_error}"
+    );
+    assert!(error < 0.7 * own_error, "{error} {own_error}");
+    // The test of the test: by paths of five edges at most.
+    let [less, _] = light(true, 5);
+    assert!(off(less) > 4.0, "{less} {without} +- {own_error}");
+}
+
 const SEEDS: u64 = 16;
 /// 0.0001 and 0.9999 quantiles of chi-square with 15 degrees of freedom: light that is met seldom makes the law of an error
 /// wider.
@@ -100,9 +125,10 @@ const BOUNDS: std::ops::Range<f64> = 2.4..44.3;
 #[test]
 fn seeds_differ_by_the_error_that_they_state() {
     let scene = lamp();
-    for method in [Method::Pssmlt, Method::Mlt] {
+    // the same number of passes
+    for (method, spp) in [(Method::Pssmlt, 1_000), (Method::Mlt, 2_000)] {
         let of_seed = |seed| {
-            let mut settings = settings(method, SIDE, 500);
+            let mut settings = settings(method, SIDE, spp);
             (settings.seed, settings.options.pilot) = (seed, 5_000);
             let chain = chain(&scene, &settings);
             [chain.normalisation, chain.normalisation_error]
@@ -138,7 +164,7 @@ fn elsewhere_it_changes_nothing() {
     });
     let point = compile(&description, SIDE);
     type Change = fn(&mut RenderSettings);
-    let same: [(&Scene, Change); 5] = [
+    let same: [(&Scene, Change); 7] = [
         (&cornell, |_| {}),
         (&lamp, |s| s.options.normaliser = Normaliser::Initial),
         (&lamp, |s| s.options.mis = Mis::Printed),
@@ -146,6 +172,16 @@ fn elsewhere_it_changes_nothing() {
             s.options.contribution = Contribution::Maximum;
         }),
         (&point, |_| {}),
+        (&lamp, |s| {
+            (s.method, s.options.normaliser) = (Method::Relt, Normaliser::Exchange);
+        }),
+        // no scouts, no meter
+        (&lamp, |s| {
+            s.method = Method::Relt;
+            s.options
+                .set(Method::Relt, "replicas=paper")
+                .expect("a setting");
+        }),
     ];
     let both = |scene: &Scene, change: Change| {
         [true, false].map(|meter| {
@@ -161,6 +197,8 @@ fn elsewhere_it_changes_nothing() {
     }
     // It does where there is.
     let [with, without] = both(&lamp, |_| {});
+    assert!(with != without);
+    let [with, without] = both(&lamp, |s| s.method = Method::Relt);
     assert!(with != without);
     let [with, without] = both(&point, |s| s.options.builder = Builder::Bidirectional);
     assert!(with != without);
@@ -186,7 +224,7 @@ fn its_samples_are_replayed() {
         replay(scene, &settings(method, SIDE, 1), place)
     };
     let (lamp, cornell) = (lamp(), scene("cornell", SIDE));
-    for method in [Method::Pssmlt, Method::Mmlt, Method::Mlt] {
+    for method in [Method::Pssmlt, Method::Mmlt, Method::Mlt, Method::Relt] {
         // joined walks, scouts
         let events: usize = (0..50)
             .map(|step| show(&lamp, method, step).expect("events").len())

@@ -38,12 +38,12 @@ fn reference(scene: &Scene, spp: u64) -> Image {
     picture(scene, &settings(Method::Bdpt, SIDE, spp))
 }
 
-/// Errors against bidirectional paths, for each of the radii.
-fn errors(words: &str, method: Method, spp: u64, each: u64, radii: &[f64]) -> Vec<f64> {
+/// Errors against bidirectional paths, for each of the radii and numbers of iterations.
+fn errors(words: &str, method: Method, spp: u64, each: u64, radii: &[(f64, u64)]) -> Vec<f64> {
     let scene = scene(words, SIDE);
     let truth = reference(&scene, spp);
-    let error = |&radius: &f64| {
-        let mut settings = photons(method, 12, each);
+    let error = |&(radius, iterations): &(f64, u64)| {
+        let mut settings = photons(method, iterations, each);
         settings.options.photon.radius = radius;
         distance(&picture(&scene, &settings), &truth)
     };
@@ -52,16 +52,25 @@ fn errors(words: &str, method: Method, spp: u64, each: u64, radii: &[f64]) -> Ve
 
 #[test]
 fn the_error_falls_with_the_radius() {
-    let errors = errors("cornell", Method::Sppm, 128, 60_000, &[2.0, 0.5]);
+    let errors = errors(
+        "cornell",
+        Method::Sppm,
+        128,
+        60_000,
+        &[(2.0, 12), (0.5, 12)],
+    );
     assert!(
         errors[1] < 0.45 * errors[0] && errors[1] < 0.1,
         "{errors:?}"
     );
 }
 
+/// Discs are as large as a pixel's footprint, which is long where a surface is seen at a grazing angle: the error is
+/// linear in the radius, 2 % in the mean over tiles at 0.15. The smallest radius takes many photons to be seen at all.
 #[test]
 #[ignore = "long"]
 fn the_error_falls_with_the_radius_to_one_percent() {
+    let radii = [(2.0, 12), (0.6, 12), (0.15, 12), (0.05, 96)];
     for (words, method) in [
         ("cornell", Method::Sppm),
         ("ring-and-sphere?light=0.8", Method::Sppm),
@@ -69,9 +78,10 @@ fn the_error_falls_with_the_radius_to_one_percent() {
         ("ring-and-sphere?light=0.8", Method::PhotonVisibility),
         ("ring-and-sphere?light=0.8", Method::PhotonSpatial),
     ] {
-        let errors = errors(words, method, 8_000, 1_000_000, &[2.0, 0.6, 0.15]);
+        let errors = errors(words, method, 8_000, 1_000_000, &radii);
+        eprintln!("{words}, {method}: {errors:?}");
         assert!(
-            errors[1] < 0.5 * errors[0] && errors[2] < 0.5 * errors[1] && errors[2] < 0.015,
+            errors[1] < 0.5 * errors[0] && errors[2] < 0.5 * errors[1] && errors[3] < 0.015,
             "{words}, {method}: {errors:?}"
         );
     }

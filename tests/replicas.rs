@@ -192,7 +192,7 @@ fn a_sweep_is_as_many_mutations_as_its_replicas_take() {
         assert_eq!(done.statistics.steps, steps, "{words} {total}");
         let replicas = done.statistics.replicas.expect("statistics of replicas");
         assert_eq!(replicas.sweeps, steps / each);
-        let scouts = if words == "cornell" { 0 } else { 32 };
+        let scouts = if words == "cornell" { 0 } else { 16 };
         assert_eq!(replicas.scouts, replicas.sweeps * scouts);
         assert_eq!(replicas.pairs.len(), replicas.levels.len() - 1);
     }

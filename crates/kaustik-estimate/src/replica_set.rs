@@ -154,7 +154,7 @@ impl ReplicaSet {
 /// Steps of the specific replica in a sweep of the standard set.
 const SPECIFIC_REPEATS: u32 = 3;
 /// Scouts a sweep of the standard set. Most turn round at the first surface.
-const SCOUTS: u32 = 32;
+const SCOUTS: u32 = 16;
 
 impl fmt::Display for ReplicaSet {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -286,7 +286,7 @@ mod tests {
         let set = ReplicaSet::standard(0.05);
         assert_eq!(
             set.to_string(),
-            "uniform+32;1,0,1,1,1,1;1,0,0,1,1,1;1,0,0,0,0,0.05*3"
+            "uniform+16;1,0,1,1,1,1;1,0,0,1,1,1;1,0,0,0,0,0.05*3"
         );
         assert_eq!(set.to_string().parse(), Ok(set));
         assert!(set.is_specific() && set.is_line() && set.count() == 4);

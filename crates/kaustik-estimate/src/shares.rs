@@ -118,6 +118,11 @@ impl<const K: usize> Shares<K> {
         self.parts[level].push_zeros(sent - found.len() as u64);
     }
 
+    /// Independent samples of the light of one replica alone, of which the mean is known.
+    pub fn sampled(&mut self, level: usize, light: &Mean) {
+        self.parts[level].merge(light);
+    }
+
     /// What the replicas tell about each other: `b_k / b_hat_k` (RELT eq. 10) by Bennett's acceptance
     /// ratio (J. Comput. Phys. 22, 1976) from each to those that stand on it. Visits count by at most their weight: RELT eq. 10
     /// lets what the uniform replica met by chance count by its density, which may be ten thousand times the mean.
@@ -171,6 +176,14 @@ impl<const K: usize> Shares<K> {
     /// If `level` is K or more.
     pub fn part(&self, level: usize) -> Estimate {
         estimate(&self.parts[level])
+    }
+
+    /// How many samples know the light of a replica.
+    ///
+    /// # Panics
+    /// If `level` is K or more.
+    pub fn samples(&self, level: usize) -> u64 {
+        self.parts[level].count()
     }
 
     /// What the films were given: sums of weight times light.
@@ -284,6 +297,14 @@ mod tests {
         }
         assert!(close(shares.part(0).value, 1.0) && close(shares.whole().value, 1.0));
         assert!(close(shares.part(1).value, 0.5));
+        // as many samples again, of which only the mean is known
+        assert_eq!(shares.samples(1), 400);
+        let estimate = Estimate {
+            value: 1.5,
+            standard_error: shares.part(1).standard_error,
+        };
+        shares.sampled(1, &Mean::of(400, estimate));
+        assert!(close(shares.part(1).value, 1.0) && shares.samples(1) == 800);
     }
 
     /// Densities 1, 2 on the left half and 4 on the right quarter, thought to be of integral 1, 2 and 2.

@@ -1,3 +1,5 @@
+use crate::Estimate;
+
 /// The mean of a stream of numbers and its standard error, by Welford's recurrence.
 ///
 /// Two means merge into that of both streams. Merging is not associative to the last bit:
@@ -16,6 +18,21 @@ impl Mean {
     /// Of nothing.
     pub fn new() -> Self {
         Self::default()
+    }
+
+    /// What so many independent numbers, at least two, would say whose mean is this and is known so well: for estimates that were made
+    /// otherwise to count beside such numbers.
+    ///
+    /// # Panics
+    /// If they are fewer than two.
+    pub fn of(count: u64, estimate: Estimate) -> Self {
+        assert!(count > 1, "{count} numbers have no standard error");
+        let n = count as f64;
+        Self {
+            count,
+            mean: estimate.value,
+            squares: estimate.standard_error.powi(2) * n * (n - 1.0),
+        }
     }
 
     /// Takes one number.
@@ -84,7 +101,7 @@ impl FromIterator<f64> for Mean {
 mod tests {
     use proptest::prelude::*;
 
-    use super::Mean;
+    use super::{Estimate, Mean};
 
     #[test]
     fn of_one_two_three() {
@@ -92,6 +109,21 @@ mod tests {
         assert!((mean.mean() - 2.0).abs() < 1e-15 && (mean.variance() - 1.0).abs() < 1e-15);
         assert!((mean.standard_error() - f64::sqrt(1.0 / 3.0)).abs() < 1e-15);
         assert!(Mean::new().standard_error().is_infinite());
+    }
+
+    #[test]
+    fn an_estimate_counts_for_numbers() {
+        let numbers: Mean = (0..40).map(|i| f64::from(i * i)).collect();
+        let estimate = Estimate {
+            value: numbers.mean(),
+            standard_error: numbers.standard_error(),
+        };
+        let of = Mean::of(40, estimate);
+        assert_eq!(
+            (of.count(), of.mean().to_bits()),
+            (40, numbers.mean().to_bits())
+        );
+        assert!((of.variance() / numbers.variance() - 1.0).abs() < 1e-12);
     }
 
     proptest! {

@@ -24,6 +24,7 @@ mod sighting;
 mod trace;
 mod unidirectional;
 mod walk;
+mod ways;
 
 pub use bidirectional::{
     Bidirectional, Form, Heuristic, Multiplexed, Technique, TechniqueShares, Techniques,
@@ -43,3 +44,4 @@ pub use scalar::ScalarTarget;
 pub use sighting::{Beginning, Sighting, sight};
 pub use trace::{Event, Role, Side, Stand, is_listening, note, trace};
 pub use unidirectional::Unidirectional;
+pub use ways::{Find, sight_ways};

@@ -9,7 +9,7 @@ use crate::instant::at_its_time;
 use crate::walk::Walk;
 use crate::{BuilderSettings, camera_walk, layout};
 
-const BOUNCES: (Stream, u32) = (Stream::Camera, layout::CAMERA_HEAD);
+pub(crate) const BOUNCES: (Stream, u32) = (Stream::Camera, layout::CAMERA_HEAD);
 
 /// Which walks a look follows beyond their first surface: by how they scatter there.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -78,11 +78,8 @@ fn sight_at(
         }
     };
     while walk.advance(scene, u, &mut vertex).is_some() {
-        if walk.specular && walk.edges >= settings.min_edges {
-            let radiance = scene.emitted(&vertex, -walk.direction, &wavelengths);
-            if !radiance.is_zero() {
-                return Sighting::Light;
-            }
+        if sees_light(settings, scene, &walk, &vertex) {
+            return Sighting::Light;
         }
         if walk.edges == settings.max_edges {
             return so_far(&walk);
@@ -96,9 +93,27 @@ fn sight_at(
             return so_far(&walk);
         }
     }
-    let counts = walk.specular && walk.edges >= settings.min_edges;
-    if counts && !scene.environment(walk.direction, &wavelengths).is_zero() {
+    if sees_environment(settings, scene, &walk) {
         return Sighting::Light;
     }
     so_far(&walk)
+}
+
+/// Does a walk that has come to a vertex see light of an implicit specular path there?
+#[inline]
+pub(crate) fn sees_light(
+    settings: &BuilderSettings,
+    scene: &Scene,
+    walk: &Walk<'_>,
+    vertex: &Vertex,
+) -> bool {
+    let counts = walk.specular && walk.edges >= settings.min_edges;
+    counts && !(scene.emitted(vertex, -walk.direction, walk.wavelengths)).is_zero()
+}
+
+/// The same of a walk that has left the scene.
+#[inline]
+pub(crate) fn sees_environment(settings: &BuilderSettings, scene: &Scene, walk: &Walk<'_>) -> bool {
+    let counts = walk.specular && walk.edges >= settings.min_edges;
+    counts && !(scene.environment(walk.direction, walk.wavelengths)).is_zero()
 }

@@ -32,7 +32,7 @@ const REDISTRIBUTION: &[Method] = &[Method::ErptPss, Method::Erpt];
 const ENERGY: &[Method] = &[Method::Erpt];
 const CHAINS: &[Method] = &[Method::Pssmlt, Method::Mmlt];
 /// Chains whose light can be measured beside them.
-const METERED: &[Method] = &[Method::Pssmlt, Method::Mmlt, Method::Mlt];
+const METERED: &[Method] = &[Method::Pssmlt, Method::Mmlt, Method::Relt, Method::Mlt];
 
 const NORMALISED: &[Method] = &[
     Method::Pssmlt,

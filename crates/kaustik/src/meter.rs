@@ -13,9 +13,9 @@ mod samples;
 use std::io;
 use std::ops::Range;
 
-use kaustik_estimate::{Contribution, Mis};
+use kaustik_estimate::{Contribution, Mis, ScalarTarget};
 use kaustik_mcmc::{Estimate, Mean};
-use kaustik_path::{Beginning, Event, trace};
+use kaustik_path::{Event, trace};
 use kaustik_scene::Scene;
 use rayon::prelude::*;
 
@@ -25,12 +25,12 @@ use crate::state::{Reader, StateError, Writer};
 use crate::streams;
 use crate::{Builder, Method, Normaliser, Place, RenderSettings};
 use look::Look;
-use samples::{At, Samples, Scratch};
+use samples::{At, Samples, Scratch, WORTH};
 
-/// Samples a pass in each cell that join two walks.
-const JOINED: u64 = 4;
+/// Samples a pass in each cell that join two walks, for methods that do not know the rest of the light by themselves.
+const JOINED: u64 = 6;
 /// Scouts a pass, for each cell in the mean, that look at Dirac surfaces.
-const SCOUTS: u64 = 32;
+const SCOUTS: u64 = 16;
 /// Scouts a pass, for each cell, that look for what comes to the camera from a surface that is none of these first: a millionth of
 /// such light in `ring-and-sphere`, a twentieth in `mirror-statue`.
 const OTHERS: u64 = 2;
@@ -39,17 +39,17 @@ const TRIALS: Range<u64> = (1 << 40)..(1 << 40) + 4;
 /// A meter that would have less than this of a say is not worth its time.
 const SAY: f64 = 0.25;
 /// Passes before the first mutation.
-const FIRST: u64 = 4;
-/// The most passes: who merges shares, which have the same ones, has to take no more. In `ring-and-sphere` 29 know the light to half a
-/// percent, so many to a sixteenth.
+const FIRST: u64 = 2;
+/// The most passes: who merges shares, which have the same ones, has to take no more. In `ring-and-sphere` 15 know the light to half a
+/// percent, so many to a twentieth.
 const MOST: u64 = 2048;
 /// Passes that are taken at once.
 const BLOCK: u64 = 16;
 
-/// Independent samples that a method makes itself.
+/// Independent samples that a method makes itself, or scouts where these alone are what it wants help with.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Own {
-    /// Of one, as a pilot saw it.
+    /// Of one, as a pilot saw it; scouts have theirs by what the meter thinks of them.
     pub(crate) variance: f64,
     /// How many there are for each mutation.
     pub(crate) per_step: f64,
@@ -64,10 +64,17 @@ pub(crate) struct Terms {
     pub(crate) unit: f64,
 }
 
+impl Terms {
+    /// One pass for each mutation: for who wants to see a pass.
+    const ANY: Self = Self { each: 1, unit: 1.0 };
+}
+
 /// Passes over a coarse grid of the image: in each cell bidirectional samples for all light but the implicit
 /// specular, and scouts for that, more of them where they are likely to find some.
 pub(crate) struct Meter<'a> {
     samples: Samples<'a>,
+    /// Samples of a cell that join two walks.
+    joined: u64,
     /// Number of the first sample of each cell in a pass, and of the first of the next pass.
     first: Vec<u64>,
     terms: Terms,
@@ -78,6 +85,8 @@ pub(crate) struct Meter<'a> {
     trials: Mean,
     /// Variance of a sample of the method's own, by what was known before the first; infinite where it is not known.
     of_own: f64,
+    /// Walks from the camera of a single way each that are to be thought to know as much as a pass.
+    walks: f64,
     nonfinite: Nonfinite,
 }
 
@@ -88,19 +97,25 @@ fn is_wanted(scene: &Scene, settings: &RenderSettings) -> bool {
     let all_light = match settings.method {
         Method::Pssmlt => options.builder == Builder::Bidirectional || !points,
         Method::Mmlt => true,
+        // Of replicas all but the specific one know their light, and that one has its scouts.
+        Method::Relt => true,
         // It has no paths that run into a lens by chance, which alone show a point by way of Dirac surfaces.
         Method::Mlt => !(points && scene.camera().has_aperture()),
         _ => false,
     };
-    // the paper's weights need no scale
-    let scaled = settings.method == Method::Mlt || options.mis != Mis::Printed;
+    // Replicas show all light whatever the weights and contributions of other methods.
+    let scaled = match settings.method {
+        Method::Relt => true,
+        // the paper's weights need no scale
+        Method::Mlt => options.contribution == Contribution::Sum,
+        _ => options.contribution == Contribution::Sum && options.mis != Mis::Printed,
+    };
     // What else there is to see by way of Dirac surfaces alone no scout runs into.
     options.meter
         && scene.has_extended_lights()
         && all_light
         && scaled
         && options.normaliser == Normaliser::Running
-        && options.contribution == Contribution::Sum
 }
 
 impl<'a> Meter<'a> {
@@ -113,15 +128,20 @@ impl<'a> Meter<'a> {
         terms: Terms,
     ) -> Option<Self> {
         let (mut meter, look) = Self::prepared(scene, settings, terms)?;
-        // Who meets light seldom does not know how much he misses.
-        if let Some(second_moment) = look.second_moment {
-            meter.of_own = own.variance + second_moment * terms.unit * terms.unit;
-            meter.trials = meter.take(TRIALS).0.into_iter().collect();
-            let samples = own.per_step * meter.mutations_a_pass() as f64;
-            let say = 1.0 - meter.weight(samples, 1);
-            if say.is_nan() || say < SAY {
-                return None;
+        let samples = own.per_step * meter.mutations_a_pass() as f64;
+        let say = match look.second_moment {
+            // Scouts alone stand beside others.
+            _ if meter.joined == 0 => meter.walks / (meter.walks + samples),
+            Some(second_moment) => {
+                meter.of_own = own.variance + second_moment * terms.unit * terms.unit;
+                meter.trials = meter.take(TRIALS).0.into_iter().collect();
+                1.0 - meter.weight(samples, 1)
             }
+            // Who meets light seldom does not know how much he misses.
+            None => 1.0,
+        };
+        if say.is_nan() || say < SAY {
+            return None;
         }
         meter.keep_up(0);
         Some(meter)
@@ -132,17 +152,24 @@ impl<'a> Meter<'a> {
         if !is_wanted(scene, settings) {
             return None;
         }
-        let look = Look::new(&Samples::new(scene, settings, streams::METER_LOOK))?;
-        let samples = Samples::new(scene, settings, streams::METER);
+        let (target, joined) = match settings.method {
+            Method::Relt => (ScalarTarget::Xyz, 0),
+            _ => (settings.options.target, JOINED),
+        };
+        let samples = |stream| Samples::new(scene, settings, target, stream);
+        let look = Look::new(&samples(streams::METER_LOOK))?;
+        let samples = samples(streams::METER);
         let scouts = look.often(&samples, SCOUTS, JOINED);
         let meter = Self {
-            first: first(&scouts),
+            first: first(joined, &scouts),
             samples,
+            joined,
             terms,
             passes: 0,
             light: Mean::new(),
             trials: Mean::new(),
             of_own: f64::INFINITY,
+            walks: WORTH * scouts.iter().sum::<u64>() as f64 / look.dirac(),
             nonfinite: Nonfinite::default(),
         };
         Some((meter, look))
@@ -188,7 +215,7 @@ impl<'a> Meter<'a> {
         for number in self.first[cell]..self.first[cell + 1] {
             let step = first + number;
             light += self.sample(step, scratch);
-            faults.count(u64::from(scratch.value.nonfinite()), step);
+            faults.count(u64::from(scratch.nonfinite), step);
         }
         (light, faults)
     }
@@ -197,24 +224,21 @@ impl<'a> Meter<'a> {
     fn sample(&self, step: u64, scratch: &mut Scratch) -> f64 {
         let (pass, number) = (step / self.samples_a_pass(), step % self.samples_a_pass());
         let cell = self.first.partition_point(|first| *first <= number) - 1;
-        let (index, end) = (number - self.first[cell], self.first[cell + 1]);
-        let scouts = end - self.first[cell] - JOINED - OTHERS;
-        let at = At {
+        let number = number - self.first[cell];
+        let scouts = self.first[cell + 1] - self.first[cell] - self.joined - OTHERS;
+        let at = |first: u64| At {
             step,
             pass,
             cell,
-            index,
+            index: number - first,
         };
-        let (light, count) = if index < JOINED {
-            (self.samples.join(at, scratch), JOINED)
+        if number < self.joined {
+            self.samples.join(at(0), scratch) / self.joined as f64
+        } else if number < self.joined + scouts {
+            self.samples.scout(at(self.joined), scratch).light / scouts as f64
         } else {
-            let (beginning, count) = match number < end - OTHERS {
-                true => (Beginning::Dirac, scouts),
-                false => (Beginning::Other, OTHERS),
-            };
-            (self.samples.scout(at, beginning, scratch).1, count)
-        };
-        light / count as f64
+            self.samples.other(at(self.joined + scouts), scratch) / OTHERS as f64
+        }
     }
 
     /// Tells what happens in the sample of this number; `None` where there is nothing to measure.
@@ -223,8 +247,7 @@ impl<'a> Meter<'a> {
         settings: &RenderSettings,
         step: u64,
     ) -> Option<Vec<Event>> {
-        let any = Terms { each: 1, unit: 1.0 };
-        let (meter, _) = Self::prepared(scene, settings, any)?;
+        let (meter, _) = Self::prepared(scene, settings, Terms::ANY)?;
         Some(trace(|| meter.sample(step, &mut Scratch::default())).1)
     }
 
@@ -263,6 +286,12 @@ impl<'a> Meter<'a> {
             standard_error: (weight * own.standard_error())
                 .hypot((1.0 - weight) * here.standard_error),
         }
+    }
+
+    /// The light as the mean of so many walks of a method's own scouts as are to be thought to know it as well.
+    pub(crate) fn as_scouts(&self) -> Mean {
+        let count = (self.walks * self.passes as f64).round() as u64;
+        Mean::of(count, self.with(&Mean::new()))
     }
 
     /// Of a pass, as trials know it as well.
@@ -316,12 +345,12 @@ impl Beside for Meter<'_> {
     }
 }
 
-/// Numbers of the first sample of each cell. In each, [`JOINED`] join two walks, so many scouts follow, and [`OTHERS`] that look at
+/// Numbers of the first sample of each cell. In each, so many join two walks, so many scouts follow, and [`OTHERS`] that look at
 /// other beginnings.
-fn first(scouts: &[u64]) -> Vec<u64> {
+fn first(joined: u64, scouts: &[u64]) -> Vec<u64> {
     let mut next = 0;
     let cells = scouts.iter().map(|scouts| {
-        next += JOINED + scouts + OTHERS;
+        next += joined + scouts + OTHERS;
         next
     });
     std::iter::once(0).chain(cells).collect()

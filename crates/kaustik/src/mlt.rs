@@ -38,7 +38,7 @@ use crate::{
 /// A sample for so many mutations: it takes the time of a few.
 const EACH: u64 = 64;
 /// Mutations for each cell of a pass of a [`Meter`]: a tenth to a fifth of the time.
-const METERED: u64 = 256;
+const METERED: u64 = 320;
 
 /// How many kinds of mutations there are.
 const KINDS: usize = Mutations::NAMES.len();

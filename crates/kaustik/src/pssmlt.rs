@@ -54,8 +54,8 @@ pub(crate) struct PssmltEngine<'a, F = ScalarContribution> {
 /// Mutations for each cell of a pass of a [`Meter`]: a tenth to a fifth of the time.
 fn mutations_a_cell(settings: &RenderSettings) -> u64 {
     match settings.options.builder {
-        Builder::Bidirectional if settings.method == Method::Pssmlt => 32,
-        _ => 128,
+        Builder::Bidirectional if settings.method == Method::Pssmlt => 40,
+        _ => 160,
     }
 }
 

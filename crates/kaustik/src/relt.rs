@@ -24,6 +24,7 @@ use crate::beside;
 use crate::control::is_stopped;
 use crate::engine::{Engine, Nonfinite, STRIDE, add_counters, add_nonfinite};
 use crate::lamps::Lamps;
+use crate::meter::{Meter, Own, Terms};
 use crate::{
     ChainStatistics, EvenSamples, Normaliser, Options, Place, RenderError, RenderSettings,
     ReplicaLevel, ReplicaStatistics, Steps,
@@ -37,6 +38,9 @@ const SWEEP: u64 = 16;
 /// Sweeps of a ladder between two changes of its step sizes. Rounds of 16 were seen to bias a chain by
 /// 20 %, rounds of 1,000 within its error.
 const ADAPTATION_ROUND: u64 = 1_000;
+
+/// Samples of all replicas for each cell of a pass of the meter: a fifth to a quarter of the time.
+const METERED: u64 = 32;
 
 /// So many ladders make their spread a better measure of errors than the spread of batches within each.
 const LADDERS_FOR_ERRORS: usize = 16;
@@ -78,6 +82,8 @@ struct ReltEngine<'a, const K: usize> {
     area: f64,
     /// What the first population and the first scouts say of the light of each replica.
     pool: Shares<K>,
+    /// Tells how much light the specific replica has, where scouts alone do not.
+    meter: Option<Meter<'a>>,
     /// What scouts look for, if there are any.
     looks: Option<Looks<'a>>,
     /// Samples of each replica a sweep.
@@ -122,7 +128,18 @@ impl<'a, const K: usize> ReltEngine<'a, K> {
             ReplicaWeights::new(rough.map(|b| b.value), options.beta, specific).with_counts(counts);
         let pool = pool(&weights, &set, &started);
         let scouts = scouting(&set).filter(|_| specific);
+        let cost: f64 = counts.iter().sum();
+        let own = Own {
+            variance: 0.0,
+            per_step: f64::from(scouts.unwrap_or_default()) / cost,
+        };
+        let terms = Terms {
+            each: METERED,
+            unit: 1.0,
+        };
+        let meter = scouts.and_then(|_| Meter::new(scene, settings, own, terms));
         Ok(Self {
+            meter,
             scene,
             builder,
             options,
@@ -231,9 +248,18 @@ impl<'a, const K: usize> ReltEngine<'a, K> {
         all.normalisers(1.0)
     }
 
+    /// What all ladders know of the light of each replica: the pool, and passes of the meter.
+    fn known(&self) -> Shares<K> {
+        let mut known = self.pool;
+        if let Some(meter) = &self.meter {
+            known.sampled(K - 1, &meter.as_scouts());
+        }
+        known
+    }
+
     /// The light of each replica by independent samples, and what the films hold.
     fn shares(&self) -> Shares<K> {
-        let mut all = self.pool;
+        let mut all = self.known();
         for run in &self.runs {
             all.merge(&run.shares);
         }
@@ -278,7 +304,7 @@ impl<'a, const K: usize> ReltEngine<'a, K> {
     fn error_of_light(&self) -> f64 {
         let ladders = self.runs.iter().map(|run| (run.shares, run.sweeps));
         let ladders: Vec<_> = ladders.collect();
-        Shares::error_of_light(&self.pool, &ladders, self.weights.shared())
+        Shares::error_of_light(&self.known(), &ladders, self.weights.shared())
     }
 
     /// Films with what turns them into parts of the picture.
@@ -300,6 +326,7 @@ impl<const K: usize> Engine for ReltEngine<'_, K> {
         self.runs = runs;
         let sweeps = self.sweeps();
         beside::keep_up(&mut self.direct, sweeps * cost);
+        beside::keep_up(&mut self.meter, sweeps * cost);
         (sweeps - before) * cost
     }
 
@@ -341,11 +368,18 @@ impl<const K: usize> Engine for ReltEngine<'_, K> {
             all.merge(&self.level(level));
         }
         let b = self.brightness();
-        Some(ChainStatistics::new(
-            &all,
-            [b.value, b.standard_error],
-            self.rough[1.min(K - 1)].value,
-        ))
+        let metered = self.meter.as_ref().map(|meter| {
+            let all = self.shares().samples(K - 1);
+            meter.as_scouts().count() as f64 / all as f64
+        });
+        Some(ChainStatistics {
+            metered: metered.unwrap_or_default(),
+            ..ChainStatistics::new(
+                &all,
+                [b.value, b.standard_error],
+                self.rough[1.min(K - 1)].value,
+            )
+        })
     }
 
     fn replica_statistics(&self) -> Option<ReplicaStatistics> {
@@ -420,7 +454,8 @@ impl<const K: usize> Engine for ReltEngine<'_, K> {
 
     fn nonfinite(&self) -> (u64, Vec<Place>) {
         let own = Nonfinite::all(self.runs.iter().map(|run| (run.index, run.nonfinite)));
-        add_nonfinite(own, self.direct.as_ref().map(Lamps::nonfinite))
+        let own = add_nonfinite(own, self.direct.as_ref().map(Lamps::nonfinite));
+        add_nonfinite(own, self.meter.as_ref().map(Meter::nonfinite))
     }
 
     fn film_counters(&self) -> Counters {

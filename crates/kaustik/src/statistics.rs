@@ -182,7 +182,7 @@ pub struct ChainStatistics {
     /// Its standard error.
     pub normalisation_error: f64,
     /// Share of samples beside the chains in it, made for nothing else; the rest is of samples that the method
-    /// makes anyway.
+    /// makes anyway. Of `relt` the same of the specific replica's light.
     pub metered: f64,
     /// The constant in the weights.
     pub b0: f64,

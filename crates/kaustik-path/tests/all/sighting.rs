@@ -1,9 +1,9 @@
-use kaustik_mcmc::{Independent, generator};
+use kaustik_mcmc::{Exponential, Independent, Mean, Point, Step, generator};
 use kaustik_path::{
     Beginning, Bidirectional, BuilderSettings, Class, Contributions, Form, Heuristic, PathBuilder,
-    ScalarTarget, Sighting, sight,
+    ScalarTarget, Sighting, sight, sight_ways,
 };
-use kaustik_pss::Recording;
+use kaustik_pss::{Coordinates, Recording};
 use kaustik_scene::{Scene, builtin};
 
 use crate::scenes::SCENES;
@@ -82,4 +82,99 @@ fn a_scene_without_dirac_surfaces_is_plain() {
         let sighting = sight(&settings, &scene, Beginning::Any, &mut source);
         assert_eq!(sighting, Sighting::Plain);
     }
+}
+
+/// What a look along so many ways has found of each stretch: up to the first parting, and past it.
+fn found(scene: &Scene, full: &Bidirectional, ways: u32, u: &mut dyn Coordinates) -> [f64; 2] {
+    let (mut out, mut found) = (Contributions::default(), [0.0; 2]);
+    sight_ways(&full.settings, scene, ways, u, &mut |find| {
+        let part = Bidirectional {
+            settings: find.settings,
+            ..*full
+        };
+        part.build(scene, find.u, &mut out);
+        let light = out.by_class(ScalarTarget::Xyz)[Class::L0 as usize];
+        assert!(light > 0.0, "{:?}", find.settings);
+        let parted = find.settings.min_edges > full.settings.min_edges;
+        found[usize::from(parted)] += find.weight * light;
+    });
+    found
+}
+
+fn full(min_edges: u32) -> Bidirectional {
+    Bidirectional {
+        settings: BuilderSettings {
+            min_edges,
+            max_edges: 12,
+            ..BuilderSettings::default()
+        },
+        form: Form::Full,
+        heuristic: Heuristic::Power,
+    }
+}
+
+/// A single way finds what the full form has at the same point, stretch by stretch.
+#[test]
+fn a_single_way_is_the_walk_itself() {
+    let mut out = Contributions::default();
+    let mut met = [0; 2];
+    let lamp = ["water-cornell?light=1.9", "glass-cube?light=1.9"];
+    let large = lamp.map(|words| {
+        let scene = compile(&builtin::load(words).expect("a built-in scene"));
+        (words.to_owned(), scene)
+    });
+    for (name, scene) in scenes().chain(large) {
+        for min_edges in [1, 3, 6] {
+            let full = full(min_edges);
+            let mut source = Independent::new(generator(19, u64::from(min_edges)));
+            for point in 0..POINTS {
+                let mut recording = Recording::new(&mut source);
+                full.build(&scene, &mut recording, &mut out);
+                let mut recorded = recording.finish();
+                let sighting = sight(&full.settings, &scene, Beginning::Dirac, &mut recorded);
+                let wanted = match sighting {
+                    Sighting::Light => out.by_class(ScalarTarget::Xyz)[Class::L0 as usize],
+                    _ => 0.0,
+                };
+                let parts = found(&scene, &full, 1, &mut recorded);
+                let place = format!("{name}, {min_edges} edges at least, point {point}");
+                let off = (parts[0] + parts[1] - wanted).abs();
+                assert!(off <= 1e-5 * wanted, "{place}: {parts:?} {wanted}");
+                for (met, part) in met.iter_mut().zip(parts) {
+                    *met += u32::from(part > 0.0);
+                }
+                assert_eq!(recorded.missing(), None, "{place}");
+            }
+        }
+    }
+    assert!(met.iter().all(|&met| met > 30), "{met:?}");
+}
+
+/// Ways have the mean of the walk, and a smaller spread.
+#[test]
+fn ways_have_the_mean_of_the_walk() {
+    const LOOKS: usize = 150_000;
+    let scene = compile(&builtin::load("water-cornell?light=1.9").expect("a built-in scene"));
+    let full = full(1);
+    let mean = |ways: u32, counts: f64| -> Mean {
+        let mut draws = generator(20, u64::from(ways));
+        let mut point = Point::new(Exponential::default());
+        let one = |_| {
+            let mut u = point.propose(Step::Large, &mut draws);
+            let [beginning, parted] = found(&scene, &full, ways, &mut u);
+            u.reject();
+            beginning + counts * parted
+        };
+        (0..LOOKS).map(one).collect()
+    };
+    let (one, eight) = (mean(1, 1.0), mean(8, 1.0));
+    let off = |ways: &Mean| {
+        let error = one.standard_error().hypot(ways.standard_error());
+        (ways.mean() - one.mean()).abs() / error
+    };
+    assert!(off(&eight) < 4.0, "{one:?} {eight:?}");
+    assert!(eight.variance() < 0.3 * one.variance(), "{one:?} {eight:?}");
+    // The test of the test.
+    let wrong = mean(8, 1.3);
+    assert!(off(&wrong) > 4.0, "{one:?} {wrong:?}");
 }

@@ -1,14 +1,14 @@
 //! A first look at where implicit specular light comes from.
 
-use kaustik_path::{Beginning, Sighting};
+use kaustik_path::Sighting;
 use rayon::prelude::*;
 
 use super::samples::{At, Samples, Scratch};
 
 /// Scouts of a look in each cell.
-const EACH: u64 = 32;
+const EACH: u64 = 16;
 /// Who has met light less often does not know how much it varies.
-const ENOUGH: usize = 30;
+const ENOUGH: u64 = 30;
 
 /// What scouts saw that are used for nothing else, so that where one looks more closely does not depend on what is found
 /// there.
@@ -18,7 +18,7 @@ pub(super) struct Look {
     /// Mean square of implicit specular light over the image, what it adds to the second moment of a method's own samples;
     /// `None` where too few scouts met any.
     pub(super) second_moment: Option<f64>,
-    /// Share of scouts in the image that met any.
+    /// Paths for each scout in the image that brought any.
     found: f64,
 }
 
@@ -27,7 +27,7 @@ impl Look {
     pub(super) fn new(samples: &Samples<'_>) -> Option<Self> {
         let cells = samples.grid.count();
         let look = |scratch: &mut Scratch, cell: usize| {
-            let (mut dirac, mut found) = (0.0, Vec::new());
+            let (mut dirac, mut finds, mut squares) = (0.0, 0, 0.0);
             for index in 0..EACH {
                 let at = At {
                     step: cell as u64 * EACH + index,
@@ -35,26 +35,32 @@ impl Look {
                     cell,
                     index,
                 };
-                let (sighting, light) = samples.scout(at, Beginning::Dirac, scratch);
-                dirac += f64::from(u8::from(sighting >= Sighting::Specular));
-                found.extend(Some(light * light).filter(|square| *square > 0.0));
+                let seen = samples.scout(at, scratch);
+                dirac += f64::from(u8::from(seen.sighting >= Sighting::Specular));
+                finds += seen.finds;
+                squares += seen.square;
             }
-            (dirac / EACH as f64, found)
+            (dirac / EACH as f64, finds, squares)
         };
-        let seen: Vec<(f64, Vec<f64>)> = (0..cells)
+        let seen: Vec<(f64, u32, f64)> = (0..cells)
             .into_par_iter()
             .with_min_len(16)
             .map_init(Scratch::default, look)
             .collect();
-        let found: Vec<f64> = seen.iter().flat_map(|(_, found)| found).copied().collect();
-        let known = found.len() >= ENOUGH;
+        let found: u64 = seen.iter().map(|(_, finds, _)| u64::from(*finds)).sum();
+        let squares: f64 = seen.iter().map(|(.., squares)| squares).sum();
         let sent = (cells as u64 * EACH) as f64;
-        let dirac: Vec<f64> = seen.iter().map(|(dirac, _)| *dirac).collect();
+        let dirac: Vec<f64> = seen.iter().map(|(dirac, ..)| *dirac).collect();
         dirac.iter().any(|share| *share > 0.0).then(|| Self {
-            second_moment: known.then(|| found.iter().sum::<f64>() / sent),
-            found: found.len() as f64 / sent,
+            second_moment: (found >= ENOUGH).then_some(squares / sent),
+            found: found as f64 / sent,
             dirac,
         })
+    }
+
+    /// The share of all walks from the camera that a Dirac surface scatters first.
+    pub(super) fn dirac(&self) -> f64 {
+        self.dirac.iter().sum::<f64>() / self.dirac.len() as f64
     }
 
     /// How many scouts go out in each cell in a pass, `each` in the mean: as many for all of the Dirac surfaces that are seen.

@@ -52,6 +52,9 @@ impl<const K: usize> Keep for ReltEngine<'_, K> {
         if let Some(direct) = &self.direct {
             direct.write(out)?;
         }
+        if let Some(meter) = &self.meter {
+            meter.write(out)?;
+        }
         (self.runs.iter()).try_for_each(|run| {
             out.value(&Kept {
                 index: run.index,
@@ -80,6 +83,7 @@ impl<const K: usize> Keep for ReltEngine<'_, K> {
             from.film(film)?;
         }
         let passes = beside::take_up(&mut self.direct, from)?;
+        let metered = beside::take_up(&mut self.meter, from)?;
         let (ladders, cost) = (from.ladders(), self.cost());
         let adapts = self.options.steps == Steps::Adapted;
         let mut steps = 0;
@@ -95,7 +99,9 @@ impl<const K: usize> Keep for ReltEngine<'_, K> {
         }
         let all = self.sweeps() * cost;
         beside::check(self.direct.as_ref(), passes, steps)?;
+        beside::check(self.meter.as_ref(), metered, steps)?;
         beside::keep_up(&mut self.direct, all);
+        beside::keep_up(&mut self.meter, all);
         Ok(())
     }
 }

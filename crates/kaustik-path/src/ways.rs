@@ -1,0 +1,298 @@
+//! Looking for implicit specular paths along several ways that have their beginning in common.
+
+use std::fmt;
+
+use kaustik_bsdf::{Bsdf, Lobe};
+use kaustik_pss::{Coordinates, Stream};
+use kaustik_scene::{Scene, Vertex};
+use kaustik_spectrum::Wavelengths;
+
+use crate::instant::at_its_time;
+use crate::sighting::{BOUNCES, sees_environment, sees_light};
+use crate::walk::Walk;
+use crate::{BuilderSettings, Sighting, camera_walk, layout};
+
+/// Light that a look along several ways has met, for who wants to know how much it is.
+pub struct Find<'f> {
+    /// Coordinates of the way.
+    pub u: &'f mut dyn Coordinates,
+    /// Those of the look, with the range of edges that is meant.
+    pub settings: BuilderSettings,
+    /// By how much its light counts.
+    pub weight: f64,
+}
+
+impl fmt::Debug for Find<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Find")
+            .field("settings", &self.settings)
+            .field("weight", &self.weight)
+            .finish_non_exhaustive()
+    }
+}
+
+/// Looks for implicit specular light by a walk from the camera that begins at a Dirac surface
+/// ([`Beginning::Dirac`](crate::Beginning::Dirac)), and goes on along so many ways from the first surface that scatters otherwise, half
+/// as many from the next, and so on.
+///
+/// At such a surface the walk, which has come through glass or by mirrors, meets the lamp only if it goes by glass or mirrors again,
+/// in few of all directions. Ways spread over them, each for the cost of what is new of it: up to the next surface that scatters
+/// otherwise, past which the first alone goes on. So lengths of paths fall into stretches. Light that was met is told to `found` with
+/// its stretch, and the sum over all tellings of the weight times the light of
+/// [`Class::L0`](crate::Class::L0) that [`Bidirectional`](crate::Bidirectional) paths in their full form, with the find's settings, have
+/// at the find's coordinates has the mean of that light of walks that begin so.
+///
+/// The first way has the coordinates of `u` itself, the others have them turned: each is uniform as `u` is, though not independent of
+/// the others. `u` must remember what it has said.
+pub fn sight_ways(
+    settings: &BuilderSettings,
+    scene: &Scene,
+    ways: u32,
+    u: &mut dyn Coordinates,
+    found: &mut dyn FnMut(Find<'_>),
+) -> Sighting {
+    at_its_time(scene, u, |scene, u| {
+        let wavelengths = Wavelengths::sample(u.get(Stream::Wavelength, 0), settings.wavelengths);
+        let (walk, _) = camera_walk::start(settings, scene, &wavelengths, u);
+        let look = Look {
+            settings,
+            scene,
+            ways,
+        };
+        look.along(walk, u, found)
+    })
+}
+
+/// Where a stretch of Dirac surfaces led to.
+struct Leg {
+    /// It met light.
+    lit: bool,
+    /// It ended at a surface that scatters otherwise, where the walk stands before it is scattered.
+    stands: bool,
+}
+
+struct Look<'a> {
+    settings: &'a BuilderSettings,
+    scene: &'a Scene,
+    ways: u32,
+}
+
+impl Look<'_> {
+    fn along(
+        &self,
+        mut walk: Walk<'_>,
+        u: &mut dyn Coordinates,
+        found: &mut dyn FnMut(Find<'_>),
+    ) -> Sighting {
+        let mut lit = false;
+        let mut tell = |u: &mut dyn Coordinates, edges: [u32; 2], weight: f64| {
+            lit = true;
+            found(Find {
+                u,
+                settings: self.within(edges),
+                weight,
+            });
+        };
+        let (mut vertex, mut next) = (Vertex::default(), Vertex::default());
+        let mut leg = self.leg(&mut walk, &mut vertex, u);
+        if leg.lit {
+            tell(u, [1, walk.edges], 1.0);
+        }
+        let mut ways = self.ways;
+        while leg.stands && walk.specular {
+            let parting = walk.edges;
+            let weight = 1.0 / f64::from(ways);
+            for number in 1..ways {
+                let mut way = Way::new(u, parting, [number, ways]);
+                let mut walk = walk.clone();
+                if self.scatter(&mut walk, &vertex, &mut way)
+                    && self.leg(&mut walk, &mut next, &mut way).lit
+                {
+                    tell(&mut way, [parting + 1, walk.edges], weight);
+                }
+            }
+            // the first is the walk itself
+            if !self.scatter(&mut walk, &vertex, u) {
+                break;
+            }
+            leg = self.leg(&mut walk, &mut vertex, u);
+            if leg.lit {
+                tell(u, [parting + 1, walk.edges], weight);
+            }
+            ways = (ways / 2).max(1);
+        }
+        match (lit, walk.specular) {
+            (true, _) => Sighting::Light,
+            (false, true) => Sighting::Specular,
+            (false, false) => Sighting::Plain,
+        }
+    }
+
+    /// The settings of the look, for paths of so many edges.
+    fn within(&self, [least, most]: [u32; 2]) -> BuilderSettings {
+        BuilderSettings {
+            min_edges: least.max(self.settings.min_edges),
+            max_edges: most,
+            ..*self.settings
+        }
+    }
+
+    /// Goes on as long as surfaces scatter into Dirac directions, light or not.
+    fn leg(&self, walk: &mut Walk<'_>, vertex: &mut Vertex, u: &mut dyn Coordinates) -> Leg {
+        let Self {
+            settings, scene, ..
+        } = self;
+        let mut bsdf = Bsdf::black();
+        let mut leg = Leg {
+            lit: false,
+            stands: false,
+        };
+        loop {
+            if walk.advance(scene, u, vertex).is_none() {
+                leg.lit |= sees_environment(settings, scene, walk);
+                return leg;
+            }
+            leg.lit |= sees_light(settings, scene, walk, vertex);
+            if walk.edges == settings.max_edges {
+                return leg;
+            }
+            let scatter = walk.scatter(scene, vertex, &mut bsdf);
+            if !scatter.bsdf.has_choice() && !scatter.bsdf.is_delta() {
+                leg.stands = true;
+                return leg;
+            }
+            let before = walk.clone();
+            // Where nothing comes of it, other directions may fare better; of a Dirac direction there is but one.
+            let sample = walk.bounce(scene, &scatter, u, BOUNCES);
+            if !sample.is_some_and(|sample| sample.delta) {
+                *walk = before;
+                leg.stands = true;
+                return leg;
+            }
+            if !walk.survives(u, BOUNCES) {
+                return leg;
+            }
+        }
+    }
+
+    /// Leaves a surface; `false` when the walk ends there.
+    fn scatter(&self, walk: &mut Walk<'_>, vertex: &Vertex, u: &mut dyn Coordinates) -> bool {
+        let mut bsdf = Bsdf::black();
+        let scatter = walk.scatter(self.scene, vertex, &mut bsdf);
+        walk.bounce(self.scene, &scatter, u, BOUNCES).is_some() && walk.survives(u, BOUNCES)
+    }
+}
+
+/// Coordinates of a way: those of the look up to where the ways part, after it turned by amounts that the way's number gives.
+struct Way<'a> {
+    u: &'a mut dyn Coordinates,
+    /// Edge that leads to the parting.
+    parting: u32,
+    number: u32,
+    /// Of all ways that part there.
+    count: u32,
+}
+
+/// What turns directions from way to way, in the second coordinate: the golden section.
+const GOLDEN: f64 = 0.618_033_988_749_894_9;
+
+impl<'a> Way<'a> {
+    fn new(u: &'a mut dyn Coordinates, parting: u32, [number, count]: [u32; 2]) -> Self {
+        Self {
+            u,
+            parting,
+            number,
+            count,
+        }
+    }
+
+    /// By how much a coordinate is turned, as a share of the whole.
+    fn turn(&self, stream: Stream, index: u32) -> f64 {
+        let bounce = layout::bounce(layout::CAMERA_HEAD, self.parting);
+        let number = f64::from(self.number);
+        let turned = match stream {
+            // the part of the surface that scatters is chosen before ways part
+            Stream::Camera => index > bounce,
+            // of two walks that take turns
+            Stream::Transparency => index >= 2 * self.parting,
+            Stream::Technique => index > layout::part(self.parting),
+            _ => false,
+        };
+        if self.number == 0 || !turned {
+            return 0.0;
+        }
+        match stream {
+            // directions at the parting: a lattice
+            Stream::Camera if index == bounce + 1 => number / f64::from(self.count),
+            Stream::Camera if index == bounce + 2 => (number * GOLDEN).fract(),
+            // any constants that differ
+            _ => {
+                let address = f64::from(index) * Stream::COUNT as f64 + f64::from(stream as u8);
+                (number * (GOLDEN + address * std::f64::consts::SQRT_2)).fract()
+            }
+        }
+    }
+}
+
+impl Coordinates for Way<'_> {
+    fn get(&mut self, stream: Stream, index: u32) -> f64 {
+        let turned = self.u.get(stream, index) + self.turn(stream, index);
+        // A sum may round up to 2.
+        if turned < 1.0 {
+            turned
+        } else {
+            (turned - 1.0).min(1.0 - f64::EPSILON)
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Just below 1 everywhere.
+    struct Last;
+
+    impl Coordinates for Last {
+        fn get(&mut self, _: Stream, _: u32) -> f64 {
+            1.0 - f64::EPSILON / 2.0
+        }
+    }
+
+    const PARTING: u32 = 3;
+
+    fn turns(number: u32, stream: Stream) -> Vec<f64> {
+        let mut last = Last;
+        let way = Way::new(&mut last, PARTING, [number, 8]);
+        (0..64).map(|index| way.turn(stream, index)).collect()
+    }
+
+    #[test]
+    fn ways_have_their_beginning_in_common_and_nothing_else() {
+        for stream in Stream::ALL {
+            assert!(turns(0, stream).iter().all(|turn| turn.to_bits() == 0));
+            let [one, other] = [1, 5].map(|number| turns(number, stream));
+            let first = match stream {
+                Stream::Camera => 4 + 4 * 2 + 1,
+                Stream::Transparency => 2 * PARTING as usize,
+                Stream::Technique => 8 + PARTING as usize + 1,
+                _ => usize::MAX,
+            };
+            for (index, (one, other)) in one.into_iter().zip(other).enumerate() {
+                let turned = one > 0.0 && other > 0.0 && (one - other).abs() > 1e-9;
+                assert_eq!(turned, index >= first, "{stream:?} {index}");
+            }
+        }
+    }
+
+    #[test]
+    fn turned_coordinates_are_below_one() {
+        for number in 0..1_000 {
+            let mut last = Last;
+            let mut way = Way::new(&mut last, PARTING, [number, 1_000]);
+            for index in 0..64 {
+                assert!((0.0..1.0).contains(&way.get(Stream::Camera, index)));
+            }
+        }
+    }
+}
