@@ -118,7 +118,7 @@ impl<const K: usize> Shares<K> {
         self.parts[level].push_zeros(sent - found.len() as u64);
     }
 
-    /// Independent samples of the light of one replica alone, of which the mean is known.
+    /// What counts for independent samples of the light of one replica alone: how many, and what they would say.
     pub fn sampled(&mut self, level: usize, light: &Mean) {
         self.parts[level].merge(light);
     }
@@ -178,7 +178,7 @@ impl<const K: usize> Shares<K> {
         estimate(&self.parts[level])
     }
 
-    /// How many samples know the light of a replica.
+    /// How many samples know the light of a replica, and what [counts](Self::sampled) for such.
     ///
     /// # Panics
     /// If `level` is K or more.

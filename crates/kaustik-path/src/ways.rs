@@ -32,8 +32,8 @@ impl fmt::Debug for Find<'_> {
 }
 
 /// Looks for implicit specular light by a walk from the camera that begins at a Dirac surface
-/// ([`Beginning::Dirac`](crate::Beginning::Dirac)), and goes on along so many ways from the first surface that scatters otherwise, half
-/// as many from the next, and so on.
+/// ([`Beginning::Dirac`](crate::Beginning::Dirac)), and goes on along so many ways (one at least) from the first surface that scatters
+/// otherwise, half as many from the next, and so on.
 ///
 /// At such a surface the walk, which has come through glass or by mirrors, meets the lamp only if it goes by glass or mirrors again,
 /// in few of all directions. Ways spread over them, each for the cost of what is new of it: up to the next surface that scatters
@@ -98,9 +98,15 @@ impl Look<'_> {
         if leg.lit {
             tell(u, [1, walk.edges], 1.0);
         }
-        let mut ways = self.ways;
+        let mut ways = self.ways.max(1);
         while leg.stands && walk.specular {
             let parting = walk.edges;
+            if ways == 1 {
+                if self.meets_light(&mut walk, &mut vertex, u) {
+                    tell(u, [parting + 1, self.settings.max_edges], 1.0);
+                }
+                break;
+            }
             let weight = 1.0 / f64::from(ways);
             for number in 1..ways {
                 let mut way = Way::new(u, parting, [number, ways]);
@@ -119,7 +125,7 @@ impl Look<'_> {
             if leg.lit {
                 tell(u, [parting + 1, walk.edges], weight);
             }
-            ways = (ways / 2).max(1);
+            ways /= 2;
         }
         match (lit, walk.specular) {
             (true, _) => Sighting::Light,
@@ -175,6 +181,22 @@ impl Look<'_> {
         }
     }
 
+    /// Goes on from a surface, by whatever others, to the first light.
+    fn meets_light(
+        &self,
+        walk: &mut Walk<'_>,
+        vertex: &mut Vertex,
+        u: &mut dyn Coordinates,
+    ) -> bool {
+        while self.scatter(walk, vertex, u) {
+            let leg = self.leg(walk, vertex, u);
+            if leg.lit || !leg.stands {
+                return leg.lit;
+            }
+        }
+        false
+    }
+
     /// Leaves a surface; `false` when the walk ends there.
     fn scatter(&self, walk: &mut Walk<'_>, vertex: &Vertex, u: &mut dyn Coordinates) -> bool {
         let mut bsdf = Bsdf::black();
@@ -183,7 +205,8 @@ impl Look<'_> {
     }
 }
 
-/// Coordinates of a way: those of the look up to where the ways part, after it turned by amounts that the way's number gives.
+/// Coordinates of a way: those of the look, of which the camera walk's past the parting are turned by amounts that the way's number
+/// gives.
 struct Way<'a> {
     u: &'a mut dyn Coordinates,
     /// Edge that leads to the parting.
@@ -268,7 +291,7 @@ mod tests {
     }
 
     #[test]
-    fn ways_have_their_beginning_in_common_and_nothing_else() {
+    fn ways_have_their_beginning_in_common_and_not_their_directions() {
         for stream in Stream::ALL {
             assert!(turns(0, stream).iter().all(|turn| turn.to_bits() == 0));
             let [one, other] = [1, 5].map(|number| turns(number, stream));

@@ -209,8 +209,8 @@ pub const KEYS: &[Key] = &[
         name: "meter",
         default: "on",
         range: "on|off",
-        meaning: "where light comes by way of smooth glass, mirrors or water, the scale of the image is measured by samples beside the \
-                  chains as well, if they know it better (normaliser=running, contribution=sum)",
+        meaning: "where light comes by way of smooth glass, mirrors or water, the scale of the image (relt: of the specific replica's part) \
+                  is measured by samples beside the chains as well, if they know it better (normaliser=running; not with contribution=maximum)",
         methods: METERED,
     },
     Key {

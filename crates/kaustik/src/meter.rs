@@ -4,7 +4,8 @@
 //! independent samples know. Where light runs into a small lamp by way of glass, mirrors or water, those of most
 //! methods hardly ever meet it: a share of the picture that one seed misses and another counts ten times over. So such light
 //! ([`Class::L0`](kaustik_path::Class::L0)) is looked for by scouts, walks from the camera alone, many of them and where it
-//! comes from, and all other light is measured by bidirectional samples, which meet the rest of it well.
+//! comes from, and all other light is measured by bidirectional samples, which meet the rest of it well. Of replicas all but the specific
+//! one know their light by samples of the uniform one: there the meter has scouts alone.
 
 mod grid;
 mod look;
@@ -21,6 +22,7 @@ use rayon::prelude::*;
 
 use crate::beside::Beside;
 use crate::engine::Nonfinite;
+use crate::relt::scouts::scouting;
 use crate::state::{Reader, StateError, Writer};
 use crate::streams;
 use crate::{Builder, Method, Normaliser, Place, RenderSettings};
@@ -32,14 +34,14 @@ const JOINED: u64 = 6;
 /// Scouts a pass, for each cell in the mean, that look at Dirac surfaces.
 const SCOUTS: u64 = 16;
 /// Scouts a pass, for each cell, that look for what comes to the camera from a surface that is none of these first: a millionth of
-/// such light in `ring-and-sphere`, a twentieth in `mirror-statue`.
-const OTHERS: u64 = 2;
+/// such light in `ring-and-sphere`, a twentieth in `mirror-statue`. The second where they stand beside scouts of a method's own.
+const OTHERS: [u64; 2] = [2, 8];
 /// Passes that tell how well the meter knows the light, and are no part of what it says of it.
 const TRIALS: Range<u64> = (1 << 40)..(1 << 40) + 4;
 /// A meter that would have less than this of a say is not worth its time.
 const SAY: f64 = 0.25;
 /// Passes before the first mutation.
-const FIRST: u64 = 2;
+const FIRST: u64 = 4;
 /// The most passes: who merges shares, which have the same ones, has to take no more. In `ring-and-sphere` 15 know the light to half a
 /// percent, so many to a twentieth.
 const MOST: u64 = 2048;
@@ -60,7 +62,7 @@ pub(crate) struct Own {
 pub(crate) struct Terms {
     /// For each cell of a pass there are so many mutations.
     pub(crate) each: u64,
-    /// The method's `b` over the mean of the scalar contribution of samples on the window.
+    /// The method's `b`, or what is measured in its place, over the mean of the scalar contribution of samples on the window.
     pub(crate) unit: f64,
 }
 
@@ -73,8 +75,10 @@ impl Terms {
 /// specular, and scouts for that, more of them where they are likely to find some.
 pub(crate) struct Meter<'a> {
     samples: Samples<'a>,
-    /// Samples of a cell that join two walks.
+    /// Samples of a cell that join two walks; none where scouts alone are wanted.
     joined: u64,
+    /// Scouts of a cell that look for other beginnings.
+    others: u64,
     /// Number of the first sample of each cell in a pass, and of the first of the next pass.
     first: Vec<u64>,
     terms: Terms,
@@ -97,8 +101,8 @@ fn is_wanted(scene: &Scene, settings: &RenderSettings) -> bool {
     let all_light = match settings.method {
         Method::Pssmlt => options.builder == Builder::Bidirectional || !points,
         Method::Mmlt => true,
-        // Of replicas all but the specific one know their light, and that one has its scouts.
-        Method::Relt => true,
+        // What scouts of the specific replica look for.
+        Method::Relt => scouting(&options.replica_set()).is_some(),
         // It has no paths that run into a lens by chance, which alone show a point by way of Dirac surfaces.
         Method::Mlt => !(points && scene.camera().has_aperture()),
         _ => false,
@@ -152,24 +156,25 @@ impl<'a> Meter<'a> {
         if !is_wanted(scene, settings) {
             return None;
         }
-        let (target, joined) = match settings.method {
-            Method::Relt => (ScalarTarget::Xyz, 0),
-            _ => (settings.options.target, JOINED),
+        let (target, joined, others) = match settings.method {
+            Method::Relt => (ScalarTarget::Xyz, 0, OTHERS[1]),
+            _ => (settings.options.target, JOINED, OTHERS[0]),
         };
         let samples = |stream| Samples::new(scene, settings, target, stream);
         let look = Look::new(&samples(streams::METER_LOOK))?;
         let samples = samples(streams::METER);
         let scouts = look.often(&samples, SCOUTS, JOINED);
         let meter = Self {
-            first: first(joined, &scouts),
+            first: first(joined + others, &scouts),
             samples,
             joined,
+            others,
             terms,
             passes: 0,
             light: Mean::new(),
             trials: Mean::new(),
             of_own: f64::INFINITY,
-            walks: WORTH * scouts.iter().sum::<u64>() as f64 / look.dirac(),
+            walks: WORTH * look.walks(&scouts),
             nonfinite: Nonfinite::default(),
         };
         Some((meter, look))
@@ -225,7 +230,7 @@ impl<'a> Meter<'a> {
         let (pass, number) = (step / self.samples_a_pass(), step % self.samples_a_pass());
         let cell = self.first.partition_point(|first| *first <= number) - 1;
         let number = number - self.first[cell];
-        let scouts = self.first[cell + 1] - self.first[cell] - self.joined - OTHERS;
+        let scouts = self.first[cell + 1] - self.first[cell] - self.joined - self.others;
         let at = |first: u64| At {
             step,
             pass,
@@ -237,7 +242,7 @@ impl<'a> Meter<'a> {
         } else if number < self.joined + scouts {
             self.samples.scout(at(self.joined), scratch).light / scouts as f64
         } else {
-            self.samples.other(at(self.joined + scouts), scratch) / OTHERS as f64
+            self.samples.other(at(self.joined + scouts), scratch) / self.others as f64
         }
     }
 
@@ -334,7 +339,8 @@ impl Beside for Meter<'_> {
     fn take_up(&mut self, from: &mut Reader<'_>) -> Result<u64, StateError> {
         let (passes, light, nonfinite): (u64, Mean, Nonfinite) = from.value()?;
         let (passes, nonfinite) = (Reader::count(passes)?, nonfinite.checked()?);
-        let sound = light.mean().is_finite() && light.mean() >= 0.0;
+        let spread = passes < 2 || light.variance().is_finite();
+        let sound = light.mean().is_finite() && light.mean() >= 0.0 && spread;
         if light.count() != passes || !sound {
             return Err(StateError::damaged("its meter does not agree with itself"));
         }
@@ -345,12 +351,11 @@ impl Beside for Meter<'_> {
     }
 }
 
-/// Numbers of the first sample of each cell. In each, so many join two walks, so many scouts follow, and [`OTHERS`] that look at
-/// other beginnings.
-fn first(joined: u64, scouts: &[u64]) -> Vec<u64> {
+/// Numbers of the first sample of each cell: its scouts, and so many more.
+fn first(more: u64, scouts: &[u64]) -> Vec<u64> {
     let mut next = 0;
     let cells = scouts.iter().map(|scouts| {
-        next += joined + scouts + OTHERS;
+        next += more + scouts;
         next
     });
     std::iter::once(0).chain(cells).collect()

@@ -34,10 +34,13 @@ impl<const K: usize> Shares<K> {
         };
         let lights = all.lights(sweeps, &all.scales(sweeps));
         let gaps = all.gaps(sweeps);
-        for k in (0..K).filter(|&k| all.trust(k) < KNOWN) {
+        for k in 0..K {
             if all.held[k] <= 0.0 {
                 // samples have met it and no film shows it
                 variance += gaps[k] * gaps[k];
+                continue;
+            }
+            if all.trust(k) >= KNOWN {
                 continue;
             }
             variance += (all.foreseen(k, lights[k]) - spread.lights[k]).max(0.0);
@@ -127,7 +130,7 @@ fn sums_after<const K: usize>(ladders: &[Ladder<K>]) -> Vec<Ladder<K>> {
 
 #[cfg(test)]
 mod tests {
-    use kaustik_mcmc::{Draws, Pcg64Dxsm, generator};
+    use kaustik_mcmc::{Draws, Estimate, Pcg64Dxsm, generator};
 
     use super::*;
 
@@ -227,6 +230,19 @@ mod tests {
         for light in [0.0, 8.0, 8.0, 0.0] {
             shares.sample([light]);
         }
+        assert!(stated_of_one(&shares) >= 4.0);
+    }
+
+    /// However well it is known.
+    #[test]
+    fn what_no_film_shows_is_in_the_error_of_the_sure() {
+        let mut shares = Shares::<1>::default();
+        let sure = Estimate {
+            value: 4.0,
+            standard_error: 0.01,
+        };
+        shares.sampled(0, &Mean::of(1_000_000, sure));
+        assert!(shares.trust(0) > KNOWN);
         assert!(stated_of_one(&shares) >= 4.0);
     }
 

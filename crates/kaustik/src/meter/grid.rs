@@ -2,7 +2,7 @@
 
 use crate::RenderSettings;
 
-/// Cells of about the same width and height; as many as a pilot of the method can afford.
+/// Cells of about the same width and height; as many as a `pilot` can afford.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Grid {
     columns: usize,

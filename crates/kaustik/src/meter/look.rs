@@ -15,8 +15,8 @@ const ENOUGH: u64 = 30;
 pub(super) struct Look {
     /// For each cell the share of walks from the camera that a Dirac surface scatters first.
     dirac: Vec<f64>,
-    /// Mean square of implicit specular light over the image, what it adds to the second moment of a method's own samples;
-    /// `None` where too few scouts met any.
+    /// Mean square of implicit specular light over the image, by stretches of paths: about what it adds to the second moment of a
+    /// method's own samples. `None` where too few scouts met any.
     pub(super) second_moment: Option<f64>,
     /// Paths for each scout in the image that brought any.
     found: f64,
@@ -58,9 +58,14 @@ impl Look {
         })
     }
 
-    /// The share of all walks from the camera that a Dirac surface scatters first.
-    pub(super) fn dirac(&self) -> f64 {
-        self.dirac.iter().sum::<f64>() / self.dirac.len() as f64
+    /// How many walks from anywhere in the image know as much of what Dirac surfaces scatter first as so many in each cell.
+    pub(super) fn walks(&self, scouts: &[u64]) -> f64 {
+        let shares = self.dirac.iter().sum::<f64>();
+        let variances = self.dirac.iter().zip(scouts);
+        let variances: f64 = variances
+            .map(|(share, &scouts)| share / scouts as f64)
+            .sum();
+        self.dirac.len() as f64 * shares / variances
     }
 
     /// How many scouts go out in each cell in a pass, `each` in the mean: as many for all of the Dirac surfaces that are seen.

@@ -37,7 +37,7 @@ pub(super) struct Seen {
     pub(super) sighting: Sighting,
     /// Implicit specular light.
     pub(super) light: f64,
-    /// Its square, in the mean over ways.
+    /// The same of squares: without products of what a walk finds at several places.
     pub(super) square: f64,
     /// Ways that brought some.
     pub(super) finds: u32,

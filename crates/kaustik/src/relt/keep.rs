@@ -37,7 +37,7 @@ type Read<const K: usize> = Kept<
     Shares<K>,
 >;
 
-/// Films and ladders; what annealing and scouts found is found again, and compared.
+/// Films, ladders, and what stands beside them; what annealing and scouts found is found again, and compared.
 impl<const K: usize> Keep for ReltEngine<'_, K> {
     fn taken(&self) -> Vec<u64> {
         let runs = self.runs.iter();
