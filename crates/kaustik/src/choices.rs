@@ -3,6 +3,8 @@
 use glam::DVec2;
 use kaustik_mutate::Radii;
 
+use crate::options::setting::{finite, range};
+
 /// How small steps are made.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum SmallStep {
@@ -10,6 +12,36 @@ pub enum SmallStep {
     Kelemen(f64, f64),
     /// Uniform within this fraction of the domain.
     Uniform(f64),
+}
+
+impl SmallStep {
+    /// Kelemen's own sizes (sec. 7).
+    pub(crate) const KELEMEN: Self = Self::Kelemen(1.0 / 1024.0, 1.0 / 64.0);
+
+    /// `kelemen`, `kelemen:S1:S2` or `uniform:FRACTION`.
+    pub(crate) fn parse(text: &str) -> Option<Self> {
+        let mut words = text.split(':');
+        let kind = words.next()?;
+        let numbers = words.map(finite).collect::<Option<Vec<f64>>>()?;
+        match (kind, numbers.as_slice()) {
+            ("kelemen", []) => Some(Self::KELEMEN),
+            ("kelemen", &[s1, s2]) if s1 > 0.0 && s1 < s2 && s2 <= 0.5 => {
+                Some(Self::Kelemen(s1, s2))
+            }
+            ("uniform", &[fraction]) if fraction > 0.0 && fraction <= 1.0 => {
+                Some(Self::Uniform(fraction))
+            }
+            _ => None,
+        }
+    }
+
+    /// What [`parse`](Self::parse) takes for it.
+    pub(crate) fn text(&self) -> String {
+        match self {
+            Self::Kelemen(s1, s2) => format!("kelemen:{s1}:{s2}"),
+            Self::Uniform(fraction) => format!("uniform:{fraction}"),
+        }
+    }
 }
 
 /// How paths are made under a chain.
@@ -40,13 +72,17 @@ pub enum Normaliser {
 }
 
 impl Normaliser {
+    /// All, with the words for them.
+    pub(crate) const WORDS: &[(&str, Self)] = &[
+        ("running", Self::Running),
+        ("initial", Self::Initial),
+        ("exchange", Self::Exchange),
+    ];
+
     /// The word for it.
     pub(crate) fn name(self) -> &'static str {
-        match self {
-            Self::Running => "running",
-            Self::Initial => "initial",
-            Self::Exchange => "exchange",
-        }
+        let mut words = Self::WORDS.iter();
+        (words.find(|(_, it)| *it == self)).map_or("", |(word, _)| *word)
     }
 }
 
@@ -95,6 +131,26 @@ pub enum EvenSamples {
     Auto,
     /// So many.
     Count(u32),
+}
+
+impl EvenSamples {
+    /// `auto`, or a number up to 64.
+    pub(crate) fn parse(text: &str) -> Option<Self> {
+        let count = || text.parse().ok().filter(|n| *n <= 64).map(Self::Count);
+        if text == "auto" {
+            Some(Self::Auto)
+        } else {
+            count()
+        }
+    }
+
+    /// What [`parse`](Self::parse) takes for it.
+    pub(crate) fn text(&self) -> String {
+        match self {
+            Self::Auto => "auto".to_owned(),
+            Self::Count(count) => count.to_string(),
+        }
+    }
 }
 
 /// Where the chains of `erpt` start.
@@ -152,6 +208,26 @@ pub enum Jitter {
 }
 
 impl Jitter {
+    /// A word, or two numbers of pixels that grow, with a colon between them.
+    pub(crate) fn parse(text: &str) -> Option<Self> {
+        match text {
+            "standard" => Some(Self::Standard),
+            "veach" => Some(Self::Veach),
+            "local" => Some(Self::Local),
+            _ => range(text, 1e6).map(Self::Between),
+        }
+    }
+
+    /// What [`parse`](Self::parse) takes for it.
+    pub(crate) fn text(&self) -> String {
+        match self {
+            Self::Standard => "standard".to_owned(),
+            Self::Veach => "veach".to_owned(),
+            Self::Local => "local".to_owned(),
+            Self::Between([least, most]) => format!("{least}:{most}"),
+        }
+    }
+
     /// In pixels, in an image of this size; `standard` is what the word of this name stands for.
     pub(crate) fn radii(self, size: DVec2, standard: Self) -> Radii {
         match self {

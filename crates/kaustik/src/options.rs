@@ -5,8 +5,8 @@ use kaustik_mcmc::Schedule;
 use kaustik_path::Heuristic;
 use kaustik_spectrum::WavelengthSampling;
 
-mod assign;
-mod value;
+pub(crate) mod setting;
+mod table;
 
 use crate::choices::{
     Builder, Caustics, Colours, Direct, Energy, EvenSamples, Jitter, Normaliser, SmallStep, Starts,
@@ -77,7 +77,7 @@ impl Default for Options {
             target: ScalarTarget::default(),
             contribution: Contribution::default(),
             p_large: 0.3,
-            small_step: SmallStep::Kelemen(1.0 / 1024.0, 1.0 / 64.0),
+            small_step: SmallStep::KELEMEN,
             mis: Mis::default(),
             normaliser: Normaliser::default(),
             meter: true,
@@ -161,7 +161,7 @@ impl Options {
         let shared = matches!(key.name, "normaliser" | "direct");
         let known = !shared || key.range.split('|').any(|word| word == value);
         known
-            .then(|| self.assign(key.name, value))
+            .then(|| self.setting(key.name)?.read(value))
             .flatten()
             .ok_or_else(|| OptionError::Value {
                 key: key.name,
@@ -173,9 +173,12 @@ impl Options {
     /// The settings of a method as one would write them, defaults included: what a picture needs to be
     /// made again.
     pub fn entries(&self, method: Method) -> Vec<(&'static str, String)> {
+        // the same places read and write
+        let mut all = *self;
+        let mut written = |name| (all.setting(name)).map_or_else(String::new, |it| it.written());
         method
             .keys()
-            .map(|key| (key.name, self.value(key.name)))
+            .map(|key| (key.name, written(key.name)))
             .collect()
     }
 

@@ -4,6 +4,7 @@ use kaustik_estimate::{Combine, Refinement, Witnesses};
 
 use crate::key::Key;
 use crate::method::Method;
+use crate::options::setting::{AnySetting, by, finite, integer, number, optional, switch, word};
 
 /// Settings that only photon methods read.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -274,66 +275,36 @@ const NORMALISATIONS: &[(&str, Normalisation)] = &[
     ("progressive", Normalisation::Progressive),
     ("iteration", Normalisation::Iteration),
 ];
-const SWITCH: &[(&str, bool)] = &[("on", true), ("off", false)];
 
 impl PhotonOptions {
-    /// A setting as one would write it; `None` if the key is none of these.
-    pub(crate) fn value(&self, key: &str) -> Option<String> {
+    /// The setting of a key; `None` if photons have no such key.
+    pub(crate) fn setting(&mut self, key: &str) -> Option<AnySetting<'_>> {
         Some(match key {
-            "photons" => self.photons.to_string(),
-            "roughness" => self.roughness.to_string(),
-            "radius" => self.radius.to_string(),
-            "reduction" => (self.reduction).map_or("off".to_owned(), |alpha| alpha.to_string()),
-            "remainder" => name(self.remainder, SWITCH),
-            "acceptance" => self.acceptance.to_string(),
-            "burnin" => self.burn_in.to_string(),
-            "combine" => name(self.combine, COMBINES),
-            "levels" => self.levels.to_string(),
-            "pace" => self.pace.text(),
-            "tf" => name(self.target_function, TARGET_FUNCTIONS),
-            "psi" => name(self.psi, PSIS),
-            "refinement" => name(self.refinement, REFINEMENTS),
-            "orientation" => name(self.orientation, SWITCH),
-            "normalisation" => name(self.normalisation, NORMALISATIONS),
-            "maps" => name(self.maps, SWITCH),
+            "photons" => integer(&mut self.photons, 1_000..=100_000_000),
+            "roughness" => number(&mut self.roughness, |alpha| (0.0..=1.0).contains(&alpha)),
+            "radius" => number(&mut self.radius, |widths| (0.01..=100.0).contains(&widths)),
+            "reduction" => optional(&mut self.reduction, "off", |text| {
+                finite(text).filter(|alpha| *alpha > 0.0 && *alpha < 1.0)
+            }),
+            "remainder" => switch(&mut self.remainder),
+            "acceptance" => number(&mut self.acceptance, |rate| (0.01..=0.99).contains(&rate)),
+            "burnin" => integer(&mut self.burn_in, 0..=100_000),
+            "combine" => word(&mut self.combine, COMBINES),
+            "levels" => integer(&mut self.levels, 2..=4),
+            "pace" => by(&mut self.pace, Pace::parse, Pace::text),
+            "tf" => word(&mut self.target_function, TARGET_FUNCTIONS),
+            "psi" => word(&mut self.psi, PSIS),
+            "refinement" => word(&mut self.refinement, REFINEMENTS),
+            "orientation" => switch(&mut self.orientation),
+            "normalisation" => word(&mut self.normalisation, NORMALISATIONS),
+            "maps" => switch(&mut self.maps),
             _ => return None,
         })
-    }
-
-    /// `None` if the key is none of these or the value is out of range.
-    pub(crate) fn assign(&mut self, key: &str, value: &str) -> Option<()> {
-        let number = || value.parse().ok().filter(|x: &f64| x.is_finite());
-        match key {
-            "photons" => {
-                let photons = value.parse().ok();
-                self.photons = photons.filter(|n| (1_000..=100_000_000).contains(n))?;
-            }
-            "roughness" => self.roughness = number().filter(|a| (0.0..=1.0).contains(a))?,
-            "radius" => self.radius = number().filter(|r| (0.01..=100.0).contains(r))?,
-            "reduction" if value == "off" => self.reduction = None,
-            "reduction" => self.reduction = Some(number().filter(|a| *a > 0.0 && *a < 1.0)?),
-            "remainder" => self.remainder = meaning(value, SWITCH)?,
-            "acceptance" => {
-                self.acceptance = number().filter(|a| (0.01..=0.99).contains(a))?;
-            }
-            "burnin" => self.burn_in = value.parse().ok().filter(|n| *n <= 100_000)?,
-            "combine" => self.combine = meaning(value, COMBINES)?,
-            "levels" => self.levels = value.parse().ok().filter(|n| (2..=4).contains(n))?,
-            "pace" => self.pace = Pace::parse(value)?,
-            "tf" => self.target_function = meaning(value, TARGET_FUNCTIONS)?,
-            "psi" => self.psi = meaning(value, PSIS)?,
-            "refinement" => self.refinement = meaning(value, REFINEMENTS)?,
-            "orientation" => self.orientation = meaning(value, SWITCH)?,
-            "normalisation" => self.normalisation = meaning(value, NORMALISATIONS)?,
-            "maps" => self.maps = meaning(value, SWITCH)?,
-            _ => return None,
-        }
-        Some(())
     }
 }
 
 impl Pace {
-    fn text(self) -> String {
+    fn text(&self) -> String {
         match self {
             Self::Auto => "auto".to_owned(),
             Self::Periods(periods) => periods.map(|n| n.to_string()).join(":"),
@@ -348,18 +319,6 @@ impl Pace {
         let periods: Option<Vec<u32>> = text.split(':').map(period).collect();
         Some(Self::Periods(periods?.try_into().ok()?))
     }
-}
-
-fn meaning<T: Copy>(value: &str, words: &[(&str, T)]) -> Option<T> {
-    let mut known = words.iter();
-    known.find(|(word, _)| *word == value).map(|(_, it)| *it)
-}
-
-fn name<T: PartialEq + Copy>(value: T, words: &[(&str, T)]) -> String {
-    let mut known = words.iter();
-    known
-        .find(|(_, it)| *it == value)
-        .map_or(String::new(), |(word, _)| (*word).to_owned())
 }
 
 #[cfg(test)]

@@ -98,6 +98,41 @@ fn what_is_written_of_mutations_is_what_was_set() {
 }
 
 #[test]
+fn what_is_written_of_chains_from_samples_and_in_stages_is_what_was_set() {
+    let erpt = [
+        "length=7",
+        "chains=0.5",
+        "consecutive=20",
+        "proposed=2.5",
+        "seeds=bidirectional",
+        "energy=passes",
+        "perturbations=lens",
+        "deposit=printed",
+        "caustic=printed",
+        "jitter=veach",
+        "direct=apart",
+    ];
+    let stages = ["budget=5", "stages=two", "floor=0.25"];
+    for (method, texts) in [
+        (Method::Erpt, &erpt[..]),
+        (Method::MltMultistage, &stages[..]),
+    ] {
+        let mut options = Options::default();
+        for text in texts {
+            options.set(method, text).unwrap();
+            let entries = options.entries(method);
+            let written = |(key, value): &(&str, String)| *text == format!("{key}={value}");
+            assert!(entries.iter().any(written), "{text}: {entries:?}");
+        }
+        let mut again = Options::default();
+        for (key, value) in options.entries(method) {
+            again.set(method, &format!("{key}={value}")).unwrap();
+        }
+        assert_eq!(again, options);
+    }
+}
+
+#[test]
 fn wrong_words_are_refused_with_what_was_expected() {
     let mut options = Options::default();
     let message = |text: &str, options: &mut Options| {
