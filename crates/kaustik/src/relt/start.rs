@@ -204,6 +204,17 @@ struct Climb<'a, const K: usize> {
     scouts: Scouts<'a, K>,
 }
 
+/// An attempt on its way up.
+struct Ascent<'a, const K: usize> {
+    started: Started,
+    /// By level; `None` where nobody is, or all have gone on.
+    populations: Vec<Option<Climbing<K>>>,
+    kernels: [LevelKernel<PathTarget<'a>, Mutation>; K],
+    family: Elsewhere<K>,
+    /// Decides what concerns a population as a whole.
+    central: Pcg64Dxsm,
+}
+
 impl<'a, const K: usize> Climb<'a, K> {
     fn new(
         target: PathTarget<'a>,
@@ -231,20 +242,47 @@ impl<'a, const K: usize> Climb<'a, K> {
 
     /// Goes up all levels. Also the first that nobody reached, and how far scouts saw.
     fn run(&self) -> (Started, Option<Extinct>, Sighting) {
-        let steps = self.settings.options.steps;
-        let kernels = kernels::<K>(self.target, self.set, steps);
-        let first = mutation(self.set, steps, 0);
-        let seed = self.settings.seed;
-        let bottom = streams::annealing(self.attempt, 0);
+        let mut ascent = self.begin();
+        let extinct = (1..K).find_map(|level| self.climb(&mut ascent, level).err());
+        (ascent.started, extinct, self.scouts.furthest)
+    }
+
+    /// Independent samples, and the uniform replica's states among them.
+    fn begin(&self) -> Ascent<'a, K> {
+        let Climb { settings, set, .. } = *self;
+        let steps = settings.options.steps;
         let samples = samples(
             self.target,
             &self.family,
-            &first,
-            seed,
-            bottom,
+            &mutation(set, steps, 0),
+            settings.seed,
+            streams::annealing(self.attempt, 0),
             (self.particles, None),
         )
         .unwrap_or_default();
+        let mut started = self.known_of(&samples);
+        let kernels = kernels::<K>(self.target, set, steps);
+        let family = Elsewhere {
+            all: self.family,
+            scouted: self.scouts.count > 0,
+        };
+        let mut central = generator(settings.seed, streams::annealing(self.attempt, K));
+        let mut bottom = Population::from_samples(samples, &family, Resampling::Systematic);
+        let uniform = bottom.advance(0, &kernels[0], &mut central);
+        debug_assert!(uniform.is_ok(), "all particles have the density 1");
+        started.rough.push(Estimate::exact(1.0));
+        (started.starts).push(self.choose(0, Some(&bottom), 1.0, &mut central));
+        Ascent {
+            started,
+            populations: vec![Some(bottom)],
+            kernels,
+            family,
+            central,
+        }
+    }
+
+    /// What independent samples and scouts tell before anyone climbs.
+    fn known_of(&self, samples: &[State]) -> Started {
         let pool: Vec<_> = (samples.iter())
             .map(|(_, value)| (all_densities(&self.family, value), light(value)))
             .collect();
@@ -255,7 +293,7 @@ impl<'a, const K: usize> Climb<'a, K> {
             (found, sent) if light <= 0.0 => found.iter().sum::<f64>() / (*sent).max(1) as f64,
             _ => light / self.particles as f64,
         };
-        let mut started = Started {
+        Started {
             starts: Vec::new(),
             rough: Vec::new(),
             pool,
@@ -264,49 +302,61 @@ impl<'a, const K: usize> Climb<'a, K> {
             mean,
             particles: self.particles,
             dropped: None,
-        };
-        let family = Elsewhere {
-            all: self.family,
-            scouted: self.scouts.count > 0,
-        };
-        let mut central = generator(seed, streams::annealing(self.attempt, K));
-        let mut bottom = Population::from_samples(samples, &family, Resampling::Systematic);
-        let uniform = bottom.advance(0, &kernels[0], &mut central);
-        debug_assert!(uniform.is_ok(), "all particles have the density 1");
-        started.rough.push(Estimate::exact(1.0));
-        (started.starts).push(self.choose(0, Some(&bottom), 1.0, &mut central));
-        let mut populations: Vec<Option<Climbing<K>>> = vec![Some(bottom)];
-        for level in 1..K {
-            let below = self.set.below()[level];
-            let last = !self.set.below()[level + 1..].contains(&below);
-            let from = &mut populations[below];
-            let mut population = if last { from.take() } else { from.clone() };
-            let mut elsewhere = Estimate::exact(0.0);
-            let at_once = effective(started.pool.iter().map(|(densities, _)| densities[level]));
-            let mut annealed = 0.0;
-            if let Some(climbing) = &mut population {
-                match climbing.advance(level, &kernels[level], &mut central) {
-                    Ok(stage) => (elsewhere, annealed) = (stage.normaliser, stage.effective),
-                    Err(Extinct { .. }) => population = None,
-                }
-            }
-            if let Some(climbing) = &mut population {
-                self.spread(level, &kernels[level], &family, climbing);
-            }
-            let there = self.scouts.normaliser(level);
-            if elsewhere.value + there.value <= 0.0 {
-                return (started, Some(Extinct { level }), self.scouts.furthest);
-            }
-            started.effective.push([at_once, annealed]);
-            started.rough.push(Estimate {
-                value: elsewhere.value + there.value,
-                standard_error: elsewhere.standard_error.hypot(there.standard_error),
-            });
-            let population_of = population.as_ref();
-            (started.starts).push(self.choose(level, population_of, elsewhere.value, &mut central));
-            populations.push(population);
         }
-        (started, None, self.scouts.furthest)
+    }
+
+    /// Takes particles from the level below to this one, and chooses the replica's states among them and
+    /// what scouts found; an error if there is nobody.
+    fn climb(&self, ascent: &mut Ascent<'_, K>, level: usize) -> Result<(), Extinct> {
+        let Ascent {
+            started,
+            populations,
+            kernels,
+            family,
+            central,
+        } = ascent;
+        let kernel = &kernels[level];
+        let at_once = effective(started.pool.iter().map(|(densities, _)| densities[level]));
+        let mut population = self.climbers(populations, level);
+        let mut elsewhere = Estimate::exact(0.0);
+        let mut annealed = 0.0;
+        if let Some(climbing) = &mut population {
+            match climbing.advance(level, kernel, central) {
+                Ok(stage) => {
+                    (elsewhere, annealed) = (stage.normaliser, stage.effective);
+                    self.spread(level, kernel, family, climbing);
+                }
+                Err(Extinct { .. }) => population = None,
+            }
+        }
+        let there = self.scouts.normaliser(level);
+        if elsewhere.value + there.value <= 0.0 {
+            return Err(Extinct { level });
+        }
+        started.effective.push([at_once, annealed]);
+        started.rough.push(Estimate {
+            value: elsewhere.value + there.value,
+            standard_error: elsewhere.standard_error.hypot(there.standard_error),
+        });
+        let chosen = self.choose(level, population.as_ref(), elsewhere.value, central);
+        started.starts.push(chosen);
+        populations.push(population);
+        Ok(())
+    }
+
+    /// The population that climbs to a level: taken from below, or copied if another climbs from there too.
+    fn climbers(
+        &self,
+        populations: &mut [Option<Climbing<K>>],
+        level: usize,
+    ) -> Option<Climbing<K>> {
+        let below = self.set.below();
+        let from = &mut populations[below[level]];
+        if below[level + 1..].contains(&below[level]) {
+            from.clone()
+        } else {
+            from.take()
+        }
     }
 
     /// Moves the particles of a level apart.
