@@ -337,6 +337,18 @@ fn trespasses(crate_name: &str, path: &str, code: &str) -> Vec<String> {
     found
 }
 
+/// `cargo run`, as the README has it, must know which of the programs is meant.
+#[test]
+fn the_command_is_what_runs() {
+    let metadata = metadata();
+    let packages = metadata.workspace_packages();
+    let meant: Vec<&str> = (packages.iter())
+        .filter_map(|package| package.default_run.as_deref())
+        .collect();
+    assert_eq!(meant, ["kaustik"]);
+    assert_eq!(metadata.workspace_default_members.len(), packages.len());
+}
+
 #[test]
 fn manifests_agree_with_the_table() {
     let metadata = metadata();

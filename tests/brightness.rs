@@ -35,7 +35,7 @@ fn chi_square(found: &[[f64; 2]], factor: f64) -> f64 {
 fn seeds_differ_by_the_error_that_they_state() {
     for method in [Method::Pssmlt, Method::Mmlt, Method::Mlt] {
         for direct in [Direct::Lamps, Direct::Together, Direct::Apart] {
-            let mut settings = settings(method, 16, 200);
+            let mut settings = settings(method, 16, 100);
             settings.options.direct = direct;
             let found = normalisations(&settings);
             let right = chi_square(&found, 1.0);
@@ -73,7 +73,7 @@ fn the_scale_goes_on_improving() {
         found.iter().map(|[_, error]| error).sum::<f64>() / SEEDS as f64
     };
     // `mlt` takes one sample for 64 mutations.
-    for (method, spp, pilot) in [(Method::Mmlt, 50, 2_000), (Method::Mlt, 250, 200)] {
+    for (method, spp, pilot) in [(Method::Mmlt, 25, 1_000), (Method::Mlt, 125, 100)] {
         let (short, long) = (error(method, spp, pilot), error(method, 16 * spp, pilot));
         let ratio = long / short;
         assert!((0.2..0.35).contains(&ratio), "{method}: {short} to {long}");

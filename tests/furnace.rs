@@ -65,7 +65,7 @@ fn plate_under_glass() {
 #[ignore = "long"]
 fn plate_under_glass_to_half_a_percent() {
     for method in Method::ALL {
-        assert_plate_is_one(method, 8_192, 0.005);
+        assert_plate_is_one(method, 2_048, 0.005);
     }
 }
 
@@ -73,7 +73,7 @@ fn plate_under_glass_to_half_a_percent() {
 #[ignore = "long"]
 fn closed_sphere_to_half_a_percent() {
     for method in Method::ALL {
-        assert_one("furnace?kind=diffuse", method, 8_192, 0.005);
+        assert_one("furnace?kind=diffuse", method, 2_048, 0.005);
     }
 }
 
@@ -82,7 +82,7 @@ fn closed_sphere_to_half_a_percent() {
 fn glass_disappears_to_half_a_percent() {
     for kind in ["glass", "rough"] {
         for method in [Method::Path, Method::Bdpt, Method::Pssmlt] {
-            assert_one(&format!("furnace?kind={kind}"), method, 8_192, 0.005);
+            assert_one(&format!("furnace?kind={kind}"), method, 2_048, 0.005);
         }
     }
 }

@@ -12,9 +12,16 @@ use kaustik::{
 };
 
 use crate::bits::bits;
-use crate::support::{compile, picture, scene, settings};
+use crate::support::{compile, picture, scene, settings as small};
 
 const SIDE: u32 = 16;
+
+/// With a pilot and a population that know the light well: the meter's grid goes by the one.
+fn settings(method: Method, side: u32, spp: u64) -> RenderSettings {
+    let mut settings = small(method, side, spp);
+    (settings.options.pilot, settings.options.particles) = (20_000, 2_000);
+    settings
+}
 
 fn chain(scene: &Scene, settings: &RenderSettings) -> ChainStatistics {
     let done = render(scene, settings, &mut Control::default()).expect("a render");

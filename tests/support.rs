@@ -4,6 +4,8 @@ use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::thread;
 
 use kaustik::film::Image;
 use kaustik::path::features;
@@ -36,8 +38,8 @@ pub(crate) fn settings(method: Method, side: u32, spp: u64) -> RenderSettings {
         features: false,
         ..RenderSettings::default()
     };
-    settings.options.pilot = 20_000;
-    settings.options.particles = 2_000;
+    settings.options.pilot = 5_000;
+    settings.options.particles = 1_000;
     // from each sample, so that there is little chance in how many there are
     (settings.options.chains, settings.options.length) = (1.0, 8);
     settings.options.photon.photons = 2_000;
@@ -233,6 +235,26 @@ pub(crate) fn keep(file: &Path, text: &str) {
 /// Tile means of independent pictures.
 pub(crate) fn tiles_of(pictures: impl Iterator<Item = Image>) -> Vec<Tile> {
     by_tile(&pictures.map(|image| tile_means(&image)).collect::<Vec<_>>())
+}
+
+/// What each number gives, in their order; as many at a time as the machine has threads.
+pub(crate) fn side_by_side<T: Send>(
+    numbers: std::ops::Range<u64>,
+    of: impl Fn(u64) -> T + Sync,
+) -> Vec<T> {
+    let next = AtomicU64::new(numbers.start);
+    let worker = || {
+        let number = || Some(next.fetch_add(1, Ordering::Relaxed)).filter(|n| *n < numbers.end);
+        std::iter::from_fn(|| number().map(|n| (n, of(n)))).collect::<Vec<_>>()
+    };
+    let threads = thread::available_parallelism().map_or(1, usize::from);
+    let mut all: Vec<(u64, T)> = thread::scope(|scope| {
+        let workers: Vec<_> = (0..threads).map(|_| scope.spawn(worker)).collect();
+        let join = |worker: thread::ScopedJoinHandle<'_, _>| worker.join().expect("a worker");
+        workers.into_iter().flat_map(join).collect()
+    });
+    all.sort_unstable_by_key(|(number, _)| *number);
+    all.into_iter().map(|(_, given)| given).collect()
 }
 
 /// Tiles of runs that are given as means of tiles.

@@ -73,7 +73,8 @@ pub const KEYS: &[Key] = &[
         name: "ladders",
         default: "64",
         range: "1..=4096",
-        meaning: "independent chains or streams of samples; part of the result, unlike --threads",
+        meaning: "independent chains or streams of samples; part of the result, unlike --threads (photon chains: fewer, if an \
+                  iteration would not give each 4096 steps)",
         methods: EVERY,
     },
     Key {
@@ -210,7 +211,7 @@ pub const KEYS: &[Key] = &[
         default: "on",
         range: "on|off",
         meaning: "where light comes by way of smooth glass, mirrors or water, the scale of the image (relt: of the specific replica's part) \
-                  is measured by samples beside the chains as well, if they know it better (normaliser=running; not with contribution=maximum)",
+                  is measured by samples beside the chains as well, if they know it better (normaliser=running; not with contribution=maximum or mis=printed)",
         methods: METERED,
     },
     Key {
@@ -305,8 +306,9 @@ pub const KEYS: &[Key] = &[
         name: "steps",
         default: "fine",
         range: "fine|kelemen|paper|adapted",
-        meaning: "small steps: 1/61 up to 16 times as much, for the specific replica 1/1024 up to 1/64; the latter for all; 1/61, 1/61 and 1/96 up to 16 times as much (RELT 5.1.3); \
-                  or these times factors that every ladder of relt adapts to an acceptance of 0.234",
+        meaning: "small steps. fine: 1/61 to 16/61, of the specific replica 1/1024 to 1/64; kelemen: 1/1024 to 1/64 for all; \
+                  paper: 1/61 to 16/61, of the specific replica 1/96 to 16/96 (RELT 5.1.3); adapted: those of paper times \
+                  factors that every ladder of relt adapts to an acceptance of 0.234",
         methods: REPLICAS,
     },
     Key {

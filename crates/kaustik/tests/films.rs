@@ -66,6 +66,7 @@ fn films(method: Method, direct: Direct, threads: usize) -> usize {
     };
     settings.options.pilot = 2_000;
     settings.options.particles = 1_000;
+    settings.options.photon.photons = 4_000;
     settings.options.direct = direct;
     // glass: all replicas run
     let scene = scene("glass-cube?light=0.8");
