@@ -401,7 +401,7 @@ fn another_render_is_refused_with_both_values() {
         ("plarge is 0.3 in the state, 0.5 here", |s| {
             s.options.p_large = 0.5;
         }),
-        ("pilot is 20000 in the state, 7 here", |s| {
+        ("pilot is 5000 in the state, 7 here", |s| {
             s.options.pilot = 7;
         }),
         ("filter is box:0.5 in the state, tent:1 here", |s| {

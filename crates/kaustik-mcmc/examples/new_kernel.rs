@@ -27,7 +27,7 @@ struct Jumps {
 }
 
 impl Jumps {
-    const JUMP: usize = 2; // a kind of its own in the statistics, after SMALL and LARGE
+    const JUMP: usize = 3; // a kind of its own in the statistics, after SMALL, LARGE and SECOND
 }
 
 // 1. The kernel. It proposes and says with which ratio; it never decides. The state is the

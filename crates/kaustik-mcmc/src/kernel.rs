@@ -8,8 +8,10 @@ use crate::{Draws, Mutation, Point, Step, Target};
 /// the unit cube for [`PointKernel`]; `()` for a kernel that moves the values themselves,
 /// as mutations of light paths do (Veach and Guibas 1997).
 ///
-/// Each [`propose`](Self::propose) is followed by exactly one of [`accept`](Self::accept)
-/// and [`reject`](Self::reject).
+/// Each [`propose`](Self::propose) is followed by exactly one of [`accept_move`](Self::accept_move)
+/// and [`reject_move`](Self::reject_move), which call [`accept`](Self::accept) and [`reject`](Self::reject)
+/// unless a kernel says otherwise, as a [`Mixture`](crate::Mixture) does. So whoever wraps any kernel forwards all that it does not
+/// change itself: these two, `enter` and `exchange` as well.
 pub trait Kernel<S> {
     /// What an evaluation yields.
     type Value;
@@ -114,7 +116,7 @@ impl<S, N: Kernel<S>> Kernel<S> for &N {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Move {
     /// What sort of move it was, for the statistics: below [`Move::KINDS`], or it counts as
-    /// the last. [`Move::SMALL`], [`Move::LARGE`] and [`Move::SECOND`] are taken.
+    /// the last (`usize::MAX`, a mixture's word for no move at all, is not to be used). [`Move::SMALL`], [`Move::LARGE`] and [`Move::SECOND`] are taken.
     pub kind: usize,
     /// T(v -> u) / T(u -> v), the chance of proposing the way back over that of the way
     /// there: finite, at least 0; 1 for symmetric proposals, 0 if the proposal is

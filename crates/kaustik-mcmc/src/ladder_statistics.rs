@@ -56,7 +56,8 @@ impl<const K: usize> LadderStatistics<K> {
 
     /// The communication barrier Λ: the sum of the rejection rates along the line of
     /// levels. It hardly depends on how many levels there are (Syed et al. 2021, sec. 4):
-    /// Λ well above K says that more levels are needed; about 2 Λ of them are best.
+    /// K - 1 at most, and near it where there are too few levels: about 2 Λ of them are best. Pairs that were never tried
+    /// count as if they always exchanged, so that it makes sense of schedules that try neighbours.
     pub fn barrier(&self) -> f64 {
         self.local_barriers().iter().sum()
     }

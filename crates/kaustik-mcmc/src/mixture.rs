@@ -18,8 +18,8 @@ use crate::{Draws, Kernel, Move};
 /// are reversible, so is the mixture. The mixture moves everywhere if together they do.
 ///
 /// With chosen suitability the probability of an independent proposal depends on the state,
-/// so that estimators which need it constant (Kelemen's combination) do not apply;
-/// expected values do.
+/// so that estimators which need it constant (Kelemen's combination) do not apply, and no
+/// proposal counts as independent; expected values apply.
 ///
 /// Weights need not sum to one; a weight of zero forbids. Where no kernel suits, the step
 /// leads nowhere; weights that are NaN, infinite or negative count as a defect.
@@ -67,9 +67,10 @@ impl<C, W, const N: usize> Mixture<C, W, N> {
         &self.kernels
     }
 
-    /// What a component's own kind of move is called by the mixture.
+    /// What a component's own kind of move is called by the mixture. Kinds too large to be told apart are one.
     pub const fn kind(&self, component: usize, kind: usize) -> usize {
-        component + N * kind
+        let most = usize::MAX / N - 1;
+        component + N * if kind < most { kind } else { most }
     }
 }
 
@@ -77,12 +78,18 @@ impl<C, W, const N: usize> Mixture<C, W, N> {
 ///
 /// Finite and at least 0, and a function of the value alone.
 pub trait Suitability<V, const N: usize> {
+    /// Are they the same everywhere? If not, no move of a mixture counts as independent: a uniform proposal is
+    /// chosen more often in some places than in others, or cannot be chosen back.
+    const FIXED: bool = false;
+
     /// The relative probabilities at `value`.
     fn weights(&self, value: &V) -> [f64; N];
 }
 
 /// Fixed probabilities.
 impl<V, const N: usize> Suitability<V, N> for [f64; N] {
+    const FIXED: bool = true;
+
     #[inline]
     fn weights(&self, _: &V) -> [f64; N] {
         *self
@@ -128,8 +135,13 @@ where
         let of_component = self
             .kernels
             .propose(component, state, current, proposed, draws);
+        if of_component.kind == UNOPENED {
+            // a mixture within, of which no kernel was asked: nobody has anything to take back
+            return of_component;
+        }
         let mut proposal = Move {
             kind: self.kind(component, of_component.kind),
+            independent: of_component.independent && W::FIXED,
             ..of_component
         };
         if proposal.ratio > 0.0 {

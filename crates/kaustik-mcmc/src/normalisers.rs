@@ -150,7 +150,7 @@ impl<const K: usize> RunningNormalisers<K> {
 
     /// How many standard errors these lie above the unbiased estimates from independent
     /// proposals ([`Statistics::independent`](crate::Statistics::independent), of a chain
-    /// with large steps); NaN where neither knows its error.
+    /// with large steps); NaN where one of them does not know its error.
     ///
     /// Both come from one run and are correlated, so this is a warning light (beyond
     /// 5, say), not a test.

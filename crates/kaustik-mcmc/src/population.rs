@@ -345,7 +345,8 @@ impl<S, V, const K: usize> Population<S, V, K> {
     /// One step of every particle, in order, by one generator.
     ///
     /// Expected-value visits go to the recorder with their level; the same scale as of
-    /// [`visit`](Self::visit), over the number of steps, makes them unbiased.
+    /// [`visit`](Self::visit), over the number of steps, makes them unbiased. Before the first level they are a sample of the
+    /// base law, which no step may change: nothing happens.
     pub fn step<N, F, D, R>(&mut self, kernel: &N, family: &F, draws: &mut D, recorder: &mut R)
     where
         N: Kernel<S, Value = V>,
@@ -353,6 +354,9 @@ impl<S, V, const K: usize> Population<S, V, K> {
         D: Draws + ?Sized,
         R: Recorder<V, K> + ?Sized,
     {
+        if self.level.is_none() {
+            return;
+        }
         for particle in &mut self.particles {
             particle.step(kernel, family, draws, recorder);
         }
@@ -398,7 +402,7 @@ impl<S, V, const K: usize> Population<S, V, K> {
     }
 
     /// The particles, to be moved: by [`Metropolis::step`] under the level's kernel only,
-    /// which leaves its density invariant.
+    /// which leaves its density invariant. Before the first level they must not be moved at all.
     pub fn particles_mut(&mut self) -> &mut [Metropolis<S, V, K>] {
         &mut self.particles
     }

@@ -73,6 +73,9 @@ impl<M: Mutation, V, const K: usize> Metropolis<Point<M>, V, K> {
         proposal.leave_open();
         let measure = scouting.region.measure(&self.proposed);
         let densities = checked_densities(family, &self.proposed);
+        if densities.is_none() {
+            self.statistics.defects += 1;
+        }
         let (Some(densities), true) = (densities, measure > 0.0) else {
             spare.roll_back();
             return Scouted::Nothing;
@@ -223,6 +226,31 @@ mod tests {
         let (chi2, measure) = run(4_000, &ALL);
         assert!(chi2 < 2.5, "chi2 / {BINS} is {chi2}");
         assert!((measure / 0.15 - 1.0).abs() < 0.02, "{measure}");
+    }
+
+    #[test]
+    fn defects_are_counted() {
+        let place = target(|u: &mut dyn Coordinates| u.get(Stream::Camera, 0));
+        let family = |x: &f64| {
+            [if (0.1..0.15).contains(x) {
+                f64::NAN
+            } else {
+                1.0
+            }]
+        };
+        let sizes = Exponential::new(1e-6, 1e-5);
+        let mut rng = generator(92, 0);
+        let mut chain = Metropolis::start(&place, &family, 0, sizes, &mut rng);
+        let mut spare = Point::new(sizes);
+        let scouting = Scouting {
+            target: &&place,
+            region: &ALL,
+        };
+        for _ in 0..400 {
+            chain.scout(&scouting, &mut spare, &family, &mut rng, &mut Ignore);
+        }
+        // one in twenty
+        assert!((8..40).contains(&chain.statistics().defects));
     }
 
     /// The look leaves out what the measure would take: from there no scout is followed, as none comes there.

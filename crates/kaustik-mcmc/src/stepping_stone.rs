@@ -286,7 +286,12 @@ impl<const K: usize> SteppingStone<K> {
             .flat_map(|k| way(level).map(move |l| (k, l)))
             .map(|(k, l)| moments.covariance(k, l))
             .sum();
-        value * variance.max(0.0).sqrt()
+        // squares of very large or very small densities may be no numbers
+        if variance.is_finite() {
+            value * variance.max(0.0).sqrt()
+        } else {
+            f64::INFINITY
+        }
     }
 
     fn moments(&self) -> Moments<K> {
@@ -403,6 +408,28 @@ mod tests {
         let error = |n: &RunningNormalisers<3>| n.estimates()[2].relative_error();
         assert!((error(&sum) / error(&long) - 1.0).abs() < 0.35);
         assert!(error(&short) / error(&sum) > 1.2);
+    }
+
+    /// Densities so small or so large that their squares are none: nothing is known of the error, and not that there is none.
+    #[test]
+    fn an_error_that_cannot_be_computed_is_not_zero() {
+        for scale in [1e-170, 1e170] {
+            let mut rng = generator(33, 0);
+            let mut stone = SteppingStone::<2>::line();
+            for _ in 0..200 {
+                stone.record(Visit {
+                    level: 0,
+                    value: &(),
+                    densities: &[1.0, scale * rng.uniform()],
+                    weight: 1.0,
+                    independent: 0.0,
+                });
+                stone.end_sweep();
+            }
+            let estimate = stone.normalisers(1.0).estimates()[1];
+            assert!((estimate.value / scale - 0.5).abs() < 0.1, "{estimate:?}");
+            assert!(estimate.standard_error.is_infinite(), "{estimate:?}");
+        }
     }
 
     /// Ladders that each stay where they are: batches in time see no spread at all, ladders do.

@@ -70,14 +70,25 @@ impl<M: Scalable> AcceptanceAdaptation<M> {
     }
 
     /// Another target, in (0, 1).
+    ///
+    /// # Panics
+    ///
+    /// If it is not.
     #[must_use]
     pub fn with_target(self, target: f64) -> Self {
+        assert!(target > 0.0 && target < 1.0, "an acceptance of {target}");
         Self { target, ..self }
     }
 
     /// Other gains: gain / n^decay after round n. To converge, 1/2 < decay <= 1.
+    ///
+    /// # Panics
+    ///
+    /// If the gain is not above 0 or the decay below, or either is not finite.
     #[must_use]
     pub fn with_gain(self, gain: f64, decay: f64) -> Self {
+        let sound = gain > 0.0 && decay >= 0.0 && gain.is_finite() && decay.is_finite();
+        assert!(sound, "gains of {gain} / n^{decay}");
         Self {
             gain,
             decay,
@@ -129,7 +140,7 @@ impl<M: Scalable> AcceptanceAdaptation<M> {
         self.base.scaled(self.scale())
     }
 
-    /// How many times as large as at the beginning steps are.
+    /// How many times as large as at the beginning steps would be, if there were no largest and no smallest.
     pub fn scale(&self) -> f64 {
         libm::exp(self.log_scale)
     }

@@ -1,3 +1,5 @@
+use std::cmp::Ordering;
+
 use super::Halves;
 use crate::Mean;
 use crate::normal::quantile;
@@ -71,14 +73,14 @@ fn of_ranks(numbers: &[f64], n: usize) -> Option<f64> {
 
 fn normal_scores(numbers: &[f64]) -> Vec<f64> {
     let mut order: Vec<usize> = (0..numbers.len()).collect();
-    order.sort_by(|&i, &j| numbers[i].total_cmp(&numbers[j]));
+    order.sort_by(|&i, &j| compare(&numbers[i], &numbers[j]));
     let mut scores = vec![0.0; numbers.len()];
     let mut begin = 0;
     while begin < order.len() {
         let first = numbers[order[begin]];
         let ties = order[begin..]
             .iter()
-            .take_while(|&&i| numbers[i].total_cmp(&first).is_eq())
+            .take_while(|&&i| compare(&numbers[i], &first).is_eq())
             .count();
         let rank = begin as f64 + 0.5 * (ties + 1) as f64; // the mean of theirs, from 1
         let score = quantile((rank - 0.375) / (numbers.len() as f64 + 0.25));
@@ -90,9 +92,17 @@ fn normal_scores(numbers: &[f64]) -> Vec<f64> {
     scores
 }
 
+/// By size; whatever is no number, of either sign, is largest.
+fn compare(a: &f64, b: &f64) -> Ordering {
+    match (a.is_nan(), b.is_nan()) {
+        (false, false) => a.total_cmp(b),
+        (a, b) => a.cmp(&b),
+    }
+}
+
 fn median(numbers: &[f64]) -> f64 {
     let mut sorted = numbers.to_vec();
-    sorted.sort_by(f64::total_cmp);
+    sorted.sort_by(compare);
     match sorted.len() {
         0 => 0.0,
         n => 0.5 * (sorted[(n - 1) / 2] + sorted[n / 2]),
@@ -168,6 +178,19 @@ mod tests {
             plain < 1.01 && ranks > 1.05,
             "another spread: {plain} {ranks}"
         );
+    }
+
+    /// The quotient of two zeros has a sign, which differs between machines.
+    #[test]
+    fn no_number_is_largest_whatever_its_sign() {
+        let series = |nan: f64| vec![1.0, 3.0, nan, 2.0, 5.0, nan, 4.0, 0.0];
+        let chains = |nan| [series(nan), vec![2.0, 1.0, 0.0, 4.0, 3.0, 6.0, 5.0, 7.0]];
+        let of = |nan| rank_split_r_hat(&chains(nan)).map(f64::to_bits);
+        assert!(of(f64::NAN).is_some());
+        assert_eq!(of(f64::NAN), of(-f64::NAN));
+        let scores = normal_scores(&[1.0, -f64::NAN, f64::INFINITY, f64::NAN]);
+        assert!(scores[0] < scores[2] && scores[2] < scores[1]);
+        assert_eq!(scores[1].to_bits(), scores[3].to_bits());
     }
 
     #[test]

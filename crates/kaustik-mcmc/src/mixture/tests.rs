@@ -4,10 +4,11 @@ use proptest::prelude::*;
 
 use kaustik_pss::{Coordinates, Stream};
 
+use super::UNOPENED;
 use crate::testing::TransitionMatrix;
 use crate::{
-    Draws, Ignore, Kernel, LevelKernel, Metropolis, Mixture, Move, Point, Step, Suitability,
-    Uniform, generator,
+    Draws, Ignore, Kernel, LevelKernel, Metropolis, Mixture, Move, Point, PointKernel, Step,
+    Suitability, Uniform, generator, target,
 };
 
 /// Steps on a ring by `reach`, up with chance `up`; remembers where it was, by a mark of
@@ -210,4 +211,64 @@ fn exchanges_and_entries_reach_the_components() {
     let alone = Mixture::new((&pair[1], &pair[1]), [1.0, 1.0]);
     alone.enter(&mut points[0], &mut rng);
     assert_eq!(*points[0].mutation(), Uniform::new(0.4));
+}
+
+/// A mixture within another may suit nowhere: nothing moves then, and nobody else is told to take back.
+#[test]
+fn a_mixture_within_that_suits_nowhere_leads_nowhere() {
+    let ring = |mark| Ring {
+        states: 3,
+        reach: 1,
+        up: 0.5,
+        mark,
+    };
+    let pi = [0.2, 0.5, 0.3];
+    for nothing in [0.0, f64::NAN] {
+        let inner = Mixture::new([ring(12), ring(13)], |_: &usize| [nothing; 2]);
+        let kernel = Mixture::new((ring(10), inner, ring(11)), [0.3, 0.4, 0.3]);
+        let p = matrix(&pi, &kernel);
+        assert!(p.stationarity_defect(&pi) < TOLERANCE && p.balance_defect(&pi) < TOLERANCE);
+        assert!((0..3).all(|state| p.probability(state, state) >= 0.4));
+        assert!(p.probability(0, 1) > 0.1);
+    }
+}
+
+#[test]
+fn kinds_that_are_too_large_are_one() {
+    let two: Mixture<_, _, 2> = Mixture::new((), [1.0; 2]);
+    let three: Mixture<_, _, 3> = Mixture::new((), [1.0; 3]);
+    for kind in [usize::MAX, usize::MAX / 2] {
+        assert!(two.kind(1, kind) < UNOPENED && two.kind(1, kind) % 2 == 1);
+        assert!(three.kind(2, kind) < UNOPENED && three.kind(2, kind) % 3 == 2);
+    }
+    assert_eq!(three.kind(2, 5), 17);
+}
+
+/// Where the choice goes by the state a uniform proposal is no independent sample any more: half of them could not be
+/// chosen back, and are never seen.
+#[test]
+fn a_choice_by_state_leaves_nothing_independent() {
+    let place = target(|u: &mut dyn Coordinates| u.get(Stream::Camera, 0));
+    let family = |_: &f64| [1.0];
+    let kernels = || (PointKernel::new(&place, 0.0), PointKernel::new(&place, 1.0));
+    let suits = |x: &f64| if *x < 0.5 { [1.0, 0.0] } else { [0.5, 0.5] };
+    let mut rng = generator(4, 1);
+    let start = |rng: &mut _| Metropolis::start(&place, &family, 0, Uniform::new(0.3), rng);
+    let (mut fixed, mut chosen) = (start(&mut rng), start(&mut rng));
+    for _ in 0..1_000 {
+        fixed.step(
+            &Mixture::new(kernels(), [0.5; 2]),
+            &family,
+            &mut rng,
+            &mut Ignore,
+        );
+        chosen.step(
+            &Mixture::new(kernels(), suits),
+            &family,
+            &mut rng,
+            &mut Ignore,
+        );
+    }
+    assert!(fixed.statistics().independent[0].count() > 400);
+    assert_eq!(chosen.statistics().independent[0].count(), 0);
 }

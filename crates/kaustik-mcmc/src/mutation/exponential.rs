@@ -1,5 +1,5 @@
 use super::powers::exp2_below_zero;
-use super::{LN_2_POW_53, SMALLEST, sign_and_rest, wrap};
+use super::{LN_2_POW_53, sign_and_rest, size_within, wrap};
 use crate::{Draws, Mutation, Scalable};
 
 /// Kelemen's mutation (section 6): a step of size between `s1` and `s2`, either way,
@@ -22,11 +22,11 @@ pub struct Exponential {
 impl Exponential {
     /// Steps between `s1` and `s2`.
     ///
-    /// Sizes make sense for 0 < s1 <= s2 <= 1/2; others are moved to the nearest that do,
+    /// Sizes make sense for 0 < s1 <= s2 <= 1/2; others are moved to the nearest that do (NaN to the smallest),
     /// so that a size that is being adapted cannot leave the circle.
     pub fn new(s1: f64, s2: f64) -> Self {
-        let s2 = s2.clamp(SMALLEST, 0.5);
-        let s1 = s1.clamp(SMALLEST, s2);
+        let s2 = size_within(s2, 0.5);
+        let s1 = size_within(s1, s2);
         Self {
             s1,
             s2,
@@ -63,7 +63,7 @@ impl Exponential {
 impl Scalable for Exponential {
     /// Both sizes, in their proportion.
     fn scaled(&self, factor: f64) -> Self {
-        let s2 = (self.s2 * factor).clamp(SMALLEST, 0.5);
+        let s2 = size_within(self.s2 * factor, 0.5);
         Self::new(self.s1 * (s2 / self.s2), s2)
     }
 }

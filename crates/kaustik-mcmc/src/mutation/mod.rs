@@ -101,6 +101,15 @@ fn sign_and_rest(uniform: f64) -> (f64, f64) {
     }
 }
 
+/// A size of steps, brought to the nearest between [`SMALLEST`] and `most`; what is no number is the smallest.
+fn size_within(size: f64, most: f64) -> f64 {
+    if size.is_nan() {
+        SMALLEST
+    } else {
+        size.clamp(SMALLEST, most)
+    }
+}
+
 /// Brings a number of (-1, 2) back to the circle [0, 1).
 #[inline]
 pub(crate) fn wrap(x: f64) -> f64 {

@@ -26,6 +26,7 @@ impl Power {
     /// Steps of the given size; sizes outside of [`SMALLEST`](Self::SMALLEST) and
     /// [`LARGEST`](Self::LARGEST) are moved to the nearest that makes sense.
     pub fn new(size: f64) -> Self {
+        let size = if size.is_nan() { Self::SMALLEST } else { size };
         let size = size.clamp(Self::SMALLEST, Self::LARGEST);
         Self {
             size,

@@ -1,4 +1,4 @@
-use super::{LN_2_POW_53, SMALLEST, wrap};
+use super::{LN_2_POW_53, size_within, wrap};
 use crate::{Draws, Mutation, Scalable};
 
 /// A step uniform over a given fraction of the domain, centred on where it was.
@@ -14,7 +14,7 @@ impl Uniform {
     /// Fractions outside (0, 1] are moved to the nearest that makes sense.
     pub fn new(fraction: f64) -> Self {
         Self {
-            fraction: fraction.clamp(SMALLEST, 1.0),
+            fraction: size_within(fraction, 1.0),
         }
     }
 

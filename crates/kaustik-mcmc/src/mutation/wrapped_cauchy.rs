@@ -1,4 +1,4 @@
-use super::{LN_2_POW_53, SMALLEST, sign_and_rest, wrap};
+use super::{LN_2_POW_53, sign_and_rest, size_within, wrap};
 use crate::{Draws, Mutation, Scalable};
 
 /// A Cauchy-distributed step, wound round the circle: mostly small, now and then a leap.
@@ -22,7 +22,7 @@ impl WrappedCauchy {
     /// Steps with median size `scale` before they are wound, a fraction of the domain.
     /// Scales outside (0, 1] are moved to the nearest that makes sense.
     pub fn new(scale: f64) -> Self {
-        let scale = scale.clamp(SMALLEST, 1.0);
+        let scale = size_within(scale, 1.0);
         Self {
             scale,
             squeeze: libm::tanh(std::f64::consts::PI * scale),

@@ -1,4 +1,4 @@
-use super::{LN_2_POW_53, SMALLEST, sign_and_rest, wrap};
+use super::{LN_2_POW_53, sign_and_rest, size_within, wrap};
 use crate::normal::upper_quantile;
 use crate::{Draws, Mutation, Scalable};
 
@@ -21,7 +21,7 @@ impl WrappedNormal {
     /// step is uniform to 6 parts in 10^9.
     pub fn new(sigma: f64) -> Self {
         Self {
-            sigma: sigma.clamp(SMALLEST, 1.0),
+            sigma: size_within(sigma, 1.0),
         }
     }
 

@@ -274,6 +274,39 @@ fn extinction_is_reported_and_stays() {
     assert!(nobody.clone().advance(0, &Ring, &mut rng).is_err());
 }
 
+/// Particles of the base law are what the first weights are for: no step may move them before.
+#[test]
+fn nothing_moves_before_the_first_level() {
+    let family = |x: &f64| [2.0, *x];
+    struct Away;
+    impl Kernel<()> for Away {
+        type Value = f64;
+        fn propose<D: Draws + ?Sized>(
+            &self,
+            (): &mut (),
+            _: &f64,
+            to: &mut f64,
+            _: &mut D,
+        ) -> Move {
+            *to = 9.0;
+            Move::new(3, 1.0)
+        }
+    }
+    let values = [1.0, 3.0].map(|x| ((), x));
+    let mut population = Population::from_samples(values, &family, Resampling::Systematic);
+    let mut rng = generator(11, 0);
+    let places = |population: &Population<(), f64, 2>| -> Vec<u64> {
+        let particles = population.particles().iter();
+        particles.map(|p| p.value().to_bits()).collect()
+    };
+    let before = places(&population);
+    population.step(&Away, &family, &mut rng, &mut Ignore);
+    assert_eq!(places(&population), before);
+    population.advance(0, &Away, &mut rng).expect("alive");
+    population.step(&Away, &family, &mut rng, &mut Ignore);
+    assert_eq!(places(&population), [9.0_f64.to_bits(); 2]);
+}
+
 #[test]
 fn defects_weigh_nothing_and_are_counted() {
     let family = |x: &f64| [1.0, *x];

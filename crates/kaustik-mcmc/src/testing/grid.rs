@@ -70,6 +70,17 @@ impl<M: Mutation> Mutation for OnGrid<M> {
     fn mutate<D: Draws + ?Sized>(&self, x: f64, draws: &mut D) -> f64 {
         middle(self.cells, self.mutation.mutate(x, draws))
     }
+
+    fn mutate_at<D: Draws + ?Sized>(
+        &self,
+        stream: Stream,
+        index: u32,
+        x: f64,
+        draws: &mut D,
+    ) -> f64 {
+        let to = self.mutation.mutate_at(stream, index, x, draws);
+        middle(self.cells, to)
+    }
 }
 
 /// Finitely many points of the cube: some coordinates, each in the middle of one of so

@@ -37,10 +37,10 @@
 //!     ) -> Move {
 //!         let doubles = draws.bernoulli(2.0 / 3.0);
 //!         if !doubles && x == 0 {
-//!             return Move::impossible(2);
+//!             return Move::impossible(3);
 //!         }
 //!         *y = if doubles { x + 1 } else { x - 1 };
-//!         Move::new(2, if doubles { 0.5 } else { 2.0 }) // T(y -> x) / T(x -> y)
+//!         Move::new(3, if doubles { 0.5 } else { 2.0 }) // T(y -> x) / T(x -> y)
 //!     }
 //! }
 //!

@@ -44,18 +44,30 @@ impl Default for RankTest {
 pub struct Ranks<const H: usize> {
     /// For each statistic, how many exact draws had each rank.
     pub counts: [Vec<u64>; H],
+    /// The share of chains of which some statistic differed somewhere: a kernel that does nothing is reversible with
+    /// respect to everything.
+    pub moved: f64,
 }
 
 impl RankTest {
     /// Counts ranks. `start` draws from the target exactly, `step` makes one step of the
     /// kernel, and `statistics` are real functions of the state, finite.
+    ///
+    /// # Panics
+    ///
+    /// If chains are shorter than two states or make no step from one to the next, or there are none.
     pub fn run<S: Clone, const H: usize>(
         &self,
         mut start: impl FnMut(&mut Pcg64Dxsm) -> S,
         mut step: impl FnMut(&mut S, &mut Pcg64Dxsm),
         statistics: impl Fn(&S) -> [f64; H],
     ) -> Ranks<H> {
+        assert!(
+            self.length >= 2 && self.thin >= 1 && self.chains >= 1,
+            "nothing to rank in {self:?}"
+        );
         let even = vec![1.0; self.length];
+        let mut moved = 0u64;
         let mut counts = std::array::from_fn(|_| vec![0; self.length]);
         for chain in 0..self.chains {
             let mut rng = generator(self.seed, chain);
@@ -74,11 +86,15 @@ impl RankTest {
                     }
                 }
             }
+            moved += u64::from(ties.iter().any(|ties| *ties + 1 < self.length));
             for h in 0..H {
                 counts[h][below[h] + rng.index(&even[..=ties[h]])] += 1;
             }
         }
-        Ranks { counts }
+        Ranks {
+            counts,
+            moved: moved as f64 / self.chains as f64,
+        }
     }
 }
 
@@ -93,8 +109,11 @@ impl<const H: usize> Ranks<H> {
         })
     }
 
-    /// The p-value of all statistics together: the smallest, times their number.
+    /// The p-value of all statistics together: the smallest, times their number. 0 if nothing ever moved.
     pub fn p_value(&self) -> f64 {
+        if self.moved <= 0.0 {
+            return 0.0;
+        }
         let smallest = self.p_values().into_iter().fold(1.0, f64::min);
         (smallest * H as f64).min(1.0)
     }
@@ -105,7 +124,8 @@ impl<const H: usize> fmt::Display for Ranks<H> {
         for (h, p) in self.p_values().iter().enumerate() {
             writeln!(f, "statistic {h}: p = {p:.3e}, ranks {:?}", self.counts[h])?;
         }
-        write!(f, "together: p = {:.3e}", self.p_value())
+        let (p, moved) = (self.p_value(), 100.0 * self.moved);
+        write!(f, "together: p = {p:.3e}, moved {moved:.1} %")
     }
 }
 

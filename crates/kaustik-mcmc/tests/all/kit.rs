@@ -62,6 +62,33 @@ fn a_law_must_be_a_law() {
     }
 }
 
+/// What does nothing is reversible with respect to everything, and so has not been tested.
+#[test]
+fn a_kernel_that_stays_is_no_proof() {
+    let stays = |test: RankTest| {
+        move || assert_reversible(&test, |rng| rng.uniform(), |_, _| (), |x: &f64| [*x])
+    };
+    let frozen = complaint(stays(RankTest::default()));
+    assert!(frozen.contains("moved 0.0 %"), "{frozen}");
+    for test in [
+        RankTest {
+            length: 1,
+            ..RankTest::default()
+        },
+        RankTest {
+            thin: 0,
+            ..RankTest::default()
+        },
+        RankTest {
+            chains: 0,
+            ..RankTest::default()
+        },
+    ] {
+        let nothing = complaint(stays(test));
+        assert!(nothing.contains("nothing to rank"), "{nothing}");
+    }
+}
+
 /// Matrices compose as the programs do.
 #[test]
 fn compositions_are_those_of_programs() {

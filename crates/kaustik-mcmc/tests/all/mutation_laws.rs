@@ -217,10 +217,12 @@ proptest! {
     fn odd_sizes_and_extreme_draws_stay_on_the_circle(
         size in prop::num::f64::ANY, x in 0.0..1.0f64, pick in 0usize..5,
     ) {
-        prop_assume!(!size.is_nan());
         let ulp = 1.0 / (1u64 << 53) as f64;
         let xi = [0.0, ulp, 0.5 - ulp, 0.5, 1.0 - ulp][pick];
         for y in [
+            Exponential::new(size, size).mutate(x, &mut Fixed(xi)),
+            Exponential::new(1e-3, size).mutate(x, &mut Fixed(xi)),
+            Uniform::new(size).mutate(x, &mut Fixed(xi)),
             WrappedNormal::new(size).mutate(x, &mut Fixed(xi)),
             WrappedCauchy::new(size).mutate(x, &mut Fixed(xi)),
             Power::new(size).mutate(x, &mut Fixed(xi)),
@@ -228,6 +230,22 @@ proptest! {
             prop_assert!((0.0..1.0).contains(&y), "{}", y);
         }
     }
+}
+
+/// What is no number is the smallest size, and not a step to one end.
+#[test]
+fn sizes_that_are_no_numbers_are_the_smallest() {
+    let x = 0.3;
+    for y in [
+        Exponential::new(f64::NAN, f64::NAN).mutate(x, &mut Fixed(0.7)),
+        Uniform::new(f64::NAN).mutate(x, &mut Fixed(0.7)),
+        WrappedNormal::new(f64::NAN).mutate(x, &mut Fixed(0.7)),
+        WrappedCauchy::new(f64::NAN).mutate(x, &mut Fixed(0.7)),
+        Power::new(f64::NAN).mutate(x, &mut Fixed(0.7)),
+    ] {
+        assert!((y - x).abs() < 1e-3, "{y}");
+    }
+    assert!(Uniform::new(f64::NAN).mixed_after() > 1);
 }
 
 /// ln |E cos(2 pi k D)| by the midpoint rule over the quantiles of an unwound step.
