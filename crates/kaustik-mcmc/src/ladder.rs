@@ -95,7 +95,7 @@ impl<S, V: Default, const K: usize> Ladder<S, V, K> {
     /// default schedule.
     ///
     /// A start of density zero at its level is left at the first opportunity, by a step or
-    /// an exchange.
+    /// an exchange of two ([`Schedule::Permutation`] waits until every level has a state that is not dark there).
     pub fn new(starts: [(S, V); K], family: &impl Family<V, K>) -> Self {
         let mut level = 0..;
         let replicas = starts.map(|(state, value)| {

@@ -7,6 +7,10 @@ use crate::{Draws, Kernel, Move, Mutation, Point, PointKernel, Target};
 /// kernel gives them to it when it [enters](Kernel::enter), after what it owes to the old
 /// ones is paid. The same kernels then serve the [`Ladder`](crate::Ladder) that starts where
 /// the annealing ends.
+///
+/// Steps themselves go by the point's own mutation: `mutation` says nothing until a point enters. A chain that has not
+/// come from another level is to be started with the same one; and of several of these in one
+/// [`Mixture`](crate::Mixture) over the same points, the last to be entered decides the sizes of all.
 #[derive(Clone, Debug)]
 pub struct LevelKernel<T, M> {
     /// How points propose.

@@ -404,7 +404,7 @@ impl<M: Mutation, V: Default, const K: usize> Metropolis<Point<M>, V, K> {
     /// Evaluates the current state under a target that has changed, and reads its densities. What was
     /// gathered and not [flushed](Self::flush) before is forgotten. Coordinates that the new target reads and
     /// the old did not are brought up to date or drawn; do not [refresh](Self::refresh) before the next
-    /// accepted step.
+    /// accepted step, and do not [record](Point::record) the state: both go by what the last step's evaluation read.
     pub fn evaluate_anew<T, F, D>(&mut self, target: &T, family: &F, draws: &mut D)
     where
         T: Target<Value = V>,
