@@ -65,7 +65,13 @@ fn plate_under_glass() {
 #[ignore = "long"]
 fn plate_under_glass_to_half_a_percent() {
     for method in Method::ALL {
-        assert_plate_is_one(method, 2_048, 0.005);
+        // A sample of `mmlt` is one strategy, and those by way of the glass bring much.
+        let spp = if method == Method::Mmlt {
+            32_768
+        } else {
+            2_048
+        };
+        assert_plate_is_one(method, spp, 0.005);
     }
 }
 
