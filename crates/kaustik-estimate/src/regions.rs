@@ -114,8 +114,8 @@ impl Regions {
     /// Points of a pilot that a leaf holds at least.
     pub const LEAST_POINTS: usize = 16;
 
-    /// Splits at medians along the longest side; at the middle of it where that is the normal's, whose values are few.
-    /// Leaves at the border reach to infinity.
+    /// Splits at medians along the longest side; at the middle of it where that is the normal's, whose values are few. A
+    /// wall that holds the median at the low end is parted from what is beyond it. Leaves at the border reach to infinity.
     pub fn spatial(points: &mut [Place]) -> Self {
         Self::build(points, |points| {
             if points.len() < 2 * Self::LEAST_POINTS {
@@ -128,7 +128,13 @@ impl Regions {
             let middle = points.len() / 2;
             let by = |a: &Place, b: &Place| a[axis].total_cmp(&b[axis]);
             points.select_nth_unstable_by(middle, by);
-            Some((axis as u8, points[middle][axis]))
+            let median = points[middle][axis];
+            let place = match median > low {
+                true => median,
+                // Below the median there is nothing: without a step up, the same points would be split so again and again.
+                false => beyond(points, axis, low)?,
+            };
+            Some((axis as u8, place))
         })
     }
 
@@ -479,6 +485,15 @@ fn longest_side(points: &[Place]) -> (usize, [f32; 2]) {
             (best, [low, high])
         }
     })
+}
+
+/// A place that parts the points at the low end of an axis from all others, halfway to the next. `None` if there are no
+/// others.
+fn beyond(points: &[Place], axis: usize, low: f32) -> Option<f32> {
+    let above = points.iter().map(|point| point[axis]);
+    let next = above.filter(|at| *at > low).min_by(f32::total_cmp)?;
+    let halfway = low + 0.5 * (next - low);
+    Some(if halfway > low { halfway } else { next })
 }
 
 /// Points below a place first; returns how many.

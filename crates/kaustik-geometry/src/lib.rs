@@ -37,6 +37,7 @@ mod motion;
 mod ray;
 mod standing;
 mod surface;
+mod unwrapping;
 mod world;
 
 pub use aabb::Aabb;
@@ -45,4 +46,5 @@ pub use mesh::{Mesh, MeshError};
 pub use motion::Motion;
 pub use ray::{Hit, Ray};
 pub use surface::{Surface, offset_origin};
+pub use unwrapping::Unwrapping;
 pub use world::World;

@@ -10,8 +10,8 @@
 
 use glam::{DVec3, Vec2, Vec3, Vec4};
 
-use crate::Mesh;
 use crate::standing::Pose;
+use crate::{Mesh, Unwrapping};
 
 /// The geometry of a triangle at one point, in world space.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -149,7 +149,7 @@ impl Corners<'_> {
     }
 
     /// See [`World::tangent`](crate::World::tangent).
-    pub(crate) fn tangent(&self, u: f32, v: f32, normal: Vec3) -> Option<Vec4> {
+    pub(crate) fn tangent(&self, u: f32, v: f32, normal: Vec3, along: &Unwrapping) -> Option<Vec4> {
         let weights = [
             1.0 - f64::from(u) - f64::from(v),
             f64::from(u),
@@ -158,7 +158,7 @@ impl Corners<'_> {
         let corner = self.mesh.indices[self.primitive as usize].map(|i| i as usize);
         let normal = normal.as_dvec3();
         self.given_tangent(weights, normal)
-            .or_else(|| self.derived_tangent(corner, normal))
+            .or_else(|| self.derived_tangent(corner, normal, along))
     }
 
     /// Certainly so far from all edges that [`Self::off_edges`] changes nothing? Most points are. Nothing is
@@ -221,7 +221,11 @@ impl Corners<'_> {
         unit(turned, turned.length())
     }
 
+    /// Tangents without normals are no frame: glTF has them ignored.
     fn given_tangent(&self, weights: [f64; 3], normal: DVec3) -> Option<Vec4> {
+        if self.mesh.normals.is_empty() {
+            return None;
+        }
         let tangent = self.blend(&self.mesh.tangents, weights, |t| t.truncate().as_dvec3())?;
         let first = self.mesh.indices[self.primitive as usize][0];
         let sign = f64::from(self.mesh.tangents[first as usize].w.signum()) * self.pose.handedness;
@@ -229,11 +233,17 @@ impl Corners<'_> {
     }
 
     /// From dp/du. glTF's `v` runs down the picture while the bitangent of a normal map runs up.
-    fn derived_tangent(&self, corner: [usize; 3], normal: DVec3) -> Option<Vec4> {
-        if self.mesh.uv[0].is_empty() {
+    fn derived_tangent(
+        &self,
+        corner: [usize; 3],
+        normal: DVec3,
+        along: &Unwrapping,
+    ) -> Option<Vec4> {
+        let uv = &self.mesh.uv[along.set];
+        if uv.is_empty() {
             return None;
         }
-        let [a, b, c] = corner.map(|i| self.mesh.uv[0][i].as_dvec2());
+        let [a, b, c] = corner.map(|i| along.turned * uv[i].as_dvec2());
         let (s, t) = (b - a, c - a);
         let area = s.perp_dot(t);
         if area == 0.0 {

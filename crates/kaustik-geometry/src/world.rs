@@ -7,7 +7,7 @@ use glam::{DVec3, Vec2, Vec3, Vec4};
 use crate::assembly::Assembly;
 use crate::bvh::{Any, Bvh, Closest, Goal, InstructionSet, Level, Places, STILL, build};
 use crate::standing::{Pose, Standing};
-use crate::{Aabb, Hit, Instance, Mesh, Motion, Ray, Surface, WorldError};
+use crate::{Aabb, Hit, Instance, Mesh, Motion, Ray, Surface, Unwrapping, WorldError};
 
 /// The pose of an instance now, by reference: its own if it stands still, else one that is worked out into the slot. Not
 /// a function, so that nothing is copied where nothing moves.
@@ -243,20 +243,20 @@ impl World {
     }
 
     /// Unit tangent at a hit, orthogonal to a shading normal, and the sign of the bitangent
-    /// (`cross(normal, tangent) * w`): from the mesh's tangents, or else from the derivatives of the first texture
-    /// coordinates (then with glTF's convention that the bitangent points against `v`), or else none.
+    /// (`cross(normal, tangent) * w`): from the mesh's tangents (if it has normals too), or else from the derivatives of
+    /// these texture coordinates (then with glTF's convention that the bitangent points against `v`), or else none.
     ///
     /// Apart from [`World::surface`] because only normal maps and anisotropy ask.
     ///
     /// # Panics
     /// Where there is no such instance or triangle.
-    pub fn tangent(&self, hit: &Hit, normal: Vec3) -> Option<Vec4> {
+    pub fn tangent(&self, hit: &Hit, normal: Vec3, along: &Unwrapping) -> Option<Vec4> {
         let moved;
         let standing = &self.stock.standing[hit.instance as usize];
         let pose = pose!(self, standing, moved);
         standing
             .corners(pose, hit.primitive)
-            .tangent(hit.u, hit.v, normal)
+            .tangent(hit.u, hit.v, normal, along)
     }
 
     /// The texture coordinates (set 0 or 1) at a hit, for alpha tests; zero where the mesh has none.

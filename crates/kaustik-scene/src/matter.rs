@@ -75,10 +75,10 @@ impl Matter {
 
     #[inline(never)]
     fn bent_frame(&self, hit: &Hit, surface: &Surface, material: u32, normal: Vec3) -> Frame {
-        let Some(tangent) = self.world.tangent(hit, normal) else {
+        let material = self.material(material);
+        let Some(tangent) = (self.world).tangent(hit, normal, &material.unwrapping()) else {
             return Frame::from_z(normal.as_dvec3());
         };
-        let material = self.material(material);
         let frame = Frame::from_z_x(normal.as_dvec3(), tangent.truncate().as_dvec3());
         let bitangent = frame.y * f64::from(tangent.w);
         let along = if material.is_brushed() {
@@ -143,7 +143,8 @@ impl Matter {
         if normal.dot(surface.geometric_normal) < 0.0 {
             normal = -normal;
         }
-        let tangent = self.world.tangent(&self.hit_of(vertex), normal)?;
+        let unwrapping = material.coat_unwrapping();
+        let tangent = (self.world).tangent(&self.hit_of(vertex), normal, &unwrapping)?;
         let frame = Frame::from_z_x(normal.as_dvec3(), tangent.truncate().as_dvec3());
         let bitangent = frame.y * f64::from(tangent.w);
         let bent = (frame.x * x + bitangent * y + frame.z * z).try_normalize()?;

@@ -322,6 +322,10 @@ impl Scene {
     pub fn direct_pdf(&self, from: DVec3, vertex: &Vertex) -> f64 {
         let to = vertex.position - from;
         let squared = to.length_squared();
+        // In the emitter itself, by rounding: squared distance over cosine goes to 0 there.
+        if squared <= 0.0 {
+            return 0.0;
+        }
         let cos = to.dot(vertex.normal) / squared.sqrt();
         self.emitters.direct_pdf(&self.matter, vertex, squared, cos)
     }
@@ -340,6 +344,16 @@ impl Scene {
         u: impl FnMut(u32) -> f64,
     ) -> Option<EmissionSample> {
         self.emitters.sample_emission(&self.matter, wavelengths, u)
+    }
+
+    /// The start of a photon's walk, by the same coordinates. Emitters are chosen nearly in proportion to their power, so that
+    /// photons carry nearly the same flux; [`Self::emission_pdf`] knows nothing of it.
+    pub fn sample_photon(
+        &self,
+        wavelengths: &Wavelengths,
+        u: impl FnMut(u32) -> f64,
+    ) -> Option<EmissionSample> {
+        self.emitters.sample_photon(&self.matter, wavelengths, u)
     }
 
     /// Densities with which [`Self::sample_emission`] would start at a vertex toward `direction` (unit, world);

@@ -32,6 +32,31 @@ fn a_tree_holds_each_point_once_and_evenly() {
     assert!((regions.leaf([1e9, -1e9, 1e9, 0.0, 0.0, 0.0]) as usize) < regions.leaves());
 }
 
+/// A room before a landscape: two thirds of the points on the wall between them, which is the low end of the longest side.
+#[test]
+fn a_wall_is_parted_from_what_is_beyond_it() {
+    let mut draws = generator(4, 0);
+    let mut u = || draws.uniform() as f32;
+    let mut points: Vec<Place> = (0..9_000)
+        .map(|index| match index % 3 {
+            0 => [4.0 * u(), 2.0 * u(), 11.0 + 69.0 * u(), 0.0, 0.0, 0.0],
+            _ => [4.0 * u(), 2.0 * u(), 11.0, 0.0, 0.0, 0.0],
+        })
+        .collect();
+    let regions = Regions::spatial(&mut points);
+    let mut held = vec![[0_usize; 2]; regions.leaves()];
+    for point in &points {
+        held[regions.leaf(*point) as usize][usize::from(point[2] > 11.0)] += 1;
+    }
+    for [wall, beyond] in held {
+        assert!((1..2 * Regions::LEAST_POINTS).contains(&(wall + beyond)));
+        assert!(wall == 0 || beyond == 0, "{wall} {beyond}");
+    }
+    // Points in one place are a leaf.
+    let regions = Regions::spatial(&mut [[1.0; 6]; 1_000]);
+    assert_eq!(regions.leaves(), 1);
+}
+
 /// What leaves are told is what their ancestors know: sums of psi / s against G Eqs. 8 and 10 as printed.
 #[test]
 fn sums_are_those_of_the_recursion() {

@@ -1,7 +1,7 @@
 //! Surfaces: positions, normals, tangents, and what transforms do to them.
 
-use glam::{Affine3A, Quat, Vec2, Vec3, Vec4};
-use kaustik_geometry::{Hit, Mesh, Ray, World};
+use glam::{Affine3A, DMat2, DVec2, Quat, Vec2, Vec3, Vec4};
+use kaustik_geometry::{Hit, Mesh, Ray, Unwrapping, World};
 
 use crate::support::{Random, icosphere, instanced, placed};
 
@@ -59,7 +59,16 @@ fn the_front_stays_where_gltf_puts_it() {
 }
 
 /// The tangent at a point of a triangle, to its shading normal.
-fn tangent_at(world: &World, primitive: u32, [u, v]: [f32; 2]) -> Option<Vec4> {
+fn tangent_at(world: &World, primitive: u32, place: [f32; 2]) -> Option<Vec4> {
+    tangent_along(world, primitive, place, &Unwrapping::default())
+}
+
+fn tangent_along(
+    world: &World,
+    primitive: u32,
+    [u, v]: [f32; 2],
+    along: &Unwrapping,
+) -> Option<Vec4> {
     let normal = world.surface_at(0, primitive, u, v).shading_normal;
     let hit = Hit {
         t: 0.0,
@@ -68,7 +77,7 @@ fn tangent_at(world: &World, primitive: u32, [u, v]: [f32; 2]) -> Option<Vec4> {
         instance: 0,
         primitive,
     };
-    world.tangent(&hit, normal)
+    world.tangent(&hit, normal, along)
 }
 
 /// Normals follow the inverse transpose: they stay orthogonal to tangents, which follow the transform.
@@ -124,6 +133,35 @@ fn tangents_come_from_texture_coordinates_where_none_are_given() {
     let plain = placed(icosphere(0), Affine3A::IDENTITY);
     assert_eq!(tangent_at(&plain, 0, [0.2, 0.2]), None::<Vec4>);
     assert_eq!(plain.surface_at(0, 0, 0.2, 0.2).color, [1.0; 4]);
+}
+
+/// A frame follows the coordinates that its texture is read by, turned as that is.
+#[test]
+fn tangents_follow_the_texture_that_asks() {
+    let mut mesh = square();
+    // The second set is the first one turned by a quarter: u runs down, v to the left.
+    mesh.uv[1] = mesh.uv[0].iter().map(|t| Vec2::new(t.y, -t.x)).collect();
+    let world = placed(mesh.clone(), Affine3A::IDENTITY);
+    let at = |set, turned| {
+        let along = Unwrapping { set, turned };
+        tangent_along(&world, 0, [0.2, 0.3], &along).unwrap()
+    };
+    let near = |found: Vec4, wanted: Vec3| found.truncate().dot(wanted) > 0.9;
+    assert!(near(at(0, DMat2::IDENTITY), Vec3::X));
+    assert!(near(at(1, DMat2::IDENTITY), Vec3::NEG_Y));
+    let quarter = DMat2::from_angle(std::f64::consts::FRAC_PI_2);
+    assert!(near(at(0, quarter), Vec3::Y), "{}", at(0, quarter));
+    let mirrored = DMat2::from_diagonal(DVec2::new(-1.0, 1.0));
+    assert!(near(at(0, mirrored), Vec3::NEG_X));
+    assert_eq!(at(0, mirrored).w, -at(0, DMat2::IDENTITY).w);
+    // Given ones stand in for all sets, but not without normals.
+    let given = mesh.with_tangents(vec![Vec4::new(0.0, 1.0, 0.0, 1.0); 4]);
+    let mut given = given.unwrap();
+    let world = placed(given.clone(), Affine3A::IDENTITY);
+    assert!(near(tangent_at(&world, 0, [0.2, 0.3]).unwrap(), Vec3::Y));
+    given.normals.clear();
+    let world = placed(given, Affine3A::IDENTITY);
+    assert!(near(tangent_at(&world, 0, [0.2, 0.3]).unwrap(), Vec3::X));
 }
 
 #[test]

@@ -81,7 +81,7 @@ impl PhotonTracing {
     ) {
         out.photons.clear();
         out.nonfinite = 0;
-        let emission = scene.sample_emission(wavelengths, |i| u.get(Stream::Light, i));
+        let emission = scene.sample_photon(wavelengths, |i| u.get(Stream::Light, i));
         let Some(emission) = emission else { return };
         let mut walk = Walk::from_emitter(&emission, emission.weight, wavelengths);
         let (mut vertex, mut bsdf) = (Vertex::default(), Bsdf::black());

@@ -4,10 +4,12 @@
 //! so that the density of a light vertex does not depend on the
 //! technique. Emissive triangles are emitters of their own; an environment takes half of the
 //! choice when there is anything else, because its flux through the scene's sphere says
-//! little about what it does for the picture.
+//! little about what it does for the picture. Photons, which no other technique has to know the density of,
+//! have a distribution of their own that goes by that flux: they should all carry as much.
 
 mod alias;
 mod density;
+mod emission;
 mod point;
 mod punctual;
 mod sample;
@@ -16,12 +18,13 @@ mod triangle;
 use std::f64::consts::PI;
 
 use glam::DVec3;
-use kaustik_bsdf::{Frame, warp};
-use kaustik_geometry::{Ray, Surface, offset_origin};
+use kaustik_bsdf::warp;
+use kaustik_geometry::{Surface, offset_origin};
 use kaustik_spectrum::Wavelengths;
 
 use crate::environment::Environment;
 use crate::matter::Matter;
+use crate::scene::SceneError;
 use crate::{Interior, Vertex};
 use alias::AliasTable;
 use density::lambertian_pdf;
@@ -35,9 +38,17 @@ pub use sample::{AreaSample, DirectSample, EmissionSample, Reach};
 /// Marks an instance that emits nothing.
 const DARK: u32 = u32::MAX;
 
+/// Emissive triangles that a scene may have, each instance's counted: a list of them takes some 3 GB, and files of a kilobyte
+/// can ask for any number.
+const MOST_TRIANGLES: u64 = 1 << 24;
+
 /// Share of the mean power that the dimmest emissive triangle is chosen with at least: a texture
 /// may be bright where the power estimate did not look.
 const POWER_FLOOR: f64 = 1e-3;
+
+/// Share of the photons that other emitters than the environment have at least, and the environment beside them: what is
+/// near in a room may have little power beside the sky, and be all that is seen.
+const PHOTON_FLOOR: f64 = 0.05;
 
 #[derive(Clone, Copy, Debug)]
 enum Emitter {
@@ -51,6 +62,8 @@ enum Emitter {
 pub(crate) struct Emitters {
     list: Vec<Emitter>,
     choice: AliasTable,
+    /// Among emitters of photons, where these are not chosen as all else is.
+    photon_choice: Option<AliasTable>,
     punctual: Vec<Punctual>,
     punctual_interior: Vec<Interior>,
     environment: Option<Environment>,
@@ -72,8 +85,15 @@ pub(crate) struct Sources {
 }
 
 impl Emitters {
-    /// Collects what emits.
-    pub(crate) fn new(matter: &Matter, sources: Sources) -> Self {
+    /// Collects what emits, unless there is too much of it.
+    pub(crate) fn new(matter: &Matter, sources: Sources) -> Result<Self, SceneError> {
+        let instances = 0..matter.material_of.len() as u32;
+        let triangles = instances.map(|instance| emissive_triangles(matter, instance));
+        let found = triangles.fold(0, u64::saturating_add);
+        if found > MOST_TRIANGLES {
+            let most = MOST_TRIANGLES;
+            return Err(SceneError::Emitters { found, most });
+        }
         let mut emitters = Self {
             center: sources.center,
             radius: sources.radius,
@@ -102,18 +122,24 @@ impl Emitters {
         if let Some(environment) = sources.environment.filter(|e| e.mean_radiance() > 0.0) {
             let rest: f64 = powers.iter().sum();
             emitters.list.push(Emitter::Environment);
+            if rest > 0.0 {
+                let of_photons = rest * environment_odds(&environment, disc, rest);
+                powers.push(of_photons);
+                emitters.photon_choice = Some(AliasTable::new(&powers));
+                powers.pop();
+            }
             powers.push(if rest > 0.0 { rest } else { 1.0 });
             emitters.environment = Some(environment);
         }
         emitters.choice = AliasTable::new(&powers);
-        emitters
+        Ok(emitters)
     }
 
     fn add_instance(&mut self, matter: &Matter, instance: u32, powers: &mut Vec<f64>) {
         let world = &matter.world;
         let material_index = matter.material_of[instance as usize];
         let material = matter.material(material_index);
-        if !material.is_emissive() || world.mesh_of(instance).indices.is_empty() {
+        if emissive_triangles(matter, instance) == 0 {
             self.first_of_instance.push(DARK);
             return;
         }
@@ -161,12 +187,17 @@ impl Emitters {
     /// The emitter for a coordinate that is asked for only if there is a choice to make.
     #[inline]
     fn choose(&self, u: impl FnOnce() -> f64) -> Option<(&Emitter, f64)> {
-        let index = match self.choice.len() {
+        self.choose_by(&self.choice, u)
+    }
+
+    #[inline]
+    fn choose_by(&self, choice: &AliasTable, u: impl FnOnce() -> f64) -> Option<(&Emitter, f64)> {
+        let index = match choice.len() {
             0 => return None,
             1 => 0,
-            _ => self.choice.choose(u()),
+            _ => choice.choose(u()),
         };
-        Some((&self.list[index], self.choice.probability(index)))
+        Some((&self.list[index], choice.probability(index)))
     }
 
     /// Next event: a point or direction of an emitter as seen from `position`. `u(i)` gives
@@ -306,140 +337,6 @@ impl Emitters {
         })
     }
 
-    /// The start of a light walk. `u(i)` gives coordinate `i` of five: choice, position (two),
-    /// direction (two).
-    pub(crate) fn sample_emission(
-        &self,
-        matter: &Matter,
-        wavelengths: &Wavelengths,
-        mut u: impl FnMut(u32) -> f64,
-    ) -> Option<EmissionSample> {
-        let (emitter, probability) = self.choose(|| u(0))?;
-        match emitter {
-            Emitter::Triangle(triangle) => {
-                // What shrinks to nothing for an instant sends out nothing.
-                (triangle.inverse_area(matter) > 0.0)
-                    .then(|| self.triangle_emission(matter, triangle, probability, wavelengths, u))
-            }
-            Emitter::Punctual(index) => {
-                self.punctual_emission(matter, *index, probability, wavelengths, u)
-            }
-            Emitter::Environment => {
-                let environment = self.environment.as_ref()?;
-                let (toward, pdf) = environment.sample([u(3), u(4)]);
-                let radiance = environment.radiance(toward, wavelengths);
-                let densities = EmissionPdf {
-                    position: pdf * probability,
-                    direction: self.disc_pdf(),
-                    cos: 1.0,
-                    infinite: true,
-                    hittable: true,
-                };
-                let pdf = densities.position * densities.direction;
-                (pdf > 0.0).then(|| EmissionSample {
-                    ray: self.ray_from_disc(-toward, [u(1), u(2)]),
-                    weight: radiance / pdf as f32,
-                    pdf: densities,
-                    interior: Interior::VACUUM,
-                    area: None,
-                    fading: None,
-                })
-            }
-        }
-    }
-
-    fn triangle_emission(
-        &self,
-        matter: &Matter,
-        triangle: &TriangleEmitter,
-        probability: f64,
-        wavelengths: &Wavelengths,
-        mut u: impl FnMut(u32) -> f64,
-    ) -> EmissionSample {
-        let surface = triangle.surface(matter, warp::uniform_triangle([u(1), u(2)]));
-        let both_sides = matter.material(triangle.material).emits_on_both_sides();
-        let (mut side, mut v) = (1.0, u(4));
-        let mut sides = 1.0;
-        if both_sides {
-            // The lower half of the last coordinate shines to the back.
-            sides = 2.0;
-            side = if v < 0.5 { -1.0 } else { 1.0 };
-            v = (2.0 * v).fract();
-        }
-        let normal = surface.geometric_normal.as_dvec3() * side;
-        let direction = Frame::from_z(normal).to_world(warp::cosine_hemisphere([u(3), v]));
-        let cos = normal.dot(direction).max(0.0);
-        // The cosine of the density cancels the emitter's.
-        let inverse_area = triangle.inverse_area(matter);
-        let position_weight = 1.0 / (probability * inverse_area);
-        let weight = position_weight * PI * sides;
-        EmissionSample {
-            ray: Ray::spawn(&surface, direction.as_vec3()),
-            weight: matter.covered_emission(triangle.material, &surface, wavelengths)
-                * weight as f32,
-            pdf: EmissionPdf {
-                position: probability * inverse_area,
-                direction: lambertian_pdf(cos, both_sides),
-                cos,
-                infinite: false,
-                hittable: true,
-            },
-            interior: self.interior_beside(matter, triangle.interior, &surface, normal),
-            area: Some(AreaSample {
-                surface,
-                weight: position_weight,
-                both_sides,
-                material: triangle.material,
-                interior: triangle.interior,
-            }),
-            fading: None,
-        }
-    }
-
-    fn punctual_emission(
-        &self,
-        matter: &Matter,
-        index: u32,
-        probability: f64,
-        wavelengths: &Wavelengths,
-        mut u: impl FnMut(u32) -> f64,
-    ) -> Option<EmissionSample> {
-        let light = self.punctual[index as usize].at(matter.world.time());
-        if light.is_directional() {
-            let weight = PI * self.radius * self.radius / probability;
-            return Some(EmissionSample {
-                ray: self.ray_from_disc(light.axis(), [u(1), u(2)]),
-                weight: light.intensity(light.axis(), wavelengths) * weight as f32,
-                pdf: EmissionPdf {
-                    position: probability,
-                    direction: self.disc_pdf(),
-                    cos: 1.0,
-                    infinite: true,
-                    hittable: false,
-                },
-                interior: Interior::VACUUM,
-                area: None,
-                fading: None,
-            });
-        }
-        let (direction, pdf) = light.sample_direction([u(3), u(4)]);
-        let weight = 1.0 / (pdf * probability);
-        weight.is_finite().then(|| EmissionSample {
-            ray: Ray::new(light.position.as_vec3(), direction.as_vec3()),
-            weight: light.intensity(direction, wavelengths) * weight as f32,
-            pdf: EmissionPdf {
-                position: probability,
-                direction: pdf,
-                cos: 1.0,
-                infinite: false,
-                hittable: false,
-            },
-            interior: self.interior_about(matter, index, &light),
-            area: None,
-            fading: Some(index),
-        })
-    }
-
     /// The solids around a point on an emitter, on the side of `direction`.
     pub(crate) fn area_interior(
         &self,
@@ -481,14 +378,22 @@ impl Emitters {
             self.punctual[index as usize].window(distance) as f32
         })
     }
+}
 
-    /// Parallel light along `direction`, from a disc that covers the scene's sphere.
-    fn ray_from_disc(&self, direction: DVec3, u: [f64; 2]) -> Ray {
-        let frame = Frame::from_z(direction);
-        let [x, y] = warp::concentric_disk(u);
-        let origin = self.center + (frame.x * x + frame.y * y - frame.z) * self.radius;
-        Ray::new(origin.as_vec3(), direction.as_vec3())
+/// The triangles of an instance that are emitters.
+fn emissive_triangles(matter: &Matter, instance: u32) -> u64 {
+    let material = matter.material(matter.material_of[instance as usize]);
+    match material.is_emissive() {
+        true => matter.world.mesh_of(instance).indices.len() as u64,
+        false => 0,
     }
+}
+
+/// How many photons of the environment there are for one of all other emitters, whose power is `rest`.
+fn environment_odds(environment: &Environment, disc: f64, rest: f64) -> f64 {
+    let power = 4.0 * PI * environment.mean_radiance() * disc;
+    let share = PHOTON_FLOOR + (1.0 - 2.0 * PHOTON_FLOOR) * power / (power + rest);
+    share / (1.0 - share)
 }
 
 #[cfg(test)]

@@ -5,8 +5,9 @@ use glam::Quat;
 use super::json::{Cursor, shorten};
 use super::reader::Reader;
 use super::{ErrorKind, LoadError, extras, image};
-use crate::description::{EnvironmentDescription, ImageData};
+use crate::description::{EnvironmentDescription, ImageData, Pixels};
 use crate::environment::decode_hdr;
+use crate::texture::SRGB;
 
 type Result<T> = std::result::Result<T, LoadError>;
 
@@ -68,6 +69,28 @@ pub(super) fn rotation(place: &Cursor<'_>) -> Result<Quat> {
     Ok(Quat::from_array(xyzw))
 }
 
+/// A picture with radiances in the place of eight-bit colours.
+fn with_radiances(
+    reader: &mut Reader<'_>,
+    place: &Cursor<'_>,
+    mut picture: ImageData,
+) -> Result<ImageData> {
+    let Pixels::Rgba8(bytes) = &picture.pixels else {
+        return Ok(picture);
+    };
+    let coded = bytes.len();
+    reader.budget.take_many(&place.pointer(), coded / 4, 12)?;
+    picture.pixels = radiances(bytes);
+    reader.budget.give(coded as u64);
+    Ok(picture)
+}
+
+/// Four bytes a pixel as what they are meant to show, alpha left out.
+pub(super) fn radiances(bytes: &[u8]) -> Pixels {
+    let colours = bytes.chunks_exact(4).flat_map(|pixel| &pixel[..3]);
+    Pixels::RgbF32(colours.map(|&c| SRGB[usize::from(c)]).collect())
+}
+
 fn picture<'a>(reader: &mut Reader<'a>, place: &Cursor<'a>) -> Result<ImageData> {
     let (bytes, uri) = image::source(reader, place)?;
     let name = match place.text("name")? {
@@ -75,7 +98,8 @@ fn picture<'a>(reader: &mut Reader<'a>, place: &Cursor<'a>) -> Result<ImageData>
         name => name,
     };
     if let Some(format) = image::format_of(&bytes) {
-        return image::decode(reader, place, name, bytes, format);
+        let picture = image::decode(reader, place, name, bytes, format)?;
+        return with_radiances(reader, place, picture);
     }
     // RGBE spends at least a byte on some 32 pixels; a pixel takes 12, and 12 while decoding
     let most = (bytes.len() as u64).saturating_mul(32 * 24);

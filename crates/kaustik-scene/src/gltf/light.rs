@@ -1,8 +1,8 @@
 use std::f32::consts::{FRAC_PI_2, FRAC_PI_4};
 
-use super::LoadError;
 use super::json::Cursor;
 use super::reader::Reader;
+use super::{ErrorKind, LoadError};
 use crate::description::LightKind;
 
 const POSITIVE: (f32, f32) = (0.0, f32::INFINITY);
@@ -29,11 +29,18 @@ pub(super) fn load(reader: &mut Reader<'_>) -> Result<Vec<Punctual>, LoadError> 
             reader.warn(&place, "a range that is not above 0 is ignored");
             range = None;
         }
+        let color = reader.numbers(&place, "color", [1.0; 3], POSITIVE)?;
+        let intensity = reader.number(&place, "intensity", 1.0, POSITIVE)?;
+        // One that is too bright for a number would put out all others.
+        if color.iter().any(|c| !(c * intensity).is_finite()) {
+            let found = format!("a colour of {color:?} times an intensity of {intensity:e}");
+            return Err(place.error(ErrorKind::Value, found, "a product that is a number"));
+        }
         lights.push(Punctual {
             name: place.text("name")?.to_owned(),
             kind: kind(reader, &place)?,
-            color: reader.numbers(&place, "color", [1.0; 3], POSITIVE)?,
-            intensity: reader.number(&place, "intensity", 1.0, POSITIVE)?,
+            color,
+            intensity,
             range,
         });
     }

@@ -1,4 +1,4 @@
-use std::collections::{HashMap, HashSet};
+use std::collections::HashMap;
 use std::sync::Arc;
 
 use kaustik_geometry::Mesh;
@@ -36,21 +36,18 @@ pub(super) struct Meshes {
     pub(super) list: Vec<Arc<Mesh>>,
     /// The primitives of each mesh of the file.
     pub(super) parts: Vec<Vec<Part>>,
-    known: HashMap<Key, usize>,
-    /// The vertices read last: primitives that share them come one after another.
-    last: Option<(Attributes, Mesh)>,
 }
 
 impl Meshes {
     pub(super) fn load(reader: &mut Reader<'_>, variants: &Variants) -> Result<Self> {
-        let shared = shared_vertices(reader)?;
-        let mut meshes = Self::default();
+        let mut plan = Plan::default();
+        let mut parts = Vec::new();
         for place in reader.root.list("meshes")? {
-            let mut parts = Vec::new();
+            let mut own = Vec::new();
             let mut morphs = false;
             for primitive in place.need("primitives")?.items()? {
                 morphs |= primitive.count("targets")? > 0;
-                parts.extend(meshes.part(reader, variants, &shared, &primitive)?);
+                own.extend(plan.part(reader, variants, primitive)?);
             }
             if morphs {
                 reader.warn(
@@ -58,95 +55,103 @@ impl Meshes {
                     "morph targets are ignored; the mesh is in its bind pose",
                 );
             }
-            meshes.parts.push(parts);
+            parts.push(own);
         }
-        meshes.last = None;
-        Ok(meshes)
+        let list = plan.read(reader)?;
+        Ok(Self { list, parts })
     }
+}
 
-    fn part<'a>(
+/// The different geometries of a file, in the order in which they are first used.
+#[derive(Debug, Default)]
+struct Plan<'a> {
+    wanted: Vec<(Key, Cursor<'a>)>,
+    known: HashMap<Key, usize>,
+}
+
+impl<'a> Plan<'a> {
+    fn part(
         &mut self,
         reader: &mut Reader<'a>,
         variants: &Variants,
-        shared: &HashSet<Attributes>,
-        primitive: &Cursor<'a>,
+        primitive: Cursor<'a>,
     ) -> Result<Option<Part>> {
-        let Some(key) = key(primitive)? else {
-            let topology = Topology::read(primitive)?;
+        let Some(key) = key(&primitive)? else {
+            let topology = Topology::read(&primitive)?;
             let what = if topology.is_none() {
                 "points or lines"
             } else {
                 "no POSITION"
             };
-            reader.warn(primitive, format!("{what}; the primitive is left out"));
+            reader.warn(&primitive, format!("{what}; the primitive is left out"));
             return Ok(None);
         };
-        let material = variants.material(&reader.root, primitive)?;
-        if let Some(&mesh) = self.known.get(&key) {
-            return Ok(Some(Part { mesh, material }));
+        let material = variants.material(&reader.root, &primitive)?;
+        let mesh = *self.known.entry(key).or_insert(self.wanted.len());
+        if mesh == self.wanted.len() {
+            self.wanted.push((key, primitive));
         }
-        let mesh = if shared.contains(&key.attributes) {
-            self.share(reader, primitive, &key)?
-        } else {
-            let mut mesh = vertices::read(reader, &primitive.need("attributes")?)?;
-            mesh.indices = triangles(reader, primitive, key.topology, mesh.positions.len())?;
-            mesh
-        };
-        let checked = mesh
-            .checked()
-            .map_err(|e| primitive.error(ErrorKind::Value, e.to_string(), "a well-formed mesh"))?;
-        self.known.insert(key, self.list.len());
-        self.list.push(Arc::new(checked));
-        let mesh = self.list.len() - 1;
         Ok(Some(Part { mesh, material }))
     }
 
-    /// A primitive that uses only some of the vertices it names gets a copy of those alone:
-    /// exporters put the vertices of thousands of primitives into one buffer.
-    fn share<'a>(
-        &mut self,
-        reader: &mut Reader<'a>,
-        primitive: &Cursor<'a>,
-        key: &Key,
-    ) -> Result<Mesh> {
-        let last = match self.last.take() {
-            Some(last) if last.0 == key.attributes => last,
-            old => {
-                reader
-                    .budget
-                    .give(old.map_or(0, |(_, mesh)| mesh.memory() as u64));
-                let attributes = primitive.need("attributes")?;
-                (key.attributes, vertices::read(reader, &attributes)?)
+    /// Reads all geometries, those over the same vertices one after another: each set of vertices is read once, whatever the
+    /// order of the primitives.
+    fn read(self, reader: &mut Reader<'a>) -> Result<Vec<Arc<Mesh>>> {
+        let mut first = HashMap::new();
+        let mut groups: Vec<Vec<usize>> = Vec::new();
+        for (index, (key, _)) in self.wanted.iter().enumerate() {
+            let group = *first.entry(key.attributes).or_insert(groups.len());
+            match groups.get_mut(group) {
+                Some(group) => group.push(index),
+                None => groups.push(vec![index]),
             }
-        };
-        let all = &last.1;
-        let triangles = triangles(reader, primitive, key.topology, all.positions.len())?;
-        let each = all.memory() / all.positions.len().max(1);
-        let most = all.positions.len().min(3 * triangles.len());
-        reader.budget.take_many(&primitive.pointer(), most, each)?;
-        let scratch = size_of_val(&triangles[..]) as u64;
-        reader.budget.take(&primitive.pointer(), scratch)?;
-        let mesh = compact(all, triangles);
-        reader.budget.give(scratch);
-        self.last = Some(last);
-        Ok(mesh)
+        }
+        let mut list = vec![None; self.wanted.len()];
+        for group in groups {
+            let (_, primitive) = &self.wanted[group[0]];
+            let mut vertices = vertices::read(reader, &primitive.need("attributes")?)?;
+            if let [index] = group[..] {
+                let (key, primitive) = &self.wanted[index];
+                vertices.indices =
+                    triangles(reader, primitive, key.topology, vertices.positions.len())?;
+                list[index] = Some(checked(vertices, primitive)?);
+                continue;
+            }
+            for index in group {
+                let (key, primitive) = &self.wanted[index];
+                let own = own_vertices(reader, primitive, key, &vertices)?;
+                list[index] = Some(checked(own, primitive)?);
+            }
+            reader.budget.give(vertices.memory() as u64);
+        }
+        Ok(list.into_iter().flatten().collect())
     }
 }
 
-/// The vertex sets that more than one geometry uses.
-fn shared_vertices(reader: &Reader<'_>) -> Result<HashSet<Attributes>> {
-    let (mut seen, mut once, mut shared) = (HashSet::new(), HashSet::new(), HashSet::new());
-    for place in reader.root.list("meshes")? {
-        for primitive in place.need("primitives")?.items()? {
-            let Some(key) = key(&primitive)? else {
-                continue;
-            };
-            if seen.insert(key) && !once.insert(key.attributes) {
-                shared.insert(key.attributes);
-            }
-        }
-    }
-    Ok(shared)
+fn checked(mesh: Mesh, primitive: &Cursor<'_>) -> Result<Arc<Mesh>> {
+    let checked = mesh.checked();
+    checked
+        .map(Arc::new)
+        .map_err(|e| primitive.error(ErrorKind::Value, e.to_string(), "a well-formed mesh"))
+}
+
+/// A primitive that uses only some of the vertices it names gets a copy of those alone: exporters put the vertices of
+/// thousands of primitives into one buffer.
+fn own_vertices<'a>(
+    reader: &mut Reader<'a>,
+    primitive: &Cursor<'a>,
+    key: &Key,
+    all: &Mesh,
+) -> Result<Mesh> {
+    let triangles = triangles(reader, primitive, key.topology, all.positions.len())?;
+    let each = all.memory() / all.positions.len().max(1);
+    let most = all.positions.len().min(3 * triangles.len());
+    reader.budget.take_many(&primitive.pointer(), most, each)?;
+    let scratch = size_of_val(&triangles[..]) as u64;
+    reader.budget.take(&primitive.pointer(), scratch)?;
+    let mesh = compact(all, triangles);
+    reader.budget.give(scratch);
+    Ok(mesh)
 }
 
 /// `None` for what has no triangles.

@@ -151,14 +151,18 @@ fn instances<'a>(
     let each = size_of::<InstanceDescription>() + name.len() + moving;
     reader.budget.take_many(&node.pointer(), added, each)?;
     for (world, local) in &copies {
-        let transform = transform::narrow(world, node)?;
+        let mut transform = transform::narrow(world, node)?;
         // What moves may grow from nothing.
         if transform.matrix3.as_dmat3().determinant() == 0.0 && carrier.is_none() {
-            reader.warn(
-                node,
-                "its scale is 0, so that nothing of it is seen; it is left out",
-            );
-            continue;
+            let Some(flat) = transform::flattened(&transform) else {
+                reader.warn(
+                    node,
+                    "its scale is 0, so that nothing of it is seen; it is left out",
+                );
+                continue;
+            };
+            reader.warn(node, "it is flat: its scale along one axis is 0");
+            transform = flat;
         }
         let first = description.instances.len();
         for index in first..first + parts.len() {

@@ -61,6 +61,32 @@ fn matrix(reader: &mut Reader<'_>, place: &Cursor<'_>) -> Result<DAffine3, LoadE
     })
 }
 
+/// Thickness of what is flattened along one axis, in units of its size along the others.
+const THIN: f64 = 1e-4;
+
+/// A transform that flattens along one axis (glTF allows such scales) with a little left of that axis, so that there is a way
+/// back for rays: what was flat already does not change. `None` where a line or a point is left.
+pub(super) fn flattened(transform: &Affine3A) -> Option<Affine3A> {
+    let m = transform.matrix3.as_dmat3();
+    // Of rank 2: the normal of the plane that is left, times the axis that is lost, times the area that the others span.
+    let cofactors = DMat3::from_cols(
+        m.y_axis.cross(m.z_axis),
+        m.z_axis.cross(m.x_axis),
+        m.x_axis.cross(m.y_axis),
+    );
+    let norm = |m: DMat3| m.to_cols_array().iter().map(|x| x * x).sum::<f64>().sqrt();
+    let area = norm(cofactors);
+    if area <= 1e-6 * norm(m).powi(2) {
+        return None;
+    }
+    let thick = m + cofactors * (THIN * area.sqrt() / area);
+    let thick = thick.as_mat3();
+    (thick.as_dmat3().determinant() != 0.0).then(|| Affine3A {
+        matrix3: thick.into(),
+        translation: transform.translation,
+    })
+}
+
 /// In single precision, if it stays finite there.
 pub(super) fn narrow(world: &DAffine3, node: &Cursor<'_>) -> Result<Affine3A, LoadError> {
     let narrow = Affine3A::from_cols_array(&world.to_cols_array().map(|x| x as f32));

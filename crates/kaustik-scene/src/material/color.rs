@@ -1,7 +1,7 @@
 //! Where a colour comes from: a constant, a measured table, a texture.
 
 use glam::Vec2;
-use kaustik_geometry::Surface;
+use kaustik_geometry::{Surface, Unwrapping};
 use kaustik_spectrum::{Illuminant, Sigmoid, Spectrum, Tabulated, Wavelengths, uplift_reflectance};
 
 use crate::description::{SpectralInput, TextureSlot};
@@ -46,9 +46,27 @@ impl Slot {
         self.uv_set
     }
 
+    /// How the texture lies on the surface.
+    pub(crate) fn unwrapping(&self) -> Unwrapping {
+        Unwrapping {
+            set: usize::from(self.uv_set),
+            turned: self.map.linear(),
+        }
+    }
+
     /// The texel at a surface point, rgba.
     pub(crate) fn read(&self, textures: &[Texture], surface: &Surface, coding: Coding) -> [f32; 4] {
         self.read_at(textures, surface.uv[usize::from(self.uv_set)], coding)
+    }
+
+    /// The normal of a normal texture in its tangent frame with a scale applied, not unit.
+    pub(crate) fn normal(&self, textures: &[Texture], surface: &Surface, scale: f32) -> [f32; 3] {
+        let [x, y, z, _] = self.read(textures, surface, Coding::Linear);
+        [
+            (2.0 * x - 1.0) * scale,
+            (2.0 * y - 1.0) * scale,
+            2.0 * z - 1.0,
+        ]
     }
 
     pub(crate) fn read_at(&self, textures: &[Texture], uv: Vec2, coding: Coding) -> [f32; 4] {

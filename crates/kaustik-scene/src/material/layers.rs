@@ -1,7 +1,7 @@
 //! What lies on glTF's material: varnish, fibres, brush marks, a film.
 
 use kaustik_bsdf::{FilmParameters, LayerParameters};
-use kaustik_geometry::Surface;
+use kaustik_geometry::{Surface, Unwrapping};
 use kaustik_spectrum::{Spectrum, Wavelengths};
 
 use super::color::{ColorSource, Slot};
@@ -116,13 +116,19 @@ impl Layers {
         let Some(slot) = slot else {
             return Some([0.0, 0.0, 1.0]);
         };
-        let [x, y, z, _] = slot.read(textures, surface, Coding::Linear);
-        let scale = coat.normal_scale;
-        Some([
-            (2.0 * x - 1.0) * scale,
-            (2.0 * y - 1.0) * scale,
-            2.0 * z - 1.0,
-        ])
+        Some(slot.normal(textures, surface, coat.normal_scale))
+    }
+
+    /// How the texture of the varnish's normals lies.
+    pub(super) fn coat_unwrapping(&self) -> Option<Unwrapping> {
+        let (_, [.., slot]) = self.coat.as_ref()?;
+        slot.as_ref().map(Slot::unwrapping)
+    }
+
+    /// How the texture of the brush marks lies.
+    pub(super) fn brush_unwrapping(&self) -> Option<Unwrapping> {
+        let (_, slot) = self.brush.as_ref()?;
+        slot.as_ref().map(Slot::unwrapping)
     }
 
     /// The film at a point; `around` is the index of the medium outside.

@@ -7,6 +7,7 @@
 
 mod color;
 mod emission;
+mod frame;
 mod interior;
 mod layers;
 mod older;
@@ -136,19 +137,6 @@ impl Material {
             both_sides: description.double_sided || description.unlit,
             compensation,
         })
-    }
-
-    /// Has its varnish other normals than what it covers?
-    #[inline]
-    pub(crate) fn has_coat_normal(&self) -> bool {
-        self.layers
-            .as_ref()
-            .is_some_and(|layers| layers.has_coat_normal())
-    }
-
-    /// The varnish's normal in the tangent frame, not unit; `None` if it is that of what it covers.
-    pub(crate) fn coat_normal(&self, textures: &[Texture], surface: &Surface) -> Option<[f32; 3]> {
-        self.layers.as_ref()?.coat_normal(textures, surface)
     }
 
     /// The scattering function under a varnish whose normal, in the local frame, is this.
@@ -303,41 +291,6 @@ impl Material {
                 (self.metallic * metallic, self.roughness * roughness)
             }
         }
-    }
-
-    /// Does the shading frame need the tangent: for a normal texture, or for brush marks?
-    #[inline]
-    pub(crate) fn needs_tangent(&self) -> bool {
-        self.normal.is_some() || self.is_brushed()
-    }
-
-    #[inline]
-    pub(crate) fn is_brushed(&self) -> bool {
-        self.layers
-            .as_ref()
-            .is_some_and(|layers| layers.is_brushed())
-    }
-
-    /// Cosine and sine of the angle from the tangent to where brushed facets are rougher.
-    pub(crate) fn brush_direction(&self, textures: &[Texture], surface: &Surface) -> [f64; 2] {
-        self.layers
-            .as_ref()
-            .map_or([1.0, 0.0], |layers| layers.direction(textures, surface))
-    }
-
-    /// The normal texture's normal in the tangent frame and its scale applied; `None` without one.
-    pub(crate) fn tangent_normal(
-        &self,
-        textures: &[Texture],
-        surface: &Surface,
-    ) -> Option<[f32; 3]> {
-        let (slot, scale) = self.normal.as_ref()?;
-        let [x, y, z, _] = slot.read(textures, surface, Coding::Linear);
-        Some([
-            (2.0 * x - 1.0) * scale,
-            (2.0 * y - 1.0) * scale,
-            2.0 * z - 1.0,
-        ])
     }
 
     /// Can a ray pass this surface because of its alpha?

@@ -123,7 +123,7 @@ impl Scene {
             center,
             radius,
         };
-        let emitters = Emitters::new(&matter, sources);
+        let emitters = Emitters::new(&matter, sources)?;
         let camera_interior = matter.interior_at(camera.position());
         Ok(Self {
             matter,

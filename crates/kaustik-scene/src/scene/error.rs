@@ -48,6 +48,14 @@ pub enum SceneError {
         /// What is wrong.
         reason: &'static str,
     },
+    /// More emissive triangles than can be held.
+    #[error("{found} emissive triangles (each instance's counted), expected at most {most}")]
+    Emitters {
+        /// How many there are.
+        found: u64,
+        /// How many there may be.
+        most: u64,
+    },
     /// There is no camera of the wanted name or index.
     #[error("there is no camera '{wanted}'; there are: {known}")]
     NoSuchCamera {

@@ -1,4 +1,4 @@
-use glam::Vec2;
+use glam::{DMat2, Vec2};
 
 use crate::description::UvTransform;
 
@@ -22,6 +22,12 @@ impl UvMap {
             v: Vec2::new(-sin * x, cos * y),
             offset: transform.offset.into(),
         }
+    }
+
+    /// What it does to differences of coordinates.
+    #[must_use]
+    pub fn linear(&self) -> DMat2 {
+        DMat2::from_cols(self.u.as_dvec2(), self.v.as_dvec2()).transpose()
     }
 
     /// The transformed coordinates.

@@ -130,6 +130,28 @@ fn powers_add_up() {
     assert_mean("all", power(&scene), expected);
 }
 
+/// Photons of a sun and of a dim sky carry nearly the same flux, where half of all other light walks are the sky's.
+#[test]
+fn photons_of_sun_and_sky_carry_alike() {
+    let mut stage = Stage::new();
+    stage.add(diffuse(0.5), panel());
+    stage.light(LightKind::Directional, 30.0, Vec3::ZERO, Vec3::X);
+    stage.description.environment = Some(EnvironmentDescription::Constant([0.02; 3]));
+    let scene = stage.build();
+    let disc = PI * scene.bounding_sphere().1.powi(2);
+    let mut rng = Rng::new(31);
+    let photons = mean((0..SAMPLES).map(|_| {
+        scene
+            .sample_photon(&wavelengths(), |_| rng.uniform())
+            .map_or(0.0, |sample| f64::from(sample.weight.hero()) / unit())
+    }));
+    assert_mean("photons", photons, (30.0 + 0.02 * 4.0 * PI) * disc);
+    // Mean square over squared mean.
+    let spread = |(mean, error): (f64, f64)| 1.0 + SAMPLES as f64 * (error / mean).powi(2);
+    let (photons, walks) = (spread(photons), spread(power(&scene)));
+    assert!(photons < 1.1 && walks > 1.8, "{photons} {walks}");
+}
+
 /// Irradiance at the origin of a surface that faces up.
 fn irradiance(scene: &Scene) -> (f64, f64) {
     let mut rng = Rng::new(29);

@@ -317,7 +317,12 @@ fn environment(rng: &mut Rng) -> EnvironmentDescription {
         0 => return EnvironmentDescription::Constant(numbers(rng, unit)),
         1 => sky.encoded = small_hdr(),
         2 => sky.encoded = Vec::new(),
-        _ => sky = ImageData::clone(&images()[below(rng, 3)]),
+        _ => {
+            sky = ImageData::clone(&images()[below(rng, 2)]);
+            if let Pixels::Rgba8(bytes) = &sky.pixels {
+                sky.pixels = crate::gltf::environment::radiances(bytes);
+            }
+        }
     }
     EnvironmentDescription::Image {
         image: Arc::new(sky),

@@ -314,6 +314,31 @@ fn primitives_over_shared_vertices_get_their_own_alone() {
 }
 
 #[test]
+fn vertices_shared_in_turns_go_where_they_belong() {
+    let mut file = File::empty();
+    let count = 2_000;
+    let mut sets = Vec::new();
+    for start in [0.0, 1e4] {
+        let positions: Vec<f32> = (0..3 * count).map(|i| start + i as f32).collect();
+        sets.push(file.accessor("VEC3", 5126, count, &floats(&positions)));
+    }
+    let mut primitives = Vec::new();
+    for index in 0..40_u16 {
+        let indices = file.accessor("SCALAR", 5123, 3, &shorts(&[index, index + 1, index + 2]));
+        let set = sets[usize::from(index % 2)];
+        primitives.push(json!({ "attributes": { "POSITION": set }, "indices": indices }));
+    }
+    file.json["meshes"] = json!([{ "primitives": primitives }]);
+    let meshes = file.clean().meshes;
+    assert_eq!(meshes.len(), 40);
+    for (index, mesh) in meshes.iter().enumerate() {
+        let start = [0.0, 1e4][index % 2];
+        assert_eq!(mesh.positions[0].x, start + 3.0 * index as f32);
+        assert_eq!(mesh.positions.len(), 3);
+    }
+}
+
+#[test]
 fn skins_and_morphs_stay_in_their_bind_pose() {
     let mut file = File::triangle();
     file.primitive()["targets"] = json!([{ "POSITION": 0 }]);

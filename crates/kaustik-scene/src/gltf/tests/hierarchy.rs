@@ -141,9 +141,25 @@ fn depth_is_bounded_and_overflows_no_stack() {
 fn odd_transforms() {
     let file = nodes(json!([{ "mesh": 0, "rotation": [0, 0, 0, 0] }]), json!([0]));
     assert!(file.warned().1.starts_with("/nodes/0/rotation: "));
-    let file = nodes(json!([{ "mesh": 0, "scale": [1, 0, 1] }]), json!([0]));
+    let file = nodes(json!([{ "mesh": 0, "scale": [1, 0, 0] }]), json!([0]));
     let (d, warning) = file.warned();
     assert!(d.instances.is_empty() && warning.contains("scale is 0"));
+    // Flattened along one axis it is seen, and as thin as can be.
+    let file = nodes(json!([{ "mesh": 0, "scale": [4, 0, 1] }]), json!([0]));
+    let (d, warning) = file.warned();
+    assert!(warning.contains("flat"), "{warning}");
+    let m = d.instances[0].transform.matrix3;
+    assert_eq!(
+        (m.x_axis.x, m.y_axis.x, m.y_axis.z, m.z_axis.z),
+        (4.0, 0.0, 0.0, 1.0)
+    );
+    assert!((m.y_axis.y - 2e-4).abs() < 1e-9, "{m}");
+    let turned = [0.0, 0.382_683_43, 0.0, 0.923_879_5];
+    let file = nodes(
+        json!([{ "mesh": 0, "rotation": turned, "scale": [2, 2, 0] }]),
+        json!([0]),
+    );
+    assert_eq!(file.warned().0.instances.len(), 1);
     let file = nodes(
         json!([{ "scale": [1e30, 1, 1], "children": [1] }, { "mesh": 0, "scale": [1e30, 1, 1] }]),
         json!([0]),

@@ -11,6 +11,7 @@ use crate::description::{
     MaterialDescription, Model, Pixels, Sheen, SpectralInput, Specular, TextureSlot, Transmission,
     UvTransform, Volume, Wrap,
 };
+use crate::environment::Environment;
 use crate::gltf::ErrorKind;
 
 fn with_material(material: Value) -> File {
@@ -483,6 +484,15 @@ fn environments() {
         (3, 2, "sky")
     );
     assert_eq!((strength, rotation.y), (2.0, 1.0));
+    // Eight bits a channel are radiances too, and a scene can be made of them.
+    let view = file.view(&png(3, 2));
+    file.json["scenes"][0]["extras"]["kaustik"]["environment"]["bufferView"] = json!(view);
+    let description = file.clean().environment.unwrap();
+    assert!(Environment::new(&description).unwrap().mean_radiance() > 0.0);
+    let EnvironmentDescription::Image { image, .. } = description else {
+        panic!("a picture expected");
+    };
+    assert!(matches!(&image.pixels, Pixels::RgbF32(values) if values.len() == 18));
     let environment = &mut file.json["scenes"][0]["extras"]["kaustik"]["environment"];
     environment["rotation"] = json!([0, 0, 0, 2]);
     file.refused(&["environment/rotation", "length 1"]);
