@@ -1,5 +1,7 @@
 //! Direct light rendered apart: the sum is the whole, and each part is what it is said to be.
 
+use std::time::{Duration, Instant};
+
 use kaustik::film::Image;
 use kaustik::scene::Scene;
 use kaustik::{
@@ -102,6 +104,37 @@ fn the_direct_part_is_path_up_to_two_edges() {
         assert!(image.rgb() == direct_layer(&image).rgb(), "{method}");
         assert!(image.rgb()[0].iter().any(|&v| v > 0.0), "{method}");
     }
+}
+
+/// Where chains find no light, lamps and direct light take the budget's passes all the same, and it comes to an end.
+#[test]
+fn chains_in_the_dark_use_up_their_budget() {
+    let scene = scene("furnace?kind=diffuse", SIDE);
+    let pixels = u64::from(SIDE * SIDE);
+    // Of lamps seen directly alone.
+    let lamps = |method, budget| RenderSettings {
+        max_depth: 1,
+        budget,
+        ..settings(method, SIDE, 1)
+    };
+    for method in [Method::Mlt, Method::Pssmlt] {
+        let short = Budget::Time(Duration::from_millis(300));
+        let begun = Instant::now();
+        rendered(&scene, &lamps(method, short), 0);
+        assert!(begun.elapsed() >= Duration::from_millis(300), "{method}");
+        let all = Budget::PerPixel(64);
+        let statistics = rendered(&scene, &lamps(method, all), 0).statistics;
+        assert_eq!(statistics.steps, 64 * pixels, "{method}");
+    }
+    let mut settings = RenderSettings {
+        max_depth: 2,
+        budget: Budget::PerPixel(32),
+        ..apart(Method::Mlt, 1)
+    };
+    settings.options.even = EvenSamples::Count(0);
+    let statistics = rendered(&scene, &settings, 0).statistics;
+    assert_eq!(statistics.direct.expect("direct light").samples, 4 * pixels);
+    assert_eq!(statistics.steps, 32 * pixels);
 }
 
 /// An eighth of the steps, in whole passes, and all steps are counted.

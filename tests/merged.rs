@@ -2,10 +2,12 @@
 
 use kaustik::film::Image;
 use kaustik::scene::Scene;
-use kaustik::{Control, Method, Options, RenderSettings, Rendered, State, merge, whole};
+use kaustik::{
+    Control, Method, Options, Progress, RenderSettings, Rendered, State, merge, resume, whole,
+};
 
 use crate::bits::bits;
-use crate::state::{Keeper, SIDE, a_scene, last_state, read, shares};
+use crate::state::{Keeper, SIDE, a_scene, last_state, merged, read, shares};
 use crate::support::{picture, settings};
 
 /// Weighted mean and its standard error, a number for each channel of each pixel.
@@ -153,4 +155,39 @@ fn shares_tell_their_error() {
     assert!(all.image.layer("error").is_none());
     let merged = all.statistics.merged.expect("statistics");
     assert!(merged.unknown.is_some_and(|why| why.contains("bands")));
+}
+
+/// Shares may have come to different lengths: those behind catch up round by round, so that a budget of time, checkpoints
+/// and signals are looked at on the way.
+#[test]
+fn uneven_shares_catch_up_in_rounds() {
+    let scene = a_scene();
+    for method in [Method::Path, Method::Pssmlt, Method::Relt] {
+        let whole = settings(method, SIDE, 512);
+        let all = whole.options.ladders;
+        let share = |ladders, spp| {
+            let share = RenderSettings {
+                ladders: Some(ladders),
+                ..settings(method, SIDE, spp)
+            };
+            read(&last_state(&scene, &share))
+        };
+        let states = [share(0..all / 2, 512), share(all / 2..all, 1)];
+        let mut keeper = Keeper::default();
+        let before = merged(&scene, &states, &mut keeper).statistics.steps;
+        let state = read(keeper.states.last().expect("a state"));
+        let mut told = Vec::new();
+        let mut tell = |progress: &Progress| told.push(progress.steps);
+        let mut control = Control {
+            stop: None,
+            progress: Some(&mut tell),
+        };
+        let done = resume(&scene, &whole, state, &mut control, &mut Keeper::default());
+        let after = done.expect("a render").statistics.steps;
+        let first = told.first().expect("a round") - before;
+        assert!(
+            told.len() > 3 && first < (after - before) / 2,
+            "{method}: {told:?} {before} {after}"
+        );
+    }
 }

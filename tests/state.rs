@@ -25,7 +25,7 @@ pub(crate) fn a_scene() -> Scene {
 pub(crate) struct Keeper {
     all: bool,
     looks: bool,
-    states: Vec<Vec<u8>>,
+    pub(crate) states: Vec<Vec<u8>>,
 }
 
 impl Watch for Keeper {
@@ -291,7 +291,7 @@ pub(crate) fn shares(scene: &Scene, settings: &RenderSettings, bounds: &[u32]) -
         .collect()
 }
 
-fn merged(scene: &Scene, states: &[State], keeper: &mut Keeper) -> Rendered {
+pub(crate) fn merged(scene: &Scene, states: &[State], keeper: &mut Keeper) -> Rendered {
     let settings = RenderSettings {
         features: false,
         ..whole(states).expect("shares of one render")

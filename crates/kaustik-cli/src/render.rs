@@ -8,8 +8,8 @@ use kaustik::film::FilmError;
 use kaustik::scene::{Scene, SceneOptions};
 use kaustik::spectrum::WavelengthSampling;
 use kaustik::{
-    Budget, Control, Options, Outcome, RenderError, RenderSettings, Rendered, Source, State,
-    render_watched, resume,
+    Budget, Builder, Control, Method, Options, Outcome, RenderError, RenderSettings, Rendered,
+    Source, Starts, State, render_watched, resume,
 };
 
 use crate::arguments::{OutputWords, RenderWords};
@@ -183,6 +183,25 @@ pub(crate) fn failure(error: &RenderError) -> Failure {
     }
 }
 
+/// What has no next event that could be switched off, with the reason.
+fn next_event_that_is_not_there(method: Method, options: &Options) -> Option<&'static str> {
+    if options.next_event {
+        return None;
+    }
+    match options.builder {
+        Builder::Endpoint => Some("--set builder=endpoint: an endpoint is joined or it is nothing"),
+        Builder::Simple | Builder::Bidirectional => Some(
+            "--set builder=simple or bidirectional: it is one of their ways of joining two walks",
+        ),
+        Builder::Unidirectional
+            if method == Method::Erpt && options.seeds == Starts::Bidirectional =>
+        {
+            Some("--set seeds=bidirectional: it is one of the ways of joining two walks")
+        }
+        Builder::Unidirectional => None,
+    }
+}
+
 /// The settings that do not depend on the scene.
 pub(crate) fn settings(words: &RenderWords) -> Result<RenderSettings, Failure> {
     let mut options = Options::default();
@@ -205,11 +224,8 @@ pub(crate) fn settings(words: &RenderWords) -> Result<RenderSettings, Failure> {
                 .to_owned(),
         ));
     }
-    if options.builder == kaustik::Builder::Endpoint && !options.next_event {
-        return Err(Failure::Input(
-            "--set nextevent=off with --set builder=endpoint: an endpoint is joined or it is nothing"
-                .to_owned(),
-        ));
+    if let Some(reason) = next_event_that_is_not_there(words.method, &options) {
+        return Err(Failure::Input(format!("--set nextevent=off with {reason}")));
     }
     let default = RenderSettings::default();
     let budget = match (words.spp, words.mutations, words.time) {

@@ -61,6 +61,8 @@ pub(crate) struct MltEngine<'a> {
     size: DVec2,
     /// Of this process; where the pool is dark they have no chains.
     ladders: Range<u32>,
+    /// Steps that ladders without chains were given: lamps keep up with them, and a budget comes to its end.
+    idle: Vec<u64>,
 }
 
 /// One ladder; its path in this form or in that to be written.
@@ -136,6 +138,7 @@ impl<'a> MltEngine<'a> {
             map,
             size,
             ladders: settings.ladder_range(),
+            idle: vec![0; settings.ladder_range().len()],
         })
     }
 
@@ -268,6 +271,14 @@ impl<'a> MltEngine<'a> {
     fn statistics(&self) -> Statistics<1> {
         chains::statistics(&self.chains)
     }
+
+    /// Counts steps without a chain: how many there are now, and in all.
+    fn idle(&mut self, plan: &[u64]) -> [u64; 2] {
+        for (idle, n) in self.idle.iter_mut().zip(plan) {
+            *idle = idle.saturating_add(*n);
+        }
+        [plan, &self.idle].map(|steps| steps.iter().copied().fold(0, u64::saturating_add))
+    }
 }
 
 impl<V: Default> LadderChain for Chain<Metropolis<(), V, 1>> {
@@ -294,9 +305,12 @@ impl Chain {
 impl Engine for MltEngine<'_> {
     fn advance(&mut self, plan: &[u64], stop: Option<&AtomicBool>) -> u64 {
         let mut chains = std::mem::take(&mut self.chains);
-        let [taken, steps] = chains::advance(&mut chains, plan, |chain, steps| {
-            self.drive(chain, steps, stop);
-        });
+        let [taken, steps] = match chains.is_empty() {
+            true => self.idle(plan),
+            false => chains::advance(&mut chains, plan, |chain, steps| {
+                self.drive(chain, steps, stop);
+            }),
+        };
         self.chains = chains;
         beside::keep_up(&mut self.lamps, steps);
         beside::keep_up(&mut self.meter, steps);

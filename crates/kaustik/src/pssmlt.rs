@@ -208,6 +208,10 @@ impl<'a, F: Family<Contributions, 1> + Send + Sync> PssmltEngine<'a, F> {
 
     /// The estimate of `b` that scales the image.
     fn normaliser(&self, statistics: &Statistics<1>) -> Estimate {
+        // Printed weights have the pool's in them: no other scales what they gave.
+        if self.options.mis == Mis::Printed {
+            return self.pool.into();
+        }
         let own = &statistics.independent[0];
         if let Some(meter) = &self.meter {
             return meter.with(own);

@@ -266,12 +266,16 @@ impl<'a, const K: usize> ReltEngine<'a, K> {
         all
     }
 
-    /// What a film per sweep is multiplied by. In a render shorter than its annealing the rough constants are
-    /// better than those of eq. 10.
+    /// Has it made more sweeps than its annealing had particles? Before, the rough constants are better than those of eq. 10.
+    fn is_past_annealing(&self) -> bool {
+        self.sweeps() >= self.particles
+    }
+
+    /// What a film per sweep is multiplied by.
     fn scales(&self) -> [f64; K] {
         match self.options.normaliser {
             Normaliser::Running => self.shares().scales(self.sweeps()),
-            Normaliser::Exchange if self.sweeps() >= self.particles => {
+            Normaliser::Exchange if self.is_past_annealing() => {
                 let rough = RoughNormalisers::guess(self.rough.map(|b| b.value));
                 self.running().over(&rough)
             }
@@ -292,8 +296,10 @@ impl<'a, const K: usize> ReltEngine<'a, K> {
                     standard_error: self.error_of_light(),
                 };
             }
-            Normaliser::Initial => self.rough[full].relative_error(),
-            Normaliser::Exchange => self.running().estimates()[full].relative_error(),
+            Normaliser::Exchange if self.is_past_annealing() => {
+                self.running().estimates()[full].relative_error()
+            }
+            Normaliser::Exchange | Normaliser::Initial => self.rough[full].relative_error(),
         };
         Estimate {
             value,

@@ -312,12 +312,11 @@ impl<'a> Work<'a> {
     ) -> Result<Outcome, RenderError> {
         let ladders = self.settings.ladder_range();
         let mut done = engine.taken();
-        // Every ladder may have taken `allowed` grains, but no more than planned.
-        let grains = |(ladder, done): (u32, &u64)| done.div_ceil(engine.grain(ladder).max(1));
-        let mut allowed = ladders.clone().zip(&done).map(grains).max().unwrap_or(0);
+        let mut allowed = self.begun(engine, &done);
         let mut chunk = 1;
         loop {
-            allowed += chunk;
+            // Every ladder may have taken `allowed` grains, but no more than planned.
+            allowed = u64::saturating_add(allowed, chunk);
             let steps = |(ladder, done): (u32, &u64)| {
                 let planned = engine.planned(ladder, self.settings);
                 let due = engine.grain(ladder).saturating_mul(allowed);
@@ -346,6 +345,15 @@ impl<'a> Work<'a> {
             let ratio = ROUND.as_secs_f64() / round_start.elapsed().as_secs_f64().max(1e-6);
             chunk = ((chunk as f64 * ratio.clamp(0.5, 2.0)) as u64).max(1);
         }
+    }
+
+    /// Grains that all ladders have taken which have steps left to take. In a merged state some may be far ahead: they wait,
+    /// and the others catch up round by round.
+    fn begun(&self, engine: &dyn Engine, done: &[u64]) -> u64 {
+        let unfinished = (self.settings.ladder_range().zip(done))
+            .filter(|(ladder, done)| engine.planned(*ladder, self.settings) > **done);
+        let grains = |(ladder, done): (u32, &u64)| done / engine.grain(ladder).max(1);
+        unfinished.map(grains).min().unwrap_or(0)
     }
 
     /// The state as it is now.
@@ -454,11 +462,9 @@ impl<'a> Work<'a> {
         let fraction = match self.settings.budget {
             Budget::Time(limit) => elapsed.as_secs_f64() / limit.as_secs_f64().max(1e-9),
             Budget::PerPixel(_) | Budget::Total(_) => {
-                let planned: u64 = self
-                    .settings
-                    .ladder_range()
-                    .map(|ladder| engine.planned(ladder, self.settings))
-                    .sum();
+                let ladders = self.settings.ladder_range();
+                let planned = ladders.map(|ladder| engine.planned(ladder, self.settings));
+                let planned = planned.fold(0, u64::saturating_add);
                 self.steps as f64 / planned.max(1) as f64
             }
         };

@@ -1,8 +1,8 @@
 //! A coarse grid over the image.
 
-use crate::RenderSettings;
+use crate::{Method, RenderSettings};
 
-/// Cells of about the same width and height; as many as a `pilot` can afford.
+/// Cells of about the same width and height; as many as a `pilot` can afford, or the start of `relt` in its place.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Grid {
     columns: usize,
@@ -14,11 +14,18 @@ impl Grid {
     const MOST: u64 = 1024;
     /// Samples of a pilot for each cell.
     const PILOT: u64 = 100;
+    /// Samples that a particle of `relt` stands for: its annealing takes nearly as many.
+    const PARTICLE: u64 = 10;
 
     pub(super) fn new(settings: &RenderSettings) -> Self {
         let bounds = settings.layout().extended_bounds();
         let [width, height] = [0, 1].map(|axis| bounds.max[axis] - bounds.min[axis]);
-        let wanted = (settings.options.pilot / Self::PILOT).clamp(1, Self::MOST) as f64;
+        let options = &settings.options;
+        let pilot = match settings.method {
+            Method::Relt => options.particles.saturating_mul(Self::PARTICLE),
+            _ => options.pilot,
+        };
+        let wanted = (pilot / Self::PILOT).clamp(1, Self::MOST) as f64;
         let columns = (wanted * width / height).sqrt().clamp(1.0, wanted);
         Self {
             columns: columns as usize,

@@ -14,13 +14,11 @@ use crate::state::{Keep, Reader, StateError, Writer};
 /// Film and chains; the pool is filled again, and compared.
 impl Keep for MltEngine<'_> {
     fn taken(&self) -> Vec<u64> {
-        let mut taken = vec![0; self.ladders.len()];
-        let chains = self.chains.iter().map(|c| c.metropolis.statistics().steps);
-        taken
-            .iter_mut()
-            .zip(chains)
-            .for_each(|(taken, steps)| *taken = steps);
-        taken
+        if self.chains.is_empty() {
+            return self.idle.clone();
+        }
+        let chains = self.chains.iter();
+        chains.map(|c| c.metropolis.statistics().steps).collect()
     }
 
     fn write(&self, out: &mut Writer<'_>) -> io::Result<()> {
@@ -31,6 +29,9 @@ impl Keep for MltEngine<'_> {
         }
         if let Some(meter) = &self.meter {
             meter.write(out)?;
+        }
+        if self.chains.is_empty() {
+            return out.value(&self.idle);
         }
         (self.chains.iter()).try_for_each(|chain| out.value(&chain.written()))
     }
@@ -45,6 +46,9 @@ impl Keep for MltEngine<'_> {
         let metered = beside::take_up(&mut self.meter, from)?;
         let ladders = from.ladders();
         let mut taken = 0;
+        if self.chains.is_empty() {
+            taken = self.take_up_idle(from)?;
+        }
         for chain in (self.chains.iter_mut()).filter(|c| ladders.contains(&c.ladder)) {
             *chain = from
                 .value::<Kept>()?
@@ -53,10 +57,30 @@ impl Keep for MltEngine<'_> {
         }
         beside::check(self.lamps.as_ref(), passes, taken)?;
         beside::check(self.meter.as_ref(), metered, taken)?;
-        let steps = self.statistics().steps;
+        let steps = self.steps();
         beside::keep_up(&mut self.lamps, steps);
         beside::keep_up(&mut self.meter, steps);
         Ok(())
+    }
+}
+
+impl MltEngine<'_> {
+    /// Steps of ladders without chains, each with no more than any ladder takes; how many there are.
+    fn take_up_idle(&mut self, from: &mut Reader<'_>) -> Result<u64, StateError> {
+        let idle: Vec<u64> = from.value()?;
+        let ladders = from.ladders();
+        if idle.len() != ladders.len() {
+            return Err(StateError::damaged("a ladder's steps are missing"));
+        }
+        let mut taken = 0;
+        for (ladder, steps) in ladders.zip(idle) {
+            let at = ladder.wrapping_sub(self.ladders.start) as usize;
+            if let Some(idle) = self.idle.get_mut(at) {
+                *idle = Reader::count(steps)?;
+                taken += steps;
+            }
+        }
+        Ok(taken)
     }
 }
 

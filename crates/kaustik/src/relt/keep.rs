@@ -93,6 +93,7 @@ impl<const K: usize> Keep for ReltEngine<'_, K> {
             .filter(|run| ladders.contains(&run.index))
         {
             let kept: Read<K> = from.value()?;
+            Reader::count(kept.sweeps.saturating_mul(cost))?;
             run.take_up(kept, &self.family, &self.set, adapts)?;
             run.even.go_to(run.sweeps * u64::from(self.even), run.index);
             steps += run.sweeps * cost;
@@ -119,7 +120,6 @@ impl<const K: usize> Run<K> {
         let Ok(adaptations) = <[_; K]>::try_from(kept.adaptations) else {
             return wrong("steps of some replicas are missing");
         };
-        Reader::count(kept.sweeps.saturating_mul(1 << 16))?;
         let ladder = &kept.ladder;
         let same = kept.index == self.index
             && ladder.turn() == kept.sweeps
