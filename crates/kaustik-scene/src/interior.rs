@@ -34,6 +34,13 @@ impl Interior {
         self.len == 0
     }
 
+    /// How many times it is within a solid of this material: overlapping objects are one.
+    #[inline]
+    pub fn times(&self, material: u32) -> usize {
+        let solids = self.solids().iter();
+        solids.filter(|&&solid| solid == material).count()
+    }
+
     /// Goes into a solid.
     pub fn enter(&mut self, material: u32) {
         if usize::from(self.len) == DEPTH {

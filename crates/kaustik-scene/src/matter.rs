@@ -259,7 +259,7 @@ impl Matter {
     ) -> Option<Hit> {
         loop {
             // What is not there has no alpha; the walk must still notice that it crosses it.
-            let hidden = self.is_overruled(self.material_of[hit.instance as usize], interior);
+            let hidden = self.is_hidden(ray, &hit, interior);
             if hidden || passage.is_stopped_by(self.opacity(&hit)) {
                 return Some(hit);
             }
@@ -267,8 +267,7 @@ impl Matter {
         }
     }
 
-    /// Share of light that passes a segment, in [0, 1]. Interfaces of solids that the one
-    /// filling the segment overrules are not there.
+    /// Share of light that passes a segment, in [0, 1]. Interfaces that are hidden there are none.
     #[inline]
     pub(crate) fn transmittance(&self, ray: &Ray, interior: &Interior) -> f32 {
         if !self.has_alpha && interior.is_vacuum() {
@@ -279,14 +278,49 @@ impl Matter {
 
     fn filtered_transmittance(&self, ray: &Ray, interior: &Interior) -> f32 {
         let mut passed = 1.0;
+        let mut in_turn = false;
         let blocked = self.world.occluded_filtered(ray, |hit| {
-            if self.is_overruled(self.material_of[hit.instance as usize], interior) {
+            let material = self.material_of[hit.instance as usize];
+            // Objects of one material open and close one after another: which of them end it depends on all before.
+            in_turn = interior.times(material) > 0 && self.material(material).solid().is_some();
+            if !in_turn && self.is_hidden(ray, hit, interior) {
                 return false;
             }
             passed *= 1.0 - self.opacity(hit);
-            passed <= 0.0
+            in_turn || passed <= 0.0
         });
-        if blocked { 0.0 } else { passed }
+        match blocked {
+            _ if in_turn => self.transmittance_in_turn(ray, *interior),
+            true => 0.0,
+            false => passed,
+        }
+    }
+
+    /// The same of a ray that meets a solid which it is in: surface after surface.
+    fn transmittance_in_turn(&self, ray: &Ray, mut interior: Interior) -> f32 {
+        /// A bound for senseless scenes.
+        const MOST: usize = 1000;
+        let mut passed = 1.0;
+        let mut next = self.world.intersect(ray);
+        for _ in 0..MOST {
+            let Some(hit) = next else {
+                return passed;
+            };
+            if !self.is_hidden(ray, &hit, &interior) {
+                passed *= 1.0 - self.opacity(&hit);
+                if passed <= 0.0 {
+                    return 0.0;
+                }
+            } else {
+                let material = self.material_of[hit.instance as usize];
+                match self.world.surface(ray, &hit).front {
+                    true => interior.enter(material),
+                    false => interior.leave(material),
+                }
+            }
+            next = self.world.intersect_after(ray, &hit, |_| true);
+        }
+        0.0
     }
 
     /// The solid that fills a point within these.
@@ -299,18 +333,36 @@ impl Matter {
         })
     }
 
-    /// Is the interface of this material hidden, because a solid of higher priority fills the
-    /// space on both sides?
-    pub(crate) fn is_overruled(&self, material: u32, interior: &Interior) -> bool {
+    /// Is the interface of this material hidden from a ray that meets its front or its back, because what fills the space on
+    /// both sides is a solid of higher priority, or another object of the same material?
+    pub(crate) fn is_overruled(&self, material: u32, front: bool, interior: &Interior) -> bool {
         let Some(solid) = self.material(material).solid() else {
             return false;
         };
-        let Some(filling) = self.dominant(&interior.without(material)) else {
+        // The solids on both sides: behind the back the surface's own is left out.
+        let beside = match front {
+            true => *interior,
+            false => interior.without(material),
+        };
+        if beside.times(material) > 0 {
+            return true;
+        }
+        let Some(filling) = self.dominant(&beside) else {
             return false;
         };
         self.material(filling)
             .solid()
             .is_some_and(|filling| filling.priority > solid.priority)
+    }
+
+    /// The same of what a ray meets.
+    fn is_hidden(&self, ray: &Ray, hit: &Hit, interior: &Interior) -> bool {
+        let material = self.material_of[hit.instance as usize];
+        // Nearly always there is nothing to ask.
+        if interior.is_vacuum() || self.material(material).solid().is_none() {
+            return false;
+        }
+        self.is_overruled(material, self.world.surface(ray, hit).front, interior)
     }
 
     /// Share of light left after a segment through what fills `interior`.
@@ -387,8 +439,8 @@ impl Matter {
         // The solid left first was entered last.
         let mut interior = Interior::VACUUM;
         let exits = near[..count].iter().chain(&far);
-        for &(solid, _) in exits.rev().filter(|(_, exits)| *exits > 0) {
-            interior.enter(solid);
+        for &(solid, exits) in exits.rev().filter(|(_, exits)| *exits > 0) {
+            (0..exits).for_each(|_| interior.enter(solid));
         }
         interior
     }

@@ -175,14 +175,14 @@ impl Scene {
             absorption,
             distance,
         };
-        if !self.matter.is_overruled(vertex.material, interior) {
+        if !self.is_overruled(ray, vertex, interior) {
             return Some(segment);
         }
         let walk = (vertex, interior);
         self.pass_overruled(ray, hit, segment, walk, &mut passage, wavelengths)
     }
 
-    /// Goes on through interfaces that a solid of higher priority hides. The ray stays the same, so
+    /// Goes on through interfaces that are hidden by a solid of higher priority, or another object of the same material. The ray stays the same, so
     /// that surfaces which coincide with a hidden one are met.
     #[cold]
     fn pass_overruled(
@@ -205,11 +205,18 @@ impl Scene {
             let further = distance - segment.distance;
             segment.absorption *= self.matter.absorption(interior, wavelengths, further);
             segment.distance = distance;
-            if !self.matter.is_overruled(vertex.material, interior) {
+            if !self.is_overruled(ray, vertex, interior) {
                 return Some(segment);
             }
         }
         None
+    }
+
+    /// Is the interface that a ray met as `vertex` hidden within these solids?
+    #[inline]
+    fn is_overruled(&self, ray: &Ray, vertex: &Vertex, interior: &Interior) -> bool {
+        let front = vertex.in_front(-ray.direction.as_dvec3());
+        self.matter.is_overruled(vertex.material, front, interior)
     }
 
     /// Updates `interior` for a walk that passes the surface along `direction` (world).

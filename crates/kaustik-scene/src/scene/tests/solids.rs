@@ -247,3 +247,54 @@ fn alpha_counts_behind_hidden_interfaces() {
     let short = Ray { t_max: 3.0, ..ray };
     assert!((scene.transmittance(&short, &inside) - 0.7).abs() < 1e-6);
 }
+
+/// Glass from 0 to 2 and glass from 1 to 4, of one material.
+fn of_one_material() -> Scene {
+    let mut stage = Stage::new();
+    stage.add(solid(1.5, 0, GREEN), slab(0.0, 2.0));
+    stage.add(solid(1.5, 0, GREEN), slab(1.0, 4.0));
+    stage.description.materials.pop();
+    stage.description.instances[1].material = Some(0);
+    stage.build()
+}
+
+/// Objects of one material that overlap are one solid, from whichever side and wherever a walk begins.
+#[test]
+fn overlapping_objects_of_one_material_are_one() {
+    let scene = of_one_material();
+    for (start, direction) in [(-1.0, Vec3::X), (5.0, Vec3::NEG_X)] {
+        let (seen, end) = straight(&scene, AXIS + Vec3::X * start, direction, Interior::VACUUM);
+        let expected = [(0, 1.0, Spectrum::ONE), (0, 4.0, beer(GREEN, 4.0))];
+        assert_seen(&seen, &expected);
+        assert!(end.is_vacuum());
+    }
+    let within = |x: f32| scene.matter.interior_at((AXIS + Vec3::X * x).as_dvec3());
+    assert_eq!([0.5, 1.5, 3.0].map(|x| within(x).times(0)), [1, 2, 1]);
+    for (x, direction, left) in [
+        (1.5, Vec3::X, 2.5),
+        (1.5, Vec3::NEG_X, 1.5),
+        (0.5, Vec3::X, 3.5),
+    ] {
+        let (seen, end) = straight(&scene, AXIS + Vec3::X * x, direction, within(x));
+        assert_seen(&seen, &[(0, left, beer(GREEN, left as f32))]);
+        assert!(end.is_vacuum());
+    }
+    // What is joined within is joined, what is beyond the last interface is not.
+    let passed = |from: f32, to: f32| {
+        let ray = Ray {
+            t_max: (to - from).abs(),
+            ..Ray::new(AXIS + Vec3::X * from, Vec3::X * (to - from).signum())
+        };
+        scene.transmittance(&ray, &within(from))
+    };
+    for (from, to, share) in [
+        (0.5, 3.5, 1.0_f32),
+        (3.5, 0.5, 1.0),
+        (1.5, 1.6, 1.0),
+        (0.5, 4.5, 0.0),
+        (1.5, -0.5, 0.0),
+        (-0.5, 0.5, 0.0),
+    ] {
+        assert_eq!(passed(from, to).to_bits(), share.to_bits(), "{from} {to}");
+    }
+}

@@ -5,7 +5,7 @@ use crate::photon_options::Pace;
 /// Share of uniform light paths from which on a scene is seen well enough for them to do nearly all of the work.
 const WELL_SEEN: f64 = 0.5;
 /// Of the four chains of G sec. 4.4, where it is: each of the others takes a step to so many of the first.
-const OPEN: [u32; 4] = [1, 32, 32, 32];
+const OPEN: [u32; 4] = [1, 64, 64, 64];
 /// Where they are not: as in the authors' code.
 const OCCLUDED: [u32; 4] = [1, 2, 2, 1];
 
