@@ -189,6 +189,21 @@ fn overlapping_solids() -> Stage {
         )
 }
 
+/// Two objects of one material overlap, and a plate stands in what they have in common: joined to it across an interface that
+/// is not there.
+fn objects_of_one_material() -> Stage {
+    plate_under_lamp()
+        .add(
+            solid(1.4, 0.5, TINTED),
+            cuboid(Vec3::new(-1.0, 0.2, -1.0), Vec3::new(0.5, 0.9, 1.0)),
+        )
+        .and(cuboid(Vec3::new(-0.2, 0.3, -0.8), Vec3::new(1.1, 0.7, 0.8)))
+        .add(
+            diffuse(GREY),
+            rectangle(Vec3::new(0.15, 0.5, 0.0), Vec3::Z * 0.6, Vec3::X * 0.3),
+        )
+}
+
 fn dispersive(roughness: f32) -> MaterialDescription {
     MaterialDescription {
         dispersion: 2.0,
@@ -222,7 +237,7 @@ fn wide_lens() -> Stage {
 pub(crate) type Case = (&'static str, fn() -> Stage);
 
 /// What a light walk shows in full: nothing in view is Dirac, nor the sky.
-pub(crate) const SCENES: [Case; 21] = [
+pub(crate) const SCENES: [Case; 22] = [
     ("plate under lamp", plate_under_lamp),
     ("lamp in view", lamp_in_view),
     ("rough slab", rough_slab),
@@ -249,4 +264,5 @@ pub(crate) const SCENES: [Case; 21] = [
     ("veils", veils),
     ("shining veil", shining_veil),
     ("overlapping solids", overlapping_solids),
+    ("objects of one material", objects_of_one_material),
 ];

@@ -63,6 +63,19 @@ impl Stage {
         self
     }
 
+    /// Another object of the material that came last.
+    pub(crate) fn and(mut self, mesh: Mesh) -> Self {
+        let last = self.description.instances.last().cloned();
+        self.description
+            .instances
+            .extend(last.map(|last| InstanceDescription {
+                mesh: self.description.meshes.len(),
+                ..last
+            }));
+        self.description.meshes.push(Arc::new(mesh));
+        self
+    }
+
     /// A yellowish punctual light at `position`, which shines along `axis`.
     pub(crate) fn light(
         mut self,
