@@ -104,7 +104,8 @@ impl<'a> Accessor<'a> {
             "VEC2" => 2,
             "VEC3" => 3,
             "VEC4" => 4,
-            _ => return Err(kind.mismatch("SCALAR, VEC2, VEC3 or VEC4")),
+            "MAT4" => 16,
+            _ => return Err(kind.mismatch("SCALAR, VEC2, VEC3, VEC4 or MAT4")),
         };
         Ok(Self {
             component: Component::read(&accessor.need("componentType")?)?,

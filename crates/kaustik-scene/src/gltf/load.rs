@@ -16,7 +16,8 @@ use super::variant::Variants;
 use super::warning::{Warning, Warnings};
 use super::{ErrorKind, LoadError, LoadOptions};
 use super::{
-    animation, camera, environment, extension, image, image_light, light, material, node, syntax,
+    animation, camera, environment, extension, image, image_light, light, material, node, skin,
+    syntax,
 };
 use crate::description::Description;
 
@@ -118,6 +119,7 @@ fn describe(reader: &mut Reader<'_>, variants: &Variants) -> Result<Description,
         cameras: camera::load(reader)?,
         lights: light::load(reader)?,
         meshes: Meshes::load(reader, variants)?,
+        skins: skin::load(reader, &nodes)?,
     };
     let seen = parts.cameras.iter().any(|camera| camera.shutter.is_some());
     let rig = animation::load(reader, &nodes, seen)?;

@@ -43,6 +43,7 @@ mod node;
 mod options;
 mod placement;
 mod reader;
+mod skin;
 mod syntax;
 #[cfg(test)]
 mod tests;

@@ -10,6 +10,7 @@ use super::light::Punctual;
 use super::mesh::Meshes;
 use super::node::Placed;
 use super::reader::Reader;
+use super::skin::Skin;
 use super::{ErrorKind, LoadError, transform, vertices};
 use crate::description::{
     CameraDescription, Carried, Description, InstanceDescription, LightDescription, Load,
@@ -23,6 +24,7 @@ pub(super) struct Parts {
     pub(super) meshes: Meshes,
     pub(super) cameras: Vec<CameraKind>,
     pub(super) lights: Vec<Punctual>,
+    pub(super) skins: Vec<Option<Skin>>,
 }
 
 /// Adds all that the nodes place to the description. Cameras come in the order of the file's
@@ -38,7 +40,20 @@ pub(super) fn place<'a>(
     for (position, placed) in nodes.iter().enumerate() {
         let name = placed.node.text("name")?;
         let carrier = rig.carrier(position);
-        instances(reader, placed, carrier, name, &parts.meshes, description)?;
+        let held = match skin(reader, placed, parts)? {
+            Some(skin) => Held {
+                copies: vec![(
+                    nodes[skin.joint].world * skin.inverse_bind,
+                    skin.inverse_bind,
+                )],
+                carrier: rig.carrier(skin.joint),
+            },
+            None => Held {
+                copies: copies(reader, placed)?,
+                carrier,
+            },
+        };
+        instances(reader, placed, &held, name, &parts.meshes, description)?;
         if let Some((index, camera)) = camera(reader, placed, name, &parts.cameras)? {
             cameras.push((index, camera, carrier));
         }
@@ -118,11 +133,29 @@ fn light(
     }))
 }
 
+/// Where the mesh of a node stands, in each copy: to the world and to what carries it.
+struct Held {
+    copies: Vec<(DAffine3, DAffine3)>,
+    carrier: Carrier,
+}
+
+/// The skin of the node's mesh, if it has one that holds it.
+fn skin<'a>(reader: &mut Reader<'a>, placed: &Placed<'a>, parts: &Parts) -> Result<Option<Skin>> {
+    let (Some(place), Some(_)) = (placed.node.get("skin")?, placed.node.get("mesh")?) else {
+        return Ok(None);
+    };
+    reader.warn(
+        &placed.node,
+        "the skin is not bent: the mesh stands in its bind pose, as the first joint holds it",
+    );
+    Ok(parts.skins[place.index("/skins", parts.skins.len())?])
+}
+
 /// One instance for each primitive of the node's mesh, and for each copy of the node.
 fn instances<'a>(
     reader: &mut Reader<'a>,
     placed: &Placed<'a>,
-    carrier: Carrier,
+    held: &Held,
     name: &str,
     meshes: &Meshes,
     description: &mut Description,
@@ -132,10 +165,7 @@ fn instances<'a>(
         return Ok(());
     };
     let parts = &meshes.parts[place.index("/meshes", meshes.parts.len())?];
-    if node.get("skin")?.is_some() {
-        reader.warn(node, "the skin is ignored; the mesh is in its bind pose");
-    }
-    let copies = copies(reader, placed)?;
+    let Held { copies, carrier } = held;
     let added = copies.len().saturating_mul(parts.len());
     let most = reader.options.max_instances;
     if description.instances.len().saturating_add(added) > most {
@@ -150,7 +180,7 @@ fn instances<'a>(
     };
     let each = size_of::<InstanceDescription>() + name.len() + moving;
     reader.budget.take_many(&node.pointer(), added, each)?;
-    for (world, local) in &copies {
+    for (world, local) in copies {
         let mut transform = transform::narrow(world, node)?;
         // What moves may grow from nothing.
         if transform.matrix3.as_dmat3().determinant() == 0.0 && carrier.is_none() {

@@ -98,7 +98,7 @@ fn counts_and_offsets() {
         ),
         (
             "/accessors/0/type",
-            json!("MAT4"),
+            json!("MAT3"),
             Refused(ErrorKind::Value, "/accessors/0/type"),
         ),
         (
