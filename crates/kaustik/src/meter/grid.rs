@@ -68,12 +68,30 @@ mod tests {
 
     fn grid(width: u32, height: u32, pilot: u64) -> Grid {
         let mut settings = RenderSettings {
+            method: Method::Pssmlt,
             width,
             height,
             ..RenderSettings::default()
         };
         settings.options.pilot = pilot;
         Grid::new(&settings)
+    }
+
+    /// `relt` has particles in the place of a pilot, and does not ask for one.
+    #[test]
+    fn relt_goes_by_its_particles() {
+        let mut settings = RenderSettings {
+            method: Method::Relt,
+            width: 64,
+            height: 64,
+            ..RenderSettings::default()
+        };
+        let usual = Grid::new(&settings);
+        assert_eq!([usual.columns, usual.rows], [31, 32]);
+        settings.options.pilot = 1;
+        assert_eq!(Grid::new(&settings).count(), usual.count());
+        settings.options.particles = 10;
+        assert_eq!(Grid::new(&settings).count(), 1);
     }
 
     #[test]

@@ -97,7 +97,7 @@ mod tests {
         let pace = Pace::Periods([8, 4, 2, 1]);
         assert_eq!(Periods::new(pace, [0, 2, 3], 0.0), Periods::of([8, 2, 1]));
         let auto = |visible| Periods::new(Pace::Auto, [0, 1, 2, 3], visible);
-        assert_eq!(auto(0.9), Periods::of([1, 32, 32, 32]));
+        assert_eq!(auto(0.9), Periods::of([1, 64, 64, 64]));
         assert_eq!(auto(0.01), Periods::of([1, 2, 2, 1]));
         assert_eq!(Periods::new(Pace::Auto, [0, 1], 0.01), Periods::of([1, 1]));
     }
