@@ -84,6 +84,14 @@ fn effort() -> f64 {
     std::env::var("KAUSTIK_EFFORT").map_or(1.0, |words| words.parse().expect("a number"))
 }
 
+/// The same person may name some of the rivals: `KAUSTIK_METHODS=light,pssmlt`.
+fn is_wanted(method: Method) -> bool {
+    let wanted = std::env::var("KAUSTIK_METHODS");
+    wanted.map_or(true, |words| {
+        words.split(',').any(|word| word == method.name())
+    })
+}
+
 /// Compares `path` with its rivals; says what differs.
 #[expect(clippy::print_stdout, reason = "figures for whoever runs it")]
 fn assert_agreement(words: &str, path: u64, rivals: &[Rival], seeds: u64, effort: f64) {
@@ -95,7 +103,7 @@ fn assert_agreement(words: &str, path: u64, rivals: &[Rival], seeds: u64, effort
     };
     let path = tiles(&Rival::new(Method::Path, spp(path)));
     let shown = shown_by_light(&scene, SIDE);
-    for rival in rivals {
+    for rival in rivals.iter().filter(|rival| is_wanted(rival.method)) {
         let rival = Rival {
             spp: spp(rival.spp),
             ..*rival
