@@ -86,10 +86,8 @@ fn effort() -> f64 {
 
 /// The same person may name some of the rivals: `KAUSTIK_METHODS=light,pssmlt`.
 fn is_wanted(method: Method) -> bool {
-    let wanted = std::env::var("KAUSTIK_METHODS");
-    wanted.map_or(true, |words| {
-        words.split(',').any(|word| word == method.name())
-    })
+    let named = |word: &str| word.parse() == Ok(method);
+    std::env::var("KAUSTIK_METHODS").map_or(true, |words| words.split(',').any(named))
 }
 
 /// Compares `path` with its rivals; says what differs.
@@ -103,7 +101,12 @@ fn assert_agreement(words: &str, path: u64, rivals: &[Rival], seeds: u64, effort
     };
     let path = tiles(&Rival::new(Method::Path, spp(path)));
     let shown = shown_by_light(&scene, SIDE);
-    for rival in rivals.iter().filter(|rival| is_wanted(rival.method)) {
+    let rivals = rivals.iter().filter(|rival| is_wanted(rival.method));
+    assert!(
+        rivals.clone().count() > 0,
+        "{words}: no rival of these names"
+    );
+    for rival in rivals {
         let rival = Rival {
             spp: spp(rival.spp),
             ..*rival

@@ -59,6 +59,15 @@ impl Interior {
         }
     }
 
+    /// Goes through a surface of a solid, in by its front or out by its back.
+    pub fn pass(&mut self, material: u32, front: bool) {
+        if front {
+            self.enter(material);
+        } else {
+            self.leave(material);
+        }
+    }
+
     /// The same without one occurrence of `material`.
     #[must_use]
     pub fn without(mut self, material: u32) -> Self {

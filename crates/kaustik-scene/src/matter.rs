@@ -259,7 +259,7 @@ impl Matter {
     ) -> Option<Hit> {
         loop {
             // What is not there has no alpha; the walk must still notice that it crosses it.
-            let hidden = self.is_hidden(ray, &hit, interior);
+            let hidden = self.hidden_side(ray, &hit, interior).is_some();
             if hidden || passage.is_stopped_by(self.opacity(&hit)) {
                 return Some(hit);
             }
@@ -270,34 +270,27 @@ impl Matter {
     /// Share of light that passes a segment, in [0, 1]. Interfaces that are hidden there are none.
     #[inline]
     pub(crate) fn transmittance(&self, ray: &Ray, interior: &Interior) -> f32 {
-        if !self.has_alpha && interior.is_vacuum() {
-            return f32::from(u8::from(!self.world.occluded(ray)));
+        if !interior.is_vacuum() {
+            return self.transmittance_within(ray, *interior);
         }
-        self.filtered_transmittance(ray, interior)
+        match self.has_alpha {
+            false => f32::from(u8::from(!self.world.occluded(ray))),
+            true => self.filtered_transmittance(ray),
+        }
     }
 
-    fn filtered_transmittance(&self, ray: &Ray, interior: &Interior) -> f32 {
+    /// Outside of all solids nothing is hidden, and surfaces may come in any order.
+    fn filtered_transmittance(&self, ray: &Ray) -> f32 {
         let mut passed = 1.0;
-        let mut in_turn = false;
         let blocked = self.world.occluded_filtered(ray, |hit| {
-            let material = self.material_of[hit.instance as usize];
-            // Objects of one material open and close one after another: which of them end it depends on all before.
-            in_turn = interior.times(material) > 0 && self.material(material).solid().is_some();
-            if !in_turn && self.is_hidden(ray, hit, interior) {
-                return false;
-            }
             passed *= 1.0 - self.opacity(hit);
-            in_turn || passed <= 0.0
+            passed <= 0.0
         });
-        match blocked {
-            _ if in_turn => self.transmittance_in_turn(ray, *interior),
-            true => 0.0,
-            false => passed,
-        }
+        if blocked { 0.0 } else { passed }
     }
 
-    /// The same of a ray that meets a solid which it is in: surface after surface.
-    fn transmittance_in_turn(&self, ray: &Ray, mut interior: Interior) -> f32 {
+    /// Within solids surface comes after surface: which of them end a solid depends on all before.
+    fn transmittance_within(&self, ray: &Ray, mut interior: Interior) -> f32 {
         /// A bound for senseless scenes.
         const MOST: usize = 1000;
         let mut passed = 1.0;
@@ -306,16 +299,16 @@ impl Matter {
             let Some(hit) = next else {
                 return passed;
             };
-            if !self.is_hidden(ray, &hit, &interior) {
-                passed *= 1.0 - self.opacity(&hit);
-                if passed <= 0.0 {
-                    return 0.0;
+            match self.hidden_side(ray, &hit, &interior) {
+                Some(front) => {
+                    let material = self.material_of[hit.instance as usize];
+                    interior.pass(material, front);
                 }
-            } else {
-                let material = self.material_of[hit.instance as usize];
-                match self.world.surface(ray, &hit).front {
-                    true => interior.enter(material),
-                    false => interior.leave(material),
+                None => {
+                    passed *= 1.0 - self.opacity(&hit);
+                    if passed <= 0.0 {
+                        return 0.0;
+                    }
                 }
             }
             next = self.world.intersect_after(ray, &hit, |_| true);
@@ -355,14 +348,16 @@ impl Matter {
             .is_some_and(|filling| filling.priority > solid.priority)
     }
 
-    /// The same of what a ray meets.
-    fn is_hidden(&self, ray: &Ray, hit: &Hit, interior: &Interior) -> bool {
+    /// Where the interface that a ray meets is hidden: does it meet the front?
+    fn hidden_side(&self, ray: &Ray, hit: &Hit, interior: &Interior) -> Option<bool> {
         let material = self.material_of[hit.instance as usize];
         // Nearly always there is nothing to ask.
         if interior.is_vacuum() || self.material(material).solid().is_none() {
-            return false;
+            return None;
         }
-        self.is_overruled(material, self.world.surface(ray, hit).front, interior)
+        let front = self.world.surface(ray, hit).front;
+        self.is_overruled(material, front, interior)
+            .then_some(front)
     }
 
     /// Share of light left after a segment through what fills `interior`.

@@ -225,11 +225,7 @@ impl Scene {
         if self.matter.material(vertex.material).solid().is_none() {
             return;
         }
-        if vertex.in_front(direction) {
-            interior.leave(vertex.material);
-        } else {
-            interior.enter(vertex.material);
-        }
+        interior.pass(vertex.material, !vertex.in_front(direction));
     }
 
     /// The solids beyond a vertex toward `direction`, for a walk that came from `wo` (both world).

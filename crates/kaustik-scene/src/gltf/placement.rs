@@ -40,20 +40,22 @@ pub(super) fn place<'a>(
     for (position, placed) in nodes.iter().enumerate() {
         let name = placed.node.text("name")?;
         let carrier = rig.carrier(position);
-        let held = match skin(reader, placed, parts)? {
-            Some(skin) => Held {
-                copies: vec![(
-                    nodes[skin.joint].world * skin.inverse_bind,
-                    skin.inverse_bind,
-                )],
-                carrier: rig.carrier(skin.joint),
-            },
-            None => Held {
-                copies: copies(reader, placed)?,
-                carrier,
-            },
-        };
-        instances(reader, placed, &held, name, &parts.meshes, description)?;
+        if placed.node.get("mesh")?.is_some() {
+            let held = match skin(reader, placed, parts)? {
+                Some(skin) => Held {
+                    copies: vec![(
+                        nodes[skin.joint].world * skin.inverse_bind,
+                        skin.inverse_bind,
+                    )],
+                    carrier: rig.carrier(skin.joint),
+                },
+                None => Held {
+                    copies: copies(reader, placed)?,
+                    carrier,
+                },
+            };
+            instances(reader, placed, &held, name, &parts.meshes, description)?;
+        }
         if let Some((index, camera)) = camera(reader, placed, name, &parts.cameras)? {
             cameras.push((index, camera, carrier));
         }
@@ -139,9 +141,9 @@ struct Held {
     carrier: Carrier,
 }
 
-/// The skin of the node's mesh, if it has one that holds it.
+/// The skin of a node with a mesh, if it has one that holds it.
 fn skin<'a>(reader: &mut Reader<'a>, placed: &Placed<'a>, parts: &Parts) -> Result<Option<Skin>> {
-    let (Some(place), Some(_)) = (placed.node.get("skin")?, placed.node.get("mesh")?) else {
+    let Some(place) = placed.node.get("skin")? else {
         return Ok(None);
     };
     reader.warn(
@@ -161,9 +163,7 @@ fn instances<'a>(
     description: &mut Description,
 ) -> Result<()> {
     let node = &placed.node;
-    let Some(place) = node.get("mesh")? else {
-        return Ok(());
-    };
+    let place = node.need("mesh")?;
     let parts = &meshes.parts[place.index("/meshes", meshes.parts.len())?];
     let Held { copies, carrier } = held;
     let added = copies.len().saturating_mul(parts.len());
