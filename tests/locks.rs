@@ -91,7 +91,7 @@ fn a_second_process_on_an_output_is_refused() {
 fn locks_go_when_a_render_ends_or_is_refused() {
     let folder = tempfile::tempdir().expect("a folder");
     let file = |name: &str| path(folder.path(), name);
-    let (exr, link, state) = (file("a.exr"), file("link.exr"), file("s"));
+    let (exr, link, state) = (file("a.exr"), file("link.png"), file("s"));
     assert!(
         kaustik(&small(&["-o", &exr, "--checkpoint", &state]))
             .status
@@ -113,7 +113,7 @@ fn locks_go_when_a_render_ends_or_is_refused() {
         &small(&["-o", &exr, "--png", &link]),
         &["two outputs of this command"],
     );
-    assert_eq!(files(folder.path()), ["a.exr", "link.exr", "s"]);
+    assert_eq!(files(folder.path()), ["a.exr", "link.png", "s"]);
     // What is no file has none.
     assert!(
         kaustik(&small(&["-o", "/dev/null", "--png", "/dev/null"]))
@@ -127,7 +127,7 @@ fn locks_go_when_a_render_ends_or_is_refused() {
         .status();
     assert!(kill.expect("kill runs").success());
     assert_eq!(child.wait().expect("it ends").code(), Some(143));
-    assert_eq!(files(folder.path()), ["a.exr", "link.exr", "s"]);
+    assert_eq!(files(folder.path()), ["a.exr", "link.png", "s"]);
 }
 
 /// Of many that begin at once, each is alone or refused: the picture is never written by two.

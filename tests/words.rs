@@ -192,6 +192,93 @@ fn outputs_are_tried_before_the_first_ray() {
     );
 }
 
+/// What a picture is made from is not written over.
+#[test]
+fn inputs_are_kept() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let at = |name: &str| path(folder.path(), name);
+    let (scene, state) = (at("a.glb"), at("a.state"));
+    assert!(
+        kaustik(&["scenes", "cornell", "--export", &scene])
+            .status
+            .success()
+    );
+    let small = ["--width", "8", "--height", "8", "--spp", "1", "-q"];
+    let render = |scene: &str, more: &[&str]| {
+        let words = [&["render", scene, "--method", "path"], &small[..], more].concat();
+        words.into_iter().map(str::to_owned).collect::<Vec<_>>()
+    };
+    let words = render(&scene, &["--checkpoint", &state, "--ladders", "0..32"]);
+    assert!(
+        kaustik(&words.iter().map(String::as_str).collect::<Vec<_>>())
+            .status
+            .success()
+    );
+    let kept = [&scene, &state].map(|file| std::fs::read(file).expect("a file"));
+    for output in ["-o", "--png", "--stats", "--checkpoint"] {
+        let words = render(&scene, &[output, &scene]);
+        let words: Vec<&str> = words.iter().map(String::as_str).collect();
+        refused(&words, &["a.glb", "which is read"]);
+    }
+    for output in ["-o", "--png", "--stats", "--state"] {
+        refused(
+            &["merge", &state, output, &state],
+            &["a.state", "which is read"],
+        );
+    }
+    assert_eq!(
+        kept,
+        [&scene, &state].map(|file| std::fs::read(file).expect("a file"))
+    );
+    // Half of the ladders make half of a picture.
+    let merged = kaustik(&[
+        "merge",
+        &state,
+        "-o",
+        &at("half.exr"),
+        "--stats",
+        &at("half.json"),
+    ]);
+    let message = String::from_utf8_lossy(&merged.stderr);
+    assert!(
+        merged.status.success() && message.contains("ladders 0..32 of 0..64"),
+        "{message}"
+    );
+    let statistics = std::fs::read_to_string(at("half.json")).expect("statistics");
+    let statistics: serde_json::Value = serde_json::from_str(&statistics).expect("JSON");
+    assert!(statistics["budget"].is_null(), "{statistics}");
+}
+
+/// A kind of file that is not the one that is written is a slip.
+#[test]
+fn kinds_of_files_are_what_they_say() {
+    let start = ["render", "builtin:cornell", "--spp", "1"];
+    refused(
+        &[&start[..], &["-o", "x.png"]].concat(),
+        &["--png", "expected .exr"],
+    );
+    refused(
+        &[&start[..], &["--png", "x.exr"]].concat(),
+        &["-o", "expected .png"],
+    );
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_disk_behind_standard_output_is_told() {
+    let full = std::fs::OpenOptions::new()
+        .write(true)
+        .open("/dev/full")
+        .expect("the device");
+    let output = Command::new(env!("CARGO_BIN_EXE_kaustik"))
+        .args(["info", "builtin:cornell"])
+        .stdout(full)
+        .output()
+        .expect("the command runs");
+    assert_eq!(output.status.code(), Some(1));
+    assert!(String::from_utf8_lossy(&output.stderr).contains("standard output"));
+}
+
 #[test]
 fn wrong_files() {
     let folder = tempfile::tempdir().expect("a folder");

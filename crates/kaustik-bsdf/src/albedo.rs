@@ -2,8 +2,8 @@
 //!
 //! Light that meets a second facet is missing from the single-scattering lobes. The tables here
 //! hold that loss `1 - E(mu)` and its cosine-weighted mean, by deterministic quadrature over the
-//! visible normals. Reflectors' are computed at the first use. Interfaces' would take half a
-//! minute, because total reflection makes their integrands rough, and come with the crate. Every
+//! visible normals. Those of facets come with the crate: interfaces' alone take half a minute to compute, because total
+//! reflection makes their integrands rough. Sheen's is computed at the first use. Every
 //! user interpolates the same tables, so loss and mean agree with each other and the lobes built
 //! from them are reciprocal whatever the tables' error.
 //!

@@ -1,14 +1,16 @@
 use crate::facets::Facets;
 use crate::ggx::Ggx;
-use crate::{Frame, Mode, Reflectance, SMOOTH_ALPHA, local};
+use crate::{Frame, Mode, Reflectance, SMOOTH_ALPHA, fresnel, local};
 use glam::DVec3;
 use kaustik_spectrum::Spectrum;
 
-/// A clear varnish without colour or thickness over whatever lies below (`KHR_materials_clearcoat`), of index 1.5.
+/// A clear varnish without colour or thickness over whatever lies below (`KHR_materials_clearcoat`).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Coat {
     /// Rough, or `None` for a mirror.
     facets: Option<Facets>,
+    /// Reflectance at normal incidence.
+    f0: f32,
     /// Share of the surface that has it.
     strength: f32,
     /// Least that it reflects from any direction, times its share.
@@ -23,17 +25,20 @@ const LEAST_TILTED: f64 = 2.5e-3;
 /// In place of a direction that its facets do not see.
 const GRAZING: DVec3 = DVec3::new(1.0, 0.0, 1e-6);
 
-/// Of an index of 1.5.
-const REFLECTANCE: Reflectance = Reflectance::Schlick {
-    f0: Spectrum::splat(0.04),
-    f90: Spectrum::ONE,
-};
+fn reflectance(f0: f32) -> Reflectance {
+    Reflectance::Schlick {
+        f0: Spectrum::splat(f0),
+        f90: Spectrum::ONE,
+    }
+}
 
 impl Coat {
-    /// `strength` and perceptual `roughness` in `[0, 1]`; `normal`, if it has one of its own, unit with z > 0.
+    /// `strength` and perceptual `roughness` in `[0, 1]`; its `index` relative to the outside; `normal`, if it has one of
+    /// its own, unit with z > 0.
     pub(crate) fn new(
         strength: f64,
         roughness: f64,
+        index: f64,
         normal: Option<DVec3>,
         compensation: bool,
     ) -> Self {
@@ -42,10 +47,15 @@ impl Coat {
             Some(_) => alpha.max(LEAST_TILTED),
             None => alpha,
         };
+        let f0 = match index > 0.0 && index.is_finite() {
+            true => fresnel::normal_incidence(index) as f32,
+            false => 0.0,
+        };
         let facets = (alpha >= SMOOTH_ALPHA)
-            .then(|| Facets::compensated(REFLECTANCE, Ggx::new(alpha), compensation));
+            .then(|| Facets::compensated(reflectance(f0), Ggx::new(alpha), compensation));
         let coat = Self {
             facets,
+            f0,
             strength: local::within(strength, 0.0, 1.0) as f32,
             least: 0.0,
             normal: None,
@@ -72,7 +82,7 @@ impl Coat {
         let w = self.own(w).unwrap_or(GRAZING);
         let share = match &self.facets {
             Some(facets) => facets.albedo(w),
-            None => REFLECTANCE.at(w.z.min(1.0)),
+            None => reflectance(self.f0).at(w.z.min(1.0)),
         };
         self.strength * share.hero()
     }

@@ -15,15 +15,22 @@ pub struct Film {
     index: f32,
     /// Twice the film's optical thickness in wavelengths at normal incidence, each lane.
     turns: Spectrum,
-    /// Without the film, at normal incidence.
+    /// What is beneath: of a mixture both parts, as they do not reflect as one.
+    beneath: [Beneath; 2],
+}
+
+/// A part of the surface without its film, weighted by its share.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Beneath {
+    /// Reflected at normal incidence.
     f0: Spectrum,
-    /// The same at grazing, in all lanes.
+    /// The same at grazing, in all lanes; 0 where there is none.
     f90: f32,
 }
 
 impl Film {
     /// From `strength` in `[0, 1]`, the film's `index` relative to the outside, its `thickness` in nanometres, the
-    /// path's `wavelengths` in nanometres, and what the surface without it reflects at normal incidence and at
+    /// path's `wavelengths` outside in nanometres, and what the surface without it reflects at normal incidence and at
     /// grazing, `f0` at most `f90`.
     pub fn new(
         strength: f64,
@@ -48,28 +55,40 @@ impl Film {
                     0.0
                 }
             }),
-            f0,
-            f90,
+            beneath: [Beneath { f0, f90 }, Beneath::default()],
         }
+    }
+
+    /// The same over a mixture, of which this is the second part's share at normal incidence and at grazing.
+    pub(crate) fn and(mut self, (f0, f90): (Spectrum, f32)) -> Self {
+        self.beneath[1] = Beneath { f0, f90 };
+        self
     }
 
     /// Share reflected at an angle of incidence of the given cosine in `[0, 1]`.
     pub fn at(&self, cosine: f64) -> Spectrum {
-        let plain = self.f0.lerp(
-            Spectrum::splat(self.f90),
-            fresnel::schlick_weight(cosine) as f32,
-        );
-        let films = self
-            .turns
-            .zip(self.f0, |turns, f0| self.airy(cosine, turns, f0));
-        plain.lerp(films * self.f90, self.strength)
+        self.at_rise(
+            cosine,
+            Spectrum::splat(fresnel::schlick_weight(cosine) as f32),
+        )
     }
 
-    /// Reflectance of the whole stack at one wavelength.
+    /// The same where what has no film rises by `rise` from normal incidence, 0, to grazing, 1.
+    pub(crate) fn at_rise(&self, cosine: f64, rise: Spectrum) -> Spectrum {
+        let parts = self.beneath.iter().filter(|part| part.f90 > 0.0);
+        let of_part = |part: &Beneath| {
+            let plain = (part.f0).zip(rise, |f0, rise| f0 + (part.f90 - f0) * rise);
+            let films =
+                (self.turns).zip(part.f0, |turns, f0| self.airy(cosine, turns, f0 / part.f90));
+            plain.lerp(films * part.f90, self.strength)
+        };
+        parts.map(of_part).sum()
+    }
+
+    /// Reflectance of the whole stack at one wavelength, over what reflects `f0` at normal incidence and all at grazing.
     fn airy(&self, cosine: f64, turns: f32, f0: f32) -> f32 {
         let film = f64::from(self.index);
-        let root = f64::from(if self.f90 > 0.0 { f0 / self.f90 } else { 0.0 }).sqrt();
-        let root = root.clamp(0.0, 0.9999);
+        let root = f64::from(f0).sqrt().clamp(0.0, 0.9999);
         let beneath = (1.0 + root) / (1.0 - root); // its index relative to the outside
         let sine2 = (1.0 - cosine * cosine).max(0.0);
         let inside = |index: f64| 1.0 - sine2 / (index * index);

@@ -11,11 +11,16 @@ pub struct LayerParameters {
     pub clearcoat: f64,
     /// `clearcoatRoughnessFactor`, perceptual, `[0, 1]`.
     pub clearcoat_roughness: f64,
+    /// Index of the varnish relative to the outside: 1.5 in air.
+    pub clearcoat_ior: f64,
     /// The varnish's own normal (`clearcoatNormalTexture`) in the local frame, unit with z > 0; `None` is that of what
     /// it covers. Such a varnish is at least as rough as 0.05.
     pub clearcoat_normal: Option<DVec3>,
     /// `sheenColorFactor`, lanes in `[0, 1]`; black is none.
     pub sheen_color: Spectrum,
+    /// Its largest channel, `[0, 1]`: at every wavelength the fibres take at least as much from what lies below as if
+    /// this were their colour.
+    pub sheen_shade: f32,
     /// `sheenRoughnessFactor`, perceptual, `[0, 1]`.
     pub sheen_roughness: f64,
 }
@@ -25,8 +30,10 @@ impl Default for LayerParameters {
         Self {
             clearcoat: 0.0,
             clearcoat_roughness: 0.0,
+            clearcoat_ior: 1.5,
             clearcoat_normal: None,
             sheen_color: Spectrum::ZERO,
+            sheen_shade: 0.0,
             sheen_roughness: 0.0,
         }
     }
@@ -92,11 +99,13 @@ impl Layered {
         let colour = layers.sheen_color.map(lane);
         Self {
             base: Some(Principled::new(base)),
-            sheen: (colour.max() > 0.0).then(|| Sheen::new(colour, layers.sheen_roughness)),
+            sheen: (colour.max() > 0.0)
+                .then(|| Sheen::new(colour, lane(layers.sheen_shade), layers.sheen_roughness)),
             coat: (layers.clearcoat > 0.0).then(|| {
                 Coat::new(
                     layers.clearcoat,
                     layers.clearcoat_roughness,
+                    layers.clearcoat_ior,
                     layers.clearcoat_normal.filter(|n| n.z > 0.0),
                     base.compensation,
                 )
@@ -172,7 +181,9 @@ impl Layered {
         let below = 1.0 - self.coat.map_or(0.0, |coat| f64::from(coat.albedo(up)));
         let coat = if self.shown.coat { 1.0 - below } else { 0.0 };
         let sheen = (self.shown_sheen()).map_or(0.0, |sheen| f64::from(sheen.albedo(up).mean()));
-        let passed = self.sheen.map_or(1.0, |sheen| f64::from(sheen.passed(up)));
+        let passed = self
+            .sheen
+            .map_or(1.0, |sheen| f64::from(sheen.passed(up).mean()));
         let base = (self.base).map_or(0.0, |base| f64::from(base.albedo(wo).mean())) * passed;
         let albedos = [coat, sheen * below, base * below];
         let sum: f64 = albedos.iter().sum();
@@ -192,11 +203,11 @@ impl Layered {
 
     /// What coat and sheen leave for the base.
     #[inline]
-    fn under_all(&self, wo: DVec3, wi: DVec3) -> f32 {
-        let sheen = self
-            .sheen
-            .map_or(1.0, |sheen| sheen.passed(wo).min(sheen.passed(wi)));
-        self.under_coat(wo, wi) * sheen
+    fn under_all(&self, wo: DVec3, wi: DVec3) -> Spectrum {
+        let sheen = (self.sheen).map_or(Spectrum::ONE, |sheen| {
+            sheen.passed(wo).zip(sheen.passed(wi), f32::min)
+        });
+        sheen * self.under_coat(wo, wi)
     }
 
     #[inline]
@@ -283,7 +294,7 @@ impl Lobe for Layered {
         }
         let passed = self.under_all(wo, sample.wi);
         Some(Sample {
-            weight: sample.weight * (passed / base as f32),
+            weight: sample.weight * passed / base as f32,
             pdf: sample.pdf * base,
             ..sample
         })
@@ -313,14 +324,10 @@ impl Lobe for Layered {
     fn albedo(&self, wo: DVec3) -> Spectrum {
         let up = local::lift(wo);
         let coat = self.shown_coat().map_or(0.0, |coat| coat.albedo(up));
-        let (sheen, passed) = self.sheen.map_or((Spectrum::ZERO, 1.0), |sheen| {
+        let (sheen, passed) = self.sheen.map_or((Spectrum::ZERO, Spectrum::ONE), |sheen| {
             // the rest passes on the way out too, at any angle
-            (
-                sheen.albedo(up),
-                sheen
-                    .passed(up)
-                    .min(sheen.passed(DVec3::new(0.8, 0.0, 0.6))),
-            )
+            let out = sheen.passed(DVec3::new(0.8, 0.0, 0.6));
+            (sheen.albedo(up), sheen.passed(up).zip(out, f32::min))
         });
         let sheen = if self.shown.sheen {
             sheen

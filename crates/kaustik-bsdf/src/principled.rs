@@ -23,8 +23,8 @@ use kaustik_spectrum::Spectrum;
 ///   directional albedo the body is `base (1 - A(wo)) (1 - A(wi)) / (pi (1 - A_mean))`
 ///   (Kelemen and Szirmay-Kalos 2001): reciprocal, and a white body loses nothing;
 /// * the dielectric's clear share is a pane or the boundary of a solid, with the exact Fresnel of
-///   its index. Base colour multiplies what is transmitted, once an interface; specular factor
-///   and colour (at most 1) multiply what it reflects, and what that removes is absorbed.
+///   its index, stretched between the ends that specular factor and colour give, or under the film. Base colour
+///   multiplies what is transmitted, once an interface.
 ///
 /// Lobes are chosen in proportion to their estimated albedos from `wo`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -52,9 +52,9 @@ impl Principled {
         let opaque = ((1.0 - p.metallic) * (1.0 - p.transmission)) as f32;
         let body = Body::new(&p, opaque);
         let (f0, f90) = p.dielectric_ends();
-        let reflectance = p.reflectance(
-            p.base_color * metal + f0 * opaque,
-            Spectrum::splat(metal) + f90 * opaque,
+        let reflectance = p.mixed(
+            (p.base_color * metal, Spectrum::splat(metal)),
+            (f0 * opaque, f90 * opaque),
         );
         let glossy = if reflectance.mean().is_zero() {
             Glossy::None

@@ -35,16 +35,23 @@ impl Reflectance {
         }
     }
 
+    /// The same where what Schlick's formula describes rises by `rise`, each lane, in place of Schlick's weight: from
+    /// normal incidence, 0, to grazing, 1.
+    pub(crate) fn at_rise(&self, cosine: f64, rise: Spectrum) -> Spectrum {
+        match *self {
+            Self::Conductor { .. } => self.at(cosine),
+            Self::Schlick { f0, f90 } => f0 + (f90 - f0) * rise,
+            Self::Filmed(ref film) => film.at_rise(cosine, rise),
+        }
+    }
+
     /// Cosine-weighted mean over the hemisphere, `2` times the integral of `F(mu) mu dmu`.
     #[inline]
     pub fn mean(&self) -> Spectrum {
         match *self {
             // 2 * integral of (1 - mu)^5 mu = 1/21
             Self::Schlick { f0, f90 } => f0.lerp(f90, 1.0 / 21.0),
-            Self::Conductor { .. } | Self::Filmed(_) => GAUSS
-                .iter()
-                .map(|&(mu, weight)| self.at(mu) * (weight as f32))
-                .sum(),
+            Self::Conductor { .. } | Self::Filmed(_) => mean_of_lanes(|mu| self.at(mu)),
         }
     }
 
@@ -75,20 +82,21 @@ impl Reflectance {
         if let Self::Schlick { .. } = self {
             return self.once(ggx.mean_loss(), 1.0); // linear in both colours
         }
-        GAUSS
-            .iter()
-            .map(|&(mu, weight)| {
-                let at = ggx.loss(DVec3::new(0.0, 0.0, mu));
-                self.once(at, mu) * (weight as f32)
-            })
-            .sum()
+        mean_of_lanes(|mu| self.once(ggx.loss(DVec3::new(0.0, 0.0, mu)), mu))
     }
 }
 
 /// Cosine-weighted mean of `f` over the hemisphere, `2` times the integral of `f(mu) mu dmu`.
-#[inline]
 pub(crate) fn mean_of(f: impl Fn(f64) -> f64) -> f64 {
     GAUSS.iter().map(|&(mu, weight)| weight * f(mu)).sum()
+}
+
+/// The same, each lane.
+pub(crate) fn mean_of_lanes(f: impl Fn(f64) -> Spectrum) -> Spectrum {
+    GAUSS
+        .iter()
+        .map(|&(mu, weight)| f(mu) * (weight as f32))
+        .sum()
 }
 
 /// Five-point Gauss rule for the weight `2 mu` on `[0, 1]`: points and weights.

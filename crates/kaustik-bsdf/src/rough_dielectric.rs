@@ -1,4 +1,4 @@
-use crate::albedo::{InterfaceLoss, interface_loss};
+use crate::albedo::{InterfaceLoss, interface_loss, reflector_loss};
 use crate::ggx::Ggx;
 use crate::interface::refract;
 use crate::rebound::Rebound;
@@ -46,8 +46,7 @@ impl RoughDielectric {
     #[inline]
     pub fn new(interface: Interface, alpha: f64, compensation: bool) -> Self {
         let ggx = Ggx::new(alpha);
-        let n = f64::from(interface.eta().hero());
-        let compensation = compensation.then(|| Compensation::new(n, ggx.alpha()));
+        let compensation = compensation.then(|| Compensation::new(&interface, ggx.alpha()));
         Self {
             interface,
             ggx,
@@ -95,6 +94,19 @@ impl RoughDielectric {
         (split.transmitted * (lobe as f32), pdf)
     }
 
+    /// What of a loss is given back from a direction. Where a finish reflects otherwise than Fresnel's share the loss is
+    /// another, at most by that of as much reflected light; the tables do not know it, and no light is to be made.
+    #[inline]
+    fn given_back(&self, c: &Compensation, w: DVec3, loss: f64) -> f64 {
+        if c.known >= 1.0 {
+            return loss;
+        }
+        let mu = w.z.abs().min(1.0);
+        let other = self.interface.finish_changes(mu, w.z > 0.0);
+        let reflected = f64::from(reflector_loss(mu, self.ggx.alpha()).loss);
+        f64::from(c.known) * (loss - other * reflected).max(0.0)
+    }
+
     /// Value in radiance mode and density.
     #[inline]
     fn both(&self, wo: DVec3, wi: DVec3) -> (Spectrum, f64) {
@@ -113,7 +125,8 @@ impl RoughDielectric {
             self.interface.reflected()
         };
         let (lo, li) = (c.loss(wo), c.loss(wi));
-        let again = c.pair(wo, wi) * c.squared_index(wo) * lo * li;
+        let [given, got] = [(wo, lo), (wi, li)].map(|(w, loss)| self.given_back(&c, w, loss));
+        let again = c.pair(wo, wi) * c.squared_index(wo) * given * got;
         let pdf = c.way.pdf(wi.z.abs()) * c.share(wo, wi);
         (
             once.0 + tint * (again as f32),
@@ -227,10 +240,13 @@ struct Compensation {
     pairs: [f64; 3],
     /// Probability of changing sides from the thinner and from the denser.
     cross: [f64; 2],
+    /// How far the tables hold, in `[0, 1]`, for each end of a scattering: 1 without a finish.
+    known: f32,
 }
 
 impl Compensation {
-    fn new(eta: f64, alpha: f64) -> Self {
+    fn new(interface: &Interface, alpha: f64) -> Self {
+        let eta = f64::from(interface.eta().hero());
         let n = eta.max(1.0 / eta);
         let squared = n * n;
         let place = InterfaceLoss::new(n, alpha);
@@ -238,7 +254,10 @@ impl Compensation {
         let (mt, md) = ((PI * thin).max(1e-12), (PI * squared * dense).max(1e-12));
         // Transmittances wanted from either side; their sum is met, each nearly, as the two
         // conditions of the shares leave one number free.
-        let out = 1.0 - fresnel::mean_dielectric(n);
+        let [reflected, otherwise] = interface
+            .finished_mean()
+            .unwrap_or_else(|| [fresnel::mean_dielectric(n), 0.0]);
+        let out = 1.0 - reflected;
         let within = out / squared;
         let across = ((out + within) / (mt + md)).min(1.0 / mt).min(1.0 / md);
         Self {
@@ -248,6 +267,7 @@ impl Compensation {
             squared,
             pairs: [(1.0 - across * md) / mt, across, (1.0 - across * mt) / md],
             cross: [across * md, across * mt],
+            known: (1.0 - 8.0 * otherwise).max(0.0) as f32,
         }
     }
 

@@ -1,6 +1,7 @@
 use crate::albedo::{ReflectorLoss, reflector_loss};
 use crate::ggx::Ggx;
 use crate::rebound::Rebound;
+use crate::reflectance::mean_of_lanes;
 use crate::thin_dielectric::{pane, reflect_probability};
 use crate::{Interface, Lobe, Mode, Sample, fresnel, local};
 use glam::DVec3;
@@ -41,16 +42,16 @@ impl RoughThinDielectric {
         } else {
             0.0
         };
-        let mean = mean_pane(f64::from(interface.eta().hero()));
+        let mean = mean_pane(&interface);
         Self {
             interface,
             ggx,
             way: Rebound::new(ggx.alpha()),
             again: [
-                interface.reflected() * (mean as f32 * scale),
-                interface.transmitted() * ((1.0 - mean) as f32 * scale),
+                interface.reflected() * mean * scale,
+                interface.transmitted() * (1.0 - mean) * scale,
             ],
-            reflect: mean,
+            reflect: f64::from(mean.mean()),
         }
     }
 
@@ -94,12 +95,14 @@ impl RoughThinDielectric {
     }
 }
 
-/// Cosine-weighted mean reflectance of a pane, by the rule that metals use too.
+/// Cosine-weighted mean reflectance of a pane, with the hero's index in all lanes, by the rule that metals use too.
 #[inline]
-fn mean_pane(eta: f64) -> f64 {
-    crate::reflectance::mean_of(|mu| {
-        let r = fresnel::dielectric(mu, eta).0;
-        2.0 * r / (1.0 + r)
+fn mean_pane(interface: &Interface) -> Spectrum {
+    let eta = f64::from(interface.eta().hero());
+    mean_of_lanes(|mu| {
+        let one = Spectrum::splat(fresnel::dielectric(mu, eta).0 as f32);
+        let one = interface.finished(one, mu);
+        one.map(|r| 2.0 * r / (1.0 + r))
     })
 }
 

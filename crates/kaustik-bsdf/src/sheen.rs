@@ -13,6 +13,8 @@ use std::f64::consts::FRAC_1_PI;
 pub(crate) struct Sheen {
     /// Dimmed where need be.
     colour: Spectrum,
+    /// What is taken at least from what lies below, at every wavelength; dimmed alike.
+    shade: f32,
     alpha: f64,
 }
 
@@ -20,11 +22,13 @@ pub(crate) struct Sheen {
 pub(crate) const LEAST_ALPHA: f64 = 1e-2;
 
 impl Sheen {
-    /// `colour` with lanes in `[0, 1]`; `roughness` perceptual in `[0, 1]`.
-    pub(crate) fn new(colour: Spectrum, roughness: f64) -> Self {
+    /// `colour` with lanes in `[0, 1]`, and `shade` too; `roughness` perceptual in `[0, 1]`.
+    pub(crate) fn new(colour: Spectrum, shade: f32, roughness: f64) -> Self {
         let alpha = local::within(roughness * roughness, LEAST_ALPHA, 1.0);
+        let peak = sheen_peak(alpha).max(1.0);
         Self {
-            colour: colour / sheen_peak(alpha).max(1.0),
+            colour: colour / peak,
+            shade: shade / peak,
             alpha,
         }
     }
@@ -47,10 +51,12 @@ impl Sheen {
         self.colour * sheen_albedo(w.z.abs().min(1.0), self.alpha)
     }
 
-    /// What they leave of it for the surface below: the same for all wavelengths, so that no colour is made.
-    pub(crate) fn passed(&self, w: DVec3) -> f32 {
-        let most = self.colour.max();
-        (1.0 - most * sheen_albedo(w.z.abs().min(1.0), self.alpha)).max(0.0)
+    /// What they leave of it for the surface below: as the extension has it, by the largest channel of the colour, so that
+    /// no colour is made, and nowhere more than they do not send back. Of each lane by itself: a wavelength knows
+    /// nothing of the others on its path.
+    pub(crate) fn passed(&self, w: DVec3) -> Spectrum {
+        let taken = self.colour.map(|lane| lane.max(self.shade));
+        (1.0 - taken * sheen_albedo(w.z.abs().min(1.0), self.alpha)).map(|lane| lane.max(0.0))
     }
 }
 

@@ -16,6 +16,7 @@ pub struct ThinDielectric {
 #[inline]
 pub(crate) fn pane(interface: &Interface, cosine: f64) -> (Spectrum, Spectrum) {
     let one = crate::fresnel::dielectric_lanes(cosine, interface.eta());
+    let one = interface.finished(one, cosine);
     let both = one.map(|r| 2.0 * r / (1.0 + r));
     (
         both * interface.reflected(),

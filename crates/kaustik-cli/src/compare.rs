@@ -27,9 +27,9 @@ pub(crate) fn run(words: &CompareWords) -> Result<ExitCode, Failure> {
     let report = metrics::compare(&pairs, &reference, half.as_ref()).map_err(Failure::input)?;
     if words.json {
         let text = serde_json::to_string_pretty(&report).map_err(Failure::other)?;
-        output::print(&(text + "\n"));
+        output::print(&(text + "\n"))?;
     } else {
-        output::print(&format!("{report}\n"));
+        output::print(&format!("{report}\n"))?;
     }
     Ok(ExitCode::SUCCESS)
 }

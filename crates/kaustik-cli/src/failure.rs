@@ -20,6 +20,14 @@ impl Failure {
         Self::Other(error.to_string())
     }
 
+    /// The same, told of a part of the work.
+    pub(crate) fn within(self, what: &str) -> Self {
+        match self {
+            Self::Input(message) => Self::Input(format!("{what}: {message}")),
+            Self::Other(message) => Self::Other(format!("{what}: {message}")),
+        }
+    }
+
     pub(crate) fn status(&self) -> u8 {
         match self {
             Self::Input(_) => 2,

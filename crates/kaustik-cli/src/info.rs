@@ -44,7 +44,7 @@ pub(crate) fn run(words: &InfoWords) -> Result<ExitCode, Failure> {
     for warning in &input.warnings {
         line("warning", warning);
     }
-    output::print(&text);
+    output::print(&text)?;
     Ok(ExitCode::SUCCESS)
 }
 
@@ -86,9 +86,15 @@ fn contents(scene: &Description) -> String {
         .map(|image| format!("{} ({} x {})", image.name, image.width, image.height))
         .collect();
     line("images", names(images.iter()));
+    let emissive = (scene.materials.iter())
+        .filter(|material| material.emissive.iter().any(|&channel| channel > 0.0))
+        .count();
     line(
         "lights",
-        names(scene.lights.iter().map(|light| &light.name)),
+        format!(
+            "{} points, spots and suns; {emissive} emissive materials",
+            names(scene.lights.iter().map(|light| &light.name))
+        ),
     );
     let cameras: Vec<String> = scene.cameras.iter().enumerate().map(camera).collect();
     line("cameras", names(cameras.iter()));

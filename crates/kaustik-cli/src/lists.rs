@@ -30,7 +30,7 @@ pub(crate) fn scenes(words: &SceneWords) -> Result<ExitCode, Failure> {
             );
         }
     }
-    output::print(&text);
+    output::print(&text)?;
     Ok(ExitCode::SUCCESS)
 }
 
@@ -40,7 +40,7 @@ pub(crate) fn methods(words: &MethodWords) -> Result<ExitCode, Failure> {
     match words.name {
         None => {
             for method in Method::ALL {
-                let _ = writeln!(text, "{:<8} {}", method.name(), method.summary());
+                let _ = writeln!(text, "{:<19} {}", method.name(), method.summary());
             }
             text += "\nkaustik methods NAME lists the settings of one.\n";
         }
@@ -61,6 +61,6 @@ pub(crate) fn methods(words: &MethodWords) -> Result<ExitCode, Failure> {
             }
         }
     }
-    output::print(&text);
+    output::print(&text)?;
     Ok(ExitCode::SUCCESS)
 }

@@ -12,8 +12,10 @@ use crate::render::{failure, load};
 use crate::{Failure, picture};
 
 pub(crate) fn run(words: &MergeWords) -> Result<ExitCode, Failure> {
-    picture::check(&words.outputs)?;
+    let inputs = words.states.iter().map(PathBuf::as_path);
+    picture::check(&words.outputs, &inputs)?;
     if let Some(path) = &words.state {
+        picture::refuse_inputs(path, inputs)?;
         check_writable(path).map_err(Failure::input)?;
     }
     let _locks = Locks::take(words.outputs.files().chain(&words.state))?;
@@ -47,11 +49,27 @@ pub(crate) fn run(words: &MergeWords) -> Result<ExitCode, Failure> {
     let rendered = rendered.map_err(|error| failure(&error))?;
     let unkept = keeper.failure;
     let (statistics, outcome) = (rendered.statistics.clone(), rendered.outcome);
-    picture::write(&words.outputs, &source, &settings, rendered)?;
+    let written = picture::write(&words.outputs, &source, &settings, rendered);
     picture::report(&words.outputs, outcome, &statistics);
+    note_missing(words, &settings);
+    written?;
     match unkept {
         Some(error) => Err(Failure::other(error)),
         None => Ok(ExitCode::SUCCESS),
+    }
+}
+
+/// Says so where states of other ladders exist, or were to.
+fn note_missing(words: &MergeWords, settings: &RenderSettings) {
+    let (here, all) = (settings.ladder_range(), settings.options.ladders);
+    if here.len() as u64 != u64::from(all) {
+        picture::remark(
+            &words.outputs,
+            &format!(
+                "warning: the states hold the ladders {}..{} of 0..{all}: what the others have is missing",
+                here.start, here.end
+            ),
+        );
     }
 }
 

@@ -1,5 +1,7 @@
 //! Where a picture goes, and what is said about it.
 
+use std::path::{Path, PathBuf};
+
 use kaustik::film::{check_writable, exr, png, write_file};
 use kaustik::{Budget, Outcome, Place, RenderSettings, RenderStatistics, Rendered, Source};
 use serde_json::{Value, json};
@@ -7,10 +9,29 @@ use serde_json::{Value, json};
 use crate::arguments::OutputWords;
 use crate::{Failure, output};
 
-/// Finds out before a long render what could not be written after it.
-pub(crate) fn check(words: &OutputWords) -> Result<(), Failure> {
+/// Finds out before a long render what could not be written after it, or would take the place of what it is made from.
+pub(crate) fn check<'a>(
+    words: &OutputWords,
+    inputs: &(impl Iterator<Item = &'a Path> + Clone),
+) -> Result<(), Failure> {
     for path in words.files() {
+        refuse_inputs(path, inputs.clone())?;
         check_writable(path).map_err(Failure::input)?;
+    }
+    let kind = |path: &Option<PathBuf>| {
+        let extension = path.as_ref().and_then(|path| path.extension());
+        extension.map(|extension| extension.to_string_lossy().to_lowercase())
+    };
+    if let Some(other @ ("png" | "jpg" | "jpeg" | "hdr")) = kind(&words.output).as_deref() {
+        return Err(Failure::Input(format!(
+            "-o writes EXR, and is given a file that ends in .{other}: expected .exr (--png writes PNG)"
+        )));
+    }
+    if kind(&words.png).as_deref() == Some("exr") {
+        return Err(Failure::Input(
+            "--png writes PNG, and is given a file that ends in .exr: expected .png (-o writes EXR)"
+                .to_owned(),
+        ));
     }
     if words.output.is_none() && words.png.is_none() {
         remark(
@@ -21,6 +42,24 @@ pub(crate) fn check(words: &OutputWords) -> Result<(), Failure> {
     Ok(())
 }
 
+/// Refuses an output that is one of the inputs.
+pub(crate) fn refuse_inputs<'a>(
+    output: &Path,
+    mut inputs: impl Iterator<Item = &'a Path>,
+) -> Result<(), Failure> {
+    let Ok(there) = output.canonicalize() else {
+        return Ok(());
+    };
+    match inputs.find(|input| input.canonicalize().is_ok_and(|input| input == there)) {
+        None => Ok(()),
+        Some(input) => Err(Failure::Input(format!(
+            "{}: this is {}, which is read: expected another file to write to",
+            output.display(),
+            input.display()
+        ))),
+    }
+}
+
 /// A line for whoever wants to read.
 pub(crate) fn remark(words: &OutputWords, line: &str) {
     if !words.quiet {
@@ -28,7 +67,8 @@ pub(crate) fn remark(words: &OutputWords, line: &str) {
     }
 }
 
-/// Writes the picture and its statistics, without a word about it.
+/// Writes the picture and its statistics, without a word about it. All that can be written is, whatever cannot; the first failure
+/// is returned, others are told.
 pub(crate) fn write(
     words: &OutputWords,
     source: &Source,
@@ -37,20 +77,25 @@ pub(crate) fn write(
 ) -> Result<(), Failure> {
     let metadata = metadata(source, settings, &json!(rendered.statistics));
     let image = rendered.image.with_metadata(metadata.clone());
+    let mut written = Vec::new();
     if let Some(path) = &words.output {
-        exr::write(path, &image).map_err(Failure::other)?;
+        written.push(exr::write(path, &image));
     }
     if let Some(path) = &words.png {
-        png::write(path, &image, &words.display()).map_err(Failure::other)?;
+        written.push(png::write(path, &image, &words.display()));
     }
     if let Some(path) = &words.stats {
         let text = format!("{metadata:#}\n");
-        write_file(path, |file| {
+        written.push(write_file(path, |file| {
             std::io::Write::write_all(file, text.as_bytes())
-        })
-        .map_err(Failure::other)?;
+        }));
     }
-    Ok(())
+    let mut failures = written.into_iter().filter_map(Result::err);
+    let first = failures.next();
+    for other in failures {
+        output::note(&format!("error: {other}"));
+    }
+    first.map_or(Ok(()), |error| Err(Failure::other(error)))
 }
 
 /// Places that are printed; `--stats` has more.
@@ -94,11 +139,17 @@ pub(crate) fn report(words: &OutputWords, outcome: Outcome, statistics: &RenderS
     );
     if let Some(chain) = &statistics.chain {
         line += &format!(
-            ", accepted {:.1} % of small and {:.1} % of large steps, b = {:.6} +- {:.6}",
-            chain.small_acceptance * 100.0,
-            chain.large_acceptance * 100.0,
-            chain.normalisation,
-            chain.normalisation_error
+            ", accepted {:.1} % of small",
+            chain.small_acceptance * 100.0
+        );
+        // not all chains have any
+        if chain.large_acceptance > 0.0 {
+            line += &format!(" and {:.1} % of large", chain.large_acceptance * 100.0);
+        }
+        line += &format!(
+            " steps, b = {} +- {}",
+            significant(chain.normalisation),
+            significant(chain.normalisation_error)
         );
     }
     output::note(&line);
@@ -131,6 +182,20 @@ pub(crate) fn report(words: &OutputWords, outcome: Outcome, statistics: &RenderS
     }
 }
 
+/// Four digits of it.
+fn significant(x: f64) -> String {
+    if x == 0.0 || (1e-3..1e4).contains(&x.abs()) {
+        let digits = if x == 0.0 {
+            0.0
+        } else {
+            x.abs().log10().floor()
+        };
+        let places = (3.0 - digits).clamp(0.0, 6.0) as usize;
+        return format!("{x:.places$}");
+    }
+    format!("{x:.3e}")
+}
+
 /// What goes into the EXR and into `--stats`.
 fn metadata(source: &Source, settings: &RenderSettings, statistics: &Value) -> Value {
     let set: serde_json::Map<String, Value> = (settings.options)
@@ -139,9 +204,11 @@ fn metadata(source: &Source, settings: &RenderSettings, statistics: &Value) -> V
         .map(|(key, value)| (key.to_owned(), Value::String(value)))
         .collect();
     let budget = match settings.budget {
-        Budget::PerPixel(n) => format!("{n} a pixel"),
-        Budget::Total(n) => format!("{n} in all"),
-        Budget::Time(time) => format!("{} s", time.as_secs_f64()),
+        // of a merge, which takes what there is
+        Budget::Total(0) => None,
+        Budget::PerPixel(n) => Some(format!("{n} a pixel")),
+        Budget::Total(n) => Some(format!("{n} in all")),
+        Budget::Time(time) => Some(format!("{} s", time.as_secs_f64())),
     };
     json!({
         "software": format!("kaustik {}", env!("CARGO_PKG_VERSION")),

@@ -8,8 +8,8 @@ use kaustik::film::FilmError;
 use kaustik::scene::{Scene, SceneOptions};
 use kaustik::spectrum::WavelengthSampling;
 use kaustik::{
-    Budget, Builder, Control, Method, Options, Outcome, RenderError, RenderSettings, Rendered,
-    Source, Starts, State, render_watched, resume,
+    Budget, Control, Options, Outcome, RenderError, RenderSettings, Rendered, Source, State,
+    render_watched, resume,
 };
 
 use crate::arguments::{OutputWords, RenderWords};
@@ -22,7 +22,7 @@ use crate::{Failure, input, output};
 
 pub(crate) fn run(words: &RenderWords) -> Result<ExitCode, Failure> {
     let settings = settings(words)?;
-    picture::check(&words.outputs)?;
+    picture::check(&words.outputs, &inputs(words))?;
     let locks = Locks::take(words.outputs.files().chain(&words.checkpoint))?;
     let signals = Signals::listen(words.checkpoint.is_some(), &locks)?;
     let state = state(words)?;
@@ -43,9 +43,22 @@ pub(crate) fn run(words: &RenderWords) -> Result<ExitCode, Failure> {
     finish(words, &settings, &scene, &source, state, &signals)
 }
 
+/// The files that it is made from, as far as words name them; those that are none are not there.
+fn inputs(words: &RenderWords) -> impl Iterator<Item = &Path> + Clone {
+    let resumed = words.resume.as_deref().into_iter();
+    resumed.chain(scene_files(words))
+}
+
+fn scene_files(words: &RenderWords) -> impl Iterator<Item = &Path> + Clone {
+    let environment = words.environment.as_deref().map(Path::new);
+    std::iter::once(Path::new(&words.scene)).chain(environment)
+}
+
 /// The state to go on from; refuses what could not be kept or read before the scene is loaded.
 fn state(words: &RenderWords) -> Result<Option<State>, Failure> {
     if let Some(path) = &words.checkpoint {
+        // It may take the place of the state that the render goes on from.
+        picture::refuse_inputs(path, scene_files(words))?;
         kaustik::film::check_writable(path).map_err(Failure::input)?;
     }
     let Some(path) = &words.resume else {
@@ -121,6 +134,7 @@ fn finish(
     display.finish();
     let rendered = rendered.map_err(|error| failure(&error))?;
     let (statistics, outcome) = (rendered.statistics.clone(), rendered.outcome);
+    let mut written = Ok(());
     if outcome == Outcome::Stopped && statistics.steps == 0 {
         output::note(
             "stopped before the first whole pass, iteration or round was done: no picture was written",
@@ -131,10 +145,11 @@ fn finish(
             Some(state) if outcome == Outcome::Stopped => soon_written(words, state, rendered),
             _ => rendered,
         };
-        picture::write(&words.outputs, source, settings, rendered)?;
+        written = picture::write(&words.outputs, source, settings, rendered);
         picture::report(&words.outputs, outcome, &statistics);
     }
     let kept = checkpoints.report(&words.outputs, &statistics);
+    written?;
     Ok(match signals.status() {
         Some(status) => ExitCode::from(status),
         None if kept => ExitCode::SUCCESS,
@@ -183,25 +198,6 @@ pub(crate) fn failure(error: &RenderError) -> Failure {
     }
 }
 
-/// What has no next event that could be switched off, with the reason.
-fn next_event_that_is_not_there(method: Method, options: &Options) -> Option<&'static str> {
-    if options.next_event {
-        return None;
-    }
-    match options.builder {
-        Builder::Endpoint => Some("--set builder=endpoint: an endpoint is joined or it is nothing"),
-        Builder::Simple | Builder::Bidirectional => Some(
-            "--set builder=simple or bidirectional: it is one of their ways of joining two walks",
-        ),
-        Builder::Unidirectional
-            if method == Method::Erpt && options.seeds == Starts::Bidirectional =>
-        {
-            Some("--set seeds=bidirectional: it is one of the ways of joining two walks")
-        }
-        Builder::Unidirectional => None,
-    }
-}
-
 /// The settings that do not depend on the scene.
 pub(crate) fn settings(words: &RenderWords) -> Result<RenderSettings, Failure> {
     let mut options = Options::default();
@@ -224,9 +220,9 @@ pub(crate) fn settings(words: &RenderWords) -> Result<RenderSettings, Failure> {
                 .to_owned(),
         ));
     }
-    if let Some(reason) = next_event_that_is_not_there(words.method, &options) {
-        return Err(Failure::Input(format!("--set nextevent=off with {reason}")));
-    }
+    options
+        .check(words.method)
+        .map_err(|error| failure(&error))?;
     let default = RenderSettings::default();
     let budget = match (words.spp, words.mutations, words.time) {
         (Some(n), _, _) => Budget::PerPixel(n),

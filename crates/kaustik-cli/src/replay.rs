@@ -47,7 +47,7 @@ pub(crate) fn run(words: &ReplayWords) -> Result<ExitCode, Failure> {
         .map_err(|error| failure(&error))?;
     let RenderSettings { method, seed, .. } = settings;
     let what = format!("{method} of {}, step {seed}:{place}", source.scene);
-    output::print(&text::of(&what, &events, &scene));
+    output::print(&text::of(&what, &events, &scene))?;
     if let Some(path) = &words.gltf {
         let notes = json!({ "kaustik": what });
         let text = lines(&drawing::of(&events), &notes);

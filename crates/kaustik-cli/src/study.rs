@@ -13,6 +13,7 @@ use kaustik_study::{Runner, Section, Study, StudyError, StudyProgress, write};
 
 use crate::arguments::StudyWords;
 use crate::lock::Locks;
+use crate::render::failure;
 use crate::signals::Signals;
 use crate::{Failure, output};
 
@@ -57,6 +58,9 @@ pub(crate) fn run(words: &StudyWords) -> Result<ExitCode, Failure> {
         Err(error @ (StudyError::Words { .. } | StudyError::Scene { .. })) => {
             return Err(Failure::input(error));
         }
+        Err(StudyError::Render { what, source }) => {
+            return Err(failure(&source).within(&what));
+        }
         Err(error) => return Err(Failure::other(error)),
     };
     for (number, claims) in judged {
@@ -66,7 +70,7 @@ pub(crate) fn run(words: &StudyWords) -> Result<ExitCode, Failure> {
                 "figure {number}: {claim}\n  measured: {}\n  {}\n",
                 finding.measured,
                 finding.verdict.word()
-            ));
+            ))?;
         }
     }
     output::note(&format!("{}", page.display()));

@@ -42,13 +42,12 @@ impl Average {
     /// Takes another image.
     ///
     /// # Errors
-    /// If it has another size.
+    /// If it has another size, or shows another part of the whole.
     pub fn push(&mut self, image: &Image, weight: f64) -> Result<(), ImageError> {
-        if image.pixels() != self.first.pixels() {
-            return Err(ImageError::Samples {
-                channel: "R".to_owned(),
-                found: image.pixels(),
-                expected: self.first.pixels(),
+        if image.shape() != self.first.shape() {
+            return Err(ImageError::Shape {
+                found: image.shape(),
+                expected: self.first.shape(),
             });
         }
         self.parts += 1;
@@ -137,6 +136,20 @@ mod tests {
             image.push_layer(layer).expect("a layer");
         }
         image
+    }
+
+    #[test]
+    fn other_shapes_are_refused() {
+        let wide = image([1.0, 2.0], None);
+        let planes = || [(); 3].map(|()| vec![1.0; 2]);
+        let high = Image::from_rgb(1, 2, planes()).expect("an image");
+        let elsewhere = image([1.0, 2.0], None).placed([2, 0], [4, 1]);
+        let here = image([1.0, 2.0], None).placed([0, 0], [4, 1]);
+        for other in [&high, &elsewhere] {
+            assert!(Average::of(&wide, 1.0).push(other, 1.0).is_err());
+        }
+        assert!(Average::of(&here, 1.0).push(&elsewhere, 1.0).is_err());
+        assert!(Average::of(&here, 1.0).push(&here, 1.0).is_ok());
     }
 
     #[test]

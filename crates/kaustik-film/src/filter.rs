@@ -18,7 +18,8 @@ pub(crate) const MAX_TAPS: usize = 17;
 /// A separable pixel filter with its radius in pixels.
 ///
 /// Built by [`Filter::new`] or from text: `box`, `tent`, `gaussian`, `mitchell`, `blackman-harris`, each
-/// alone or with a radius, as in `gaussian:2`.
+/// alone or with a radius, as in `tent:2`. A larger radius makes a filter wider, but for the Gaussian, `exp(-2 x^2)` at a
+/// distance of `x` pixels whatever its radius: that only says where it ends.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "String", into = "String")]
 pub struct Filter {
@@ -143,7 +144,7 @@ impl Filter {
     /// Whether each splat touches exactly one pixel with weight one.
     #[must_use]
     pub fn is_single_pixel(&self) -> bool {
-        self.shape == Shape::Box && self.radius < 1.0
+        self.shape == Shape::Box && self.radius <= 0.5
     }
 
     /// The pixels along one axis that a point at `x` (in pixels; pixel i spans i to i + 1) touches: index

@@ -60,6 +60,14 @@ pub enum ImageError {
         /// Width times height.
         expected: usize,
     },
+    /// A picture of another size, or of another part of the whole.
+    #[error("a picture of {found}: expected {expected}")]
+    Shape {
+        /// Its size and place.
+        found: String,
+        /// Those wanted.
+        expected: String,
+    },
     /// A name that is empty, taken, too long, or not plain text.
     #[error(
         "layer '{layer}', channel '{channel}': expected unique names of 1 to 255 printable ASCII characters, channels without dots"
@@ -236,6 +244,15 @@ impl Image {
     #[must_use]
     pub fn full_size(&self) -> [u32; 2] {
         self.full
+    }
+
+    /// Its size and place, in words: what two pictures must share for their pixels to lie on each other.
+    pub(crate) fn shape(&self) -> String {
+        let ([x, y], [width, height]) = (self.origin, self.full);
+        format!(
+            "{} x {} pixels at {x},{y} of {width} x {height}",
+            self.width, self.height
+        )
     }
 
     /// All layers, the main one first.

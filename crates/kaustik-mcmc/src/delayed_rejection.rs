@@ -127,7 +127,9 @@ impl<S, V, const K: usize> Metropolis<S, V, K> {
             None => 0.0,
         };
         let accepted = decide(a, draws);
-        self.statistics.count(&proposal, densities, a, accepted);
+        let from = self.density();
+        self.statistics
+            .count(&proposal, densities, from, (a, accepted));
         let again = proposal.independent;
         if !again {
             self.pending.weight += 1.0 - a;
@@ -171,7 +173,9 @@ impl<S, V, const K: usize> Metropolis<S, V, K> {
             None => 0.0,
         };
         let accepted = decide(a, draws);
-        self.statistics.count(&proposal, densities, a, accepted);
+        let from = self.density();
+        self.statistics
+            .count(&proposal, densities, from, (a, accepted));
         self.pending.weight += 1.0 - a;
         let visit = Pending {
             weight: a,

@@ -116,18 +116,24 @@ impl<S, N: Kernel<S>> Kernel<S> for &N {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Move {
     /// What sort of move it was, for the statistics: below [`Move::KINDS`], or it counts as
-    /// the last (`usize::MAX`, a mixture's word for no move at all, is not to be used). [`Move::SMALL`], [`Move::LARGE`] and [`Move::SECOND`] are taken.
+    /// the last; [`Move::NONE`] counts as none. [`Move::SMALL`], [`Move::LARGE`] and [`Move::SECOND`] are taken.
     pub kind: usize,
     /// T(v -> u) / T(u -> v), the chance of proposing the way back over that of the way
     /// there: finite, at least 0; 1 for symmetric proposals, 0 if the proposal is
     /// impossible (its value is then ignored).
+    ///
+    /// Of continuous states these are densities, both in the measure of the family's own density, and with the probability
+    /// of choosing this kind of move. A map y = g(x) without a random number of its own contributes its Jacobian, |det dy/dx|.
     pub ratio: f64,
     /// Whether the proposal is a sample of the uniform law on the cube, independent of the
-    /// current state.
+    /// current state. Such samples estimate the normaliser, those of ratio 0 as zeros: an independent proposal that comes to
+    /// nothing must say so here too.
     pub independent: bool,
 }
 
 impl Move {
+    /// The kind of no move at all: where none of several kernels suits a state.
+    pub const NONE: usize = usize::MAX;
     /// How many kinds of moves are told apart.
     pub const KINDS: usize = 8;
     /// The kind of a small step.
@@ -161,7 +167,8 @@ impl Move {
         }
     }
 
-    /// A move that leads nowhere: certain to be rejected.
+    /// A move that leads nowhere: certain to be rejected. One that was to be independent is
+    /// `Move { ratio: 0.0, ..Move::large() }`.
     pub const fn impossible(kind: usize) -> Self {
         Self::new(kind, 0.0)
     }

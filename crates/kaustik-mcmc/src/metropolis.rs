@@ -106,7 +106,9 @@ impl<S, V, const K: usize> Metropolis<S, V, K> {
             None => 0.0,
         };
         let accepted = decide(a, draws);
-        self.statistics.count(&proposal, densities, a, accepted);
+        let from = self.density();
+        self.statistics
+            .count(&proposal, densities, from, (a, accepted));
         self.statistics.count_step(accepted, &mut self.stay);
 
         self.pending.weight += 1.0 - a; // Kelemen sec. 1.2

@@ -135,7 +135,7 @@ where
         let of_component = self
             .kernels
             .propose(component, state, current, proposed, draws);
-        if of_component.kind == UNOPENED {
+        if of_component.kind == Move::NONE {
             // a mixture within, of which no kernel was asked: nobody has anything to take back
             return of_component;
         }
@@ -157,14 +157,14 @@ where
     }
 
     fn accept_move(&self, state: &mut S, proposal: &Move) {
-        if proposal.kind != UNOPENED {
+        if proposal.kind != Move::NONE {
             let (component, own) = component::<N>(proposal);
             self.kernels.accept(component, state, &own);
         }
     }
 
     fn reject_move(&self, state: &mut S, proposal: &Move) {
-        if proposal.kind != UNOPENED {
+        if proposal.kind != Move::NONE {
             let (component, own) = component::<N>(proposal);
             self.kernels.reject(component, state, &own);
         }
@@ -181,11 +181,9 @@ where
     }
 }
 
-/// The kind of a move for which no kernel was asked.
-const UNOPENED: usize = usize::MAX;
-
+/// A move for which no kernel was asked.
 fn unopened(ratio: f64) -> Move {
-    Move::new(UNOPENED, ratio)
+    Move::new(Move::NONE, ratio)
 }
 
 /// Which component made a move, and the move as that component knows it.

@@ -286,7 +286,7 @@ impl<S: Clone, V: Clone + Default> Redistributor<S, V> {
             let densities = statistics.judge(&proposal, family, &self.proposed);
             let a = densities.map_or(0.0, |[d]| acceptance(place.density, d, proposal.ratio));
             let accepted = decide(a, draws);
-            statistics.count(&proposal, densities, a, accepted);
+            statistics.count(&proposal, densities, place.density, (a, accepted));
 
             let (there, here) = plan.split(a, accepted, unit);
             if plan.patience.is_some_and(|most| place.rejections > most) {

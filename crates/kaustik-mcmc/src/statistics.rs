@@ -86,12 +86,13 @@ impl<const K: usize> Statistics<K> {
         }
     }
 
-    /// Small steps.
+    /// Small steps, from where the density was not zero. Of a [`Mixture`](crate::Mixture): those of its first component.
     pub fn small(&self) -> &Acceptance {
         &self.moves[Move::SMALL]
     }
 
-    /// Large steps.
+    /// Large steps, likewise; of a [`Mixture`](crate::Mixture) kind 1 is a move of its second component
+    /// ([`Mixture::kind`](crate::Mixture::kind)).
     pub fn large(&self) -> &Acceptance {
         &self.moves[Move::LARGE]
     }
@@ -116,18 +117,21 @@ impl<const K: usize> Statistics<K> {
         densities
     }
 
-    /// Counts a proposal that was decided with acceptance probability `a`.
+    /// Counts a proposal from where the density is `from`, decided with acceptance probability `a`. From density 0 all is
+    /// accepted: that tells nothing of a kind of moves, and is not counted as one.
     pub(crate) fn count(
         &mut self,
         proposal: &Move,
         densities: Option<[f64; K]>,
-        a: f64,
-        accepted: bool,
+        from: f64,
+        (a, accepted): (f64, bool),
     ) {
-        let kind = &mut self.moves[proposal.kind.min(Move::KINDS - 1)];
-        kind.proposed += 1;
-        kind.accepted += u64::from(accepted);
-        kind.expected += a;
+        if from > 0.0 && proposal.kind != Move::NONE {
+            let kind = &mut self.moves[proposal.kind.min(Move::KINDS - 1)];
+            kind.proposed += 1;
+            kind.accepted += u64::from(accepted);
+            kind.expected += a;
+        }
         if proposal.independent {
             let densities = densities.unwrap_or([0.0; K]);
             for (mean, density) in self.independent.iter_mut().zip(densities) {

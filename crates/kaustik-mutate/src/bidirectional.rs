@@ -24,7 +24,7 @@ pub struct BidirectionalMutation<'a> {
 const MOST_DELETED: usize = 16;
 /// A part grows or shrinks by no more edges.
 const MOST_CHANGE: usize = 12;
-/// Weight of making the whole path anew, beside the 1 or so of all other deletions of one length.
+/// Weight of making the whole path anew, beside the 1 or so of the shorter deletions that begin at one vertex.
 const WHOLE: f64 = 0.25;
 
 /// Veach's `p_d1`, by the number of edges.

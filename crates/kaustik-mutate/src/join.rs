@@ -59,14 +59,8 @@ impl PathSpace<'_> {
     fn see(&self, path: &mut Path, i: usize) -> bool {
         let wavelengths = path.wavelengths;
         let (light, eye) = path.pair(i);
-        let interior = match (eye.place, light.place) {
-            (Place::Lens, Place::Emitter(EmitterPoint::Environment(_))) => {
-                self.scene.camera_interior()
-            }
-            (Place::Lens, _) => self.beyond(light, light.toward_eye),
-            _ => self.beyond(eye, eye.toward_light),
-        };
-        let passed = self.passed(light, eye, &interior);
+        let interior = self.interior_between(light, eye);
+        let passed = self.passed(light, eye);
         let endless = self.is_endless(light);
         let distance = if eye.place == Place::Lens && !endless {
             (light.vertex.position - eye.vertex.position).length()

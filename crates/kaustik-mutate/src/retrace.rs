@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use glam::{DVec2, DVec3};
-use kaustik_bsdf::{Frame, Lobe, Mode};
+use kaustik_bsdf::{Lobe, Mode};
 use kaustik_geometry::{Ray, World};
 use kaustik_mcmc::{Draws, Mutation, Uniform};
 use kaustik_scene::EmitterPoint;
@@ -90,14 +90,9 @@ impl Retrace<'_> {
             lens.vertex.position = camera.carried(before, lens.vertex.position);
         }
         if let (true, Some(step)) = (space.has_aperture(), self.step) {
-            let radius = (1.0 / (std::f64::consts::PI * camera.pdf_lens())).sqrt();
-            let reach = 2.0 * radius * step.fraction();
-            let frame = Frame::from_z(camera.forward());
-            let across = frame.x * (draws.uniform() - 0.5) + frame.y * (draws.uniform() - 0.5);
-            lens.vertex.position += across * reach;
-            if (lens.vertex.position - camera.position()).length() > radius {
-                return None;
-            }
+            let mut by = || 2.0 * step.fraction() * (draws.uniform() - 0.5);
+            let by = DVec2::new(by(), by());
+            lens.vertex.position = camera.moved_on_lens(lens.vertex.position, by)?;
         }
         let (min, max) = (space.settings.window_min, space.settings.window_max);
         let raster = match self.step {

@@ -75,7 +75,7 @@ impl PathSpace<'_> {
         };
         self.arrive(slot, interior, -direction);
         if self.scene.has_alpha() {
-            slot.edge.passed = self.passed(slot, from, &start);
+            slot.edge.passed = self.passed(slot, from);
         }
         if i == 0 {
             slot.place = Place::Emitter(EmitterPoint::Surface);
@@ -98,7 +98,6 @@ impl PathSpace<'_> {
         let (from, slot) = path.pair(i);
         let direction = from.toward_eye;
         let mut interior = self.beyond(from, direction);
-        let start = interior;
         let draw = || draws.uniform();
         let segment =
             (self.scene).advance(ray, &mut interior, &wavelengths, draw, &mut slot.vertex);
@@ -113,7 +112,7 @@ impl PathSpace<'_> {
         (self.scene).write_bsdf(&slot.vertex, &wavelengths, &interior, &mut slot.bsdf);
         from.edge = self.edge_from(from, slot, segment.absorption);
         if self.scene.has_alpha() {
-            from.edge.passed = self.passed(from, slot, &start);
+            from.edge.passed = self.passed(from, slot);
         }
         true
     }
@@ -151,8 +150,20 @@ impl PathSpace<'_> {
     }
 
     /// Share of light that passes between two neighbours; 0 where they do not see each other.
-    pub(crate) fn passed(&self, light: &PathVertex, eye: &PathVertex, interior: &Interior) -> f64 {
-        f64::from(self.scene.transmittance(&self.sight(light, eye), interior))
+    pub(crate) fn passed(&self, light: &PathVertex, eye: &PathVertex) -> f64 {
+        let interior = self.interior_between(light, eye);
+        f64::from(self.scene.transmittance(&self.sight(light, eye), &interior))
+    }
+
+    /// The solids around the beginning of [`Self::sight`]: where interfaces are hidden, those at its other end are others.
+    pub(crate) fn interior_between(&self, light: &PathVertex, eye: &PathVertex) -> Interior {
+        match (eye.place, light.place) {
+            (Place::Lens, Place::Emitter(EmitterPoint::Environment(_))) => {
+                self.scene.camera_interior()
+            }
+            (Place::Lens, _) => self.beyond(light, light.toward_eye),
+            _ => self.beyond(eye, eye.toward_light),
+        }
     }
 
     /// The ray between two neighbours, from the eye's side where that is a surface.

@@ -76,11 +76,7 @@ impl WavelengthMutation<'_> {
         if space.is_endless(light) {
             return;
         }
-        let interior = if eye.place == Place::Lens {
-            space.beyond(light, light.toward_eye)
-        } else {
-            space.beyond(eye, eye.toward_light)
-        };
+        let interior = space.interior_between(light, eye);
         light.edge.absorption = if interior.is_vacuum() {
             Spectrum::ONE
         } else {

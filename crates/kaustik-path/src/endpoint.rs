@@ -1,16 +1,14 @@
 //! A walk from the camera that is joined to an emitter at its end only (Kelemen sec. 2).
 
 use kaustik_bsdf::{Bsdf, Lobe};
-use kaustik_pss::{Coordinates, Stream};
+use kaustik_pss::Coordinates;
 use kaustik_scene::{Scene, Vertex};
 
 use crate::contributions::Gathered;
 use crate::next_event::{Shares, next_event};
 use crate::unidirectional::{Origin, emission, escape};
 use crate::walk::{Scatter, Walk};
-use crate::{BuilderSettings, Contributions, PathBuilder, camera_walk, layout};
-
-const BOUNCES: (Stream, u32) = (Stream::Camera, layout::CAMERA_HEAD);
+use crate::{BuilderSettings, Contributions, PathBuilder, camera_walk};
 
 /// Least and largest probability that a walk goes on from a vertex where it could be joined.
 const ONWARD: (f64, f64) = (0.3, 0.8);
@@ -54,8 +52,7 @@ impl Endpoint {
             let scatter = walk.scatter(scene, &vertex, &mut bsdf);
             let onward = onward(&scatter);
             if onward < 1.0 {
-                let stop = layout::bounce(layout::CAMERA_HEAD, walk.edges) + 3;
-                if u.get(Stream::Camera, stop) >= onward {
+                if walk.stops(onward, u) {
                     let shares = Shares {
                         next_event: 1.0 - onward,
                         scattering: onward,
@@ -67,13 +64,13 @@ impl Endpoint {
                 }
                 walk.throughput /= onward as f32;
             }
-            let Some(sample) = walk.bounce(scene, &scatter, u, BOUNCES) else {
+            let Some(sample) = walk.bounce(scene, &scatter, u) else {
                 return;
             };
             share = 1.0 - onward;
             let rivalled = onward < 1.0 && !sample.delta;
             origin = rivalled.then(|| Origin::new(scatter.vertex.position, sample.pdf * onward));
-            if onward >= 1.0 && !walk.survives(u, BOUNCES) {
+            if onward >= 1.0 && !walk.survives(u) {
                 return;
             }
         }

@@ -4,7 +4,7 @@
 //! counted by the edge that leads to them, from 1.
 //!
 //! The stream of time has one coordinate, index 0: when, while the shutter is open, the path is there. It is asked for
-//! only where the scene moves, after the wavelength and before all else of the path.
+//! only where the scene moves.
 
 /// Camera stream: raster x, y, lens (two), then [`BOUNCE`] a vertex.
 pub const CAMERA_HEAD: u32 = 4;
@@ -12,6 +12,8 @@ pub const CAMERA_HEAD: u32 = 4;
 pub const LIGHT_HEAD: u32 = 5;
 /// A vertex's own: lobe, direction (two), roulette.
 pub const BOUNCE: u32 = 4;
+/// Among these, that of roulette.
+pub const ROULETTE: u32 = 3;
 /// Connection stream: [`NEXT_EVENT`] for a vertex of a camera walk, then [`LENS`] for the vertex that
 /// a light walk reaches one edge earlier (the emitter itself is its vertex 0).
 pub const CONNECTION: u32 = NEXT_EVENT + LENS;

@@ -20,6 +20,7 @@ mod photon;
 mod rays;
 mod roulette;
 mod scalar;
+mod shadow;
 mod sighting;
 mod trace;
 mod unidirectional;

@@ -8,11 +8,10 @@ use kaustik_spectrum::Wavelengths;
 
 use crate::contributions::colour;
 use crate::instant::at_its_time;
+use crate::shadow::Shadow;
 use crate::trace::{Event, note};
 use crate::walk::{Scatter, Walk};
 use crate::{BuilderSettings, Class, Contributions, PathBuilder, layout};
-
-const BOUNCES: (Stream, u32) = (Stream::Light, layout::LIGHT_HEAD);
 
 /// Walks from the emitters. Strategy t = 1 for every vertex, and (1, 1), the emitter itself
 /// joined to the lens, because a light tracer has no other way to show it.
@@ -77,7 +76,7 @@ impl LightTracing {
             if walk.edges + 1 >= self.settings.min_edges {
                 self.join(scene, walk, &scatter, u, out);
             }
-            if walk.bounce(scene, &scatter, u, BOUNCES).is_none() || !walk.survives(u, BOUNCES) {
+            if walk.bounce(scene, &scatter, u).is_none() || !walk.survives(u) {
                 return;
             }
         }
@@ -121,12 +120,16 @@ impl LightTracing {
             weight: 1.0,
             value,
         });
-        let interior =
-            scene.interior_toward(vertex, &walk.interior, -walk.direction, lens.direction);
-        let ray = Ray::towards(&vertex.surface, lens.position.as_vec3());
+        let back = -walk.direction;
+        let shadow = Shadow {
+            ray: Ray::towards(&vertex.surface, lens.position.as_vec3()),
+            interior: scene.interior_toward(vertex, &walk.interior, back, lens.direction),
+            distance: lens.distance,
+        };
         out.count_shadow();
-        value *= scene.transmittance(&ray, &interior);
-        value *= scene.absorption(&interior, walk.wavelengths, lens.distance);
+        if !shadow.dim(scene, walk.wavelengths, &mut value) {
+            return;
+        }
         let dispersive = walk.dispersive || scatter.bsdf.dispersive_between(scatter.wo, wi);
         let xyz = colour(value, dispersive, walk.wavelengths);
         out.push(lens.raster, xyz, Class::L4);
@@ -168,11 +171,15 @@ impl LightTracing {
             weight: 1.0,
             value,
         });
-        let ray = Ray::towards(&area.surface, lens.position.as_vec3());
-        let interior = scene.area_interior(area, lens.direction);
+        let shadow = Shadow {
+            ray: Ray::towards(&area.surface, lens.position.as_vec3()),
+            interior: scene.area_interior(area, lens.direction),
+            distance: lens.distance,
+        };
         out.count_shadow();
-        value *= scene.transmittance(&ray, &interior);
-        value *= scene.absorption(&interior, wavelengths, lens.distance);
+        if !shadow.dim(scene, wavelengths, &mut value) {
+            return;
+        }
         out.push(lens.raster, wavelengths.to_xyz(value), Class::L4);
     }
 }

@@ -6,6 +6,7 @@ use kaustik_pss::{Coordinates, Stream};
 use kaustik_scene::{DirectSample, Reach, Scene};
 
 use crate::contributions::Gathered;
+use crate::shadow::Shadow;
 use crate::trace::{Event, note};
 use crate::walk::{Scatter, Walk, power_heuristic};
 use crate::{Class, layout};
@@ -71,17 +72,14 @@ pub(crate) fn next_event(
         },
         value,
     });
-    let interior = scene.interior_toward(vertex, &walk.interior, -walk.direction, sample.wi);
+    let shadow = Shadow {
+        ray: scene.shadow_ray(vertex, &sample),
+        interior: scene.interior_toward(vertex, &walk.interior, -walk.direction, sample.wi),
+        distance: end(&sample).map_or(0.0, |end| (end - vertex.position).length()),
+    };
     gathered.count_shadow();
-    let visible = scene.transmittance(&scene.shadow_ray(vertex, &sample), &interior);
-    if visible == 0.0 {
+    if !shadow.dim(scene, walk.wavelengths, &mut value) {
         return;
-    }
-    value *= visible;
-    if !interior.is_vacuum() {
-        // A walk that escapes from a solid that is not closed is not dimmed either.
-        let distance = end(&sample).map_or(0.0, |end| (end - vertex.position).length());
-        value *= scene.absorption(&interior, walk.wavelengths, distance);
     }
     let dispersive = walk.dispersive || scatter.bsdf.dispersive_between(scatter.wo, wi);
     gathered.add(Class::L2, value, dispersive);

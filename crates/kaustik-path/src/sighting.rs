@@ -7,9 +7,7 @@ use kaustik_spectrum::Wavelengths;
 
 use crate::instant::at_its_time;
 use crate::walk::Walk;
-use crate::{BuilderSettings, camera_walk, layout};
-
-pub(crate) const BOUNCES: (Stream, u32) = (Stream::Camera, layout::CAMERA_HEAD);
+use crate::{BuilderSettings, camera_walk};
 
 /// Which walks a look follows beyond their first surface: by how they scatter there.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -86,9 +84,9 @@ fn sight_at(
         }
         let scatter = walk.scatter(scene, &vertex, &mut bsdf);
         let first = walk.edges == 1;
-        if walk.bounce(scene, &scatter, u, BOUNCES).is_none()
+        if walk.bounce(scene, &scatter, u).is_none()
             || first && !beginning.admits(walk.specular)
-            || !walk.survives(u, BOUNCES)
+            || !walk.survives(u)
         {
             return so_far(&walk);
         }

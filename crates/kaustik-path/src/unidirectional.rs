@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 use kaustik_bsdf::Bsdf;
-use kaustik_pss::{Coordinates, Stream};
+use kaustik_pss::Coordinates;
 use kaustik_scene::{Scene, Vertex};
 use kaustik_spectrum::Spectrum;
 
@@ -10,9 +10,7 @@ use crate::contributions::Gathered;
 use crate::next_event::{Shares, next_event};
 use crate::trace::{Event, note};
 use crate::walk::{Walk, power_heuristic};
-use crate::{BuilderSettings, Class, Contributions, PathBuilder, camera_walk, layout};
-
-const BOUNCES: (Stream, u32) = (Stream::Camera, layout::CAMERA_HEAD);
+use crate::{BuilderSettings, Class, Contributions, PathBuilder, camera_walk};
 
 /// Walks from the camera; emitters are found by next-event estimation at every vertex and by
 /// running into them, weighted by the power heuristic (Veach 1997, 9.2), or by
@@ -70,12 +68,12 @@ impl Unidirectional {
             if self.next_event && walk.edges + 1 >= settings.min_edges {
                 next_event(scene, walk, &scatter, Shares::BOTH, u, gathered);
             }
-            let Some(sample) = walk.bounce(scene, &scatter, u, BOUNCES) else {
+            let Some(sample) = walk.bounce(scene, &scatter, u) else {
                 return;
             };
             let rivalled = self.next_event && !sample.delta;
             origin = rivalled.then(|| Origin::new(scatter.vertex.position, sample.pdf));
-            if !walk.survives(u, BOUNCES) {
+            if !walk.survives(u) {
                 return;
             }
         }

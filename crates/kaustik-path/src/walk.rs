@@ -146,17 +146,27 @@ impl<'w> Walk<'w> {
         }
     }
 
+    /// The stream of what the walk decides at its vertices, and the first of these coordinates at the vertex just
+    /// reached.
+    #[inline]
+    fn bounce_coordinates(&self) -> (Stream, u32) {
+        let (stream, head) = match self.mode {
+            Mode::Radiance => (Stream::Camera, layout::CAMERA_HEAD),
+            Mode::Importance => (Stream::Light, layout::LIGHT_HEAD),
+        };
+        (stream, layout::bounce(head, self.edges))
+    }
+
     /// Draws the next direction and returns what was drawn, for weights; `None` when the walk ends
-    /// here. `head` is the start of the bounces in `stream`.
+    /// here.
     #[inline]
     pub(crate) fn bounce(
         &mut self,
         scene: &Scene,
         scatter: &Scatter<'_>,
         u: &mut dyn Coordinates,
-        (stream, head): (Stream, u32),
     ) -> Option<Sample> {
-        let first = layout::bounce(head, self.edges);
+        let (stream, first) = self.bounce_coordinates();
         let uc = if scatter.bsdf.has_choice() {
             u.get(stream, first)
         } else {
@@ -195,24 +205,42 @@ impl<'w> Walk<'w> {
 
     /// Russian roulette after a bounce; `false` when the walk ends.
     #[inline]
-    pub(crate) fn survives(
-        &mut self,
-        u: &mut dyn Coordinates,
-        (stream, head): (Stream, u32),
-    ) -> bool {
+    pub(crate) fn survives(&mut self, u: &mut dyn Coordinates) -> bool {
         // Only radiance is divided by the square of the index inside a solid.
         let inside = self.mode == Mode::Radiance && !self.interior.is_vacuum();
         let survival = roulette::survival(self.edges, self.throughput.mean() / self.start, inside);
+        self.survives_with(survival, u)
+    }
+
+    /// Roulette after a bounce, by the albedo: what goes on carries what the walk began with. `false` when the
+    /// walk ends.
+    #[inline]
+    pub(crate) fn survives_by_albedo(&mut self, u: &mut dyn Coordinates) -> bool {
+        self.survives_with(self.throughput.mean() / self.start, u)
+    }
+
+    /// Ends the walk but with this probability; one that is 1 or more asks for nothing.
+    #[inline]
+    fn survives_with(&mut self, survival: f32, u: &mut dyn Coordinates) -> bool {
         if survival >= 1.0 {
             return true;
         }
-        let ends = u.get(stream, layout::bounce(head, self.edges) + 3) >= f64::from(survival);
-        self.tell_roulette(survival, !ends);
-        if ends {
+        let stops = self.stops(f64::from(survival), u);
+        self.tell_roulette(survival, !stops);
+        if stops {
             return false;
         }
+        // A throughput that is no number goes on, to be counted where it arrives.
         self.throughput /= survival;
         true
+    }
+
+    /// Does the coordinate of roulette end the walk at the vertex just reached, where it is to go on with this
+    /// probability?
+    #[inline]
+    pub(crate) fn stops(&self, onward: f64, u: &mut dyn Coordinates) -> bool {
+        let (stream, first) = self.bounce_coordinates();
+        u.get(stream, first + layout::ROULETTE) >= onward
     }
 
     #[inline]
@@ -223,27 +251,6 @@ impl<'w> Walk<'w> {
             survival: f64::from(survival),
             survived,
         });
-    }
-
-    /// Roulette after a bounce, by the albedo: what goes on carries what the walk began with. `false` when the
-    /// walk ends.
-    #[inline]
-    pub(crate) fn survives_by_albedo(
-        &mut self,
-        u: &mut dyn Coordinates,
-        (stream, head): (Stream, u32),
-    ) -> bool {
-        let survival = self.throughput.mean() / self.start;
-        if survival >= 1.0 {
-            return true;
-        }
-        let ends = u.get(stream, layout::bounce(head, self.edges) + 3) >= f64::from(survival);
-        self.tell_roulette(survival, !ends);
-        if ends {
-            return false;
-        }
-        self.throughput /= survival;
-        true
     }
 }
 

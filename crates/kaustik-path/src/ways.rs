@@ -8,7 +8,7 @@ use kaustik_scene::{Scene, Vertex};
 use kaustik_spectrum::Wavelengths;
 
 use crate::instant::at_its_time;
-use crate::sighting::{BOUNCES, sees_environment, sees_light};
+use crate::sighting::{sees_environment, sees_light};
 use crate::walk::Walk;
 use crate::{BuilderSettings, Sighting, camera_walk, layout};
 
@@ -169,13 +169,13 @@ impl Look<'_> {
             }
             let before = walk.clone();
             // Where nothing comes of it, other directions may fare better; of a Dirac direction there is but one.
-            let sample = walk.bounce(scene, &scatter, u, BOUNCES);
+            let sample = walk.bounce(scene, &scatter, u);
             if !sample.is_some_and(|sample| sample.delta) {
                 *walk = before;
                 leg.stands = true;
                 return leg;
             }
-            if !walk.survives(u, BOUNCES) {
+            if !walk.survives(u) {
                 return leg;
             }
         }
@@ -201,7 +201,7 @@ impl Look<'_> {
     fn scatter(&self, walk: &mut Walk<'_>, vertex: &Vertex, u: &mut dyn Coordinates) -> bool {
         let mut bsdf = Bsdf::black();
         let scatter = walk.scatter(self.scene, vertex, &mut bsdf);
-        walk.bounce(self.scene, &scatter, u, BOUNCES).is_some() && walk.survives(u, BOUNCES)
+        walk.bounce(self.scene, &scatter, u).is_some() && walk.survives(u)
     }
 }
 

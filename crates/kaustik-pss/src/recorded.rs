@@ -120,6 +120,10 @@ impl TryFrom<Written> for Recorded {
         if written.coordinates.iter().any(large) {
             return Err("a coordinate with an index of 2^24 or more");
         }
+        let outside = |(_, _, value): &(Stream, u32, f64)| !(0.0..1.0).contains(value);
+        if written.coordinates.iter().any(outside) {
+            return Err("a coordinate that is not in [0, 1)");
+        }
         let mut point: Self = written.coordinates.into_iter().collect();
         point.missing = written.missing;
         Ok(point)
@@ -213,7 +217,13 @@ mod tests {
         let file = serde_json::to_string(&point).unwrap();
         let again: Recorded = serde_json::from_str(&file).unwrap();
         assert_eq!(again, point);
-        for (from, to) in [("7", "16777216"), ("Light", "Shadow"), ("0.0", "\"x\"")] {
+        for (from, to) in [
+            ("7", "16777216"),
+            ("Light", "Shadow"),
+            ("0.0", "\"x\""),
+            ("0.0", "1.0"),
+            ("0.0", "-0.25"),
+        ] {
             let broken = file.replacen(from, to, 1);
             assert_ne!(broken, file);
             assert!(

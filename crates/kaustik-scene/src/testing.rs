@@ -50,6 +50,11 @@ pub(crate) fn chi_square(observed: &[f64], expected: &[f64]) -> f64 {
             }
         }
     }
+    // What is left expects less than five: too much of it is a fault, too little is none.
+    let [left, expected] = pool;
+    if left > expected {
+        add(left, expected.max(1.0));
+    }
     let freedom = f64::from(cells - 1);
     ChiSquared::new(freedom).map_or(0.0, |law| law.sf(statistic))
 }

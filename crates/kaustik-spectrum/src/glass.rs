@@ -60,8 +60,8 @@ impl Glass {
     /// A Sellmeier formula, C in square micrometres.
     ///
     /// # Errors
-    /// Unequal numbers of B and C, none or more than four, or an index that is not finite or
-    /// below 0.1 somewhere in 360-830 nm.
+    /// Unequal numbers of B and C, none or more than four, an index that is not finite or
+    /// below 0.1 somewhere in 360-830 nm, or a resonance there (a C of which the root lies within, whose B is not 0).
     pub fn sellmeier(b: &[f32], c: &[f32]) -> Result<Self, SpectrumError> {
         if b.len() != c.len() || b.is_empty() || b.len() > Self::SELLMEIER_TERMS {
             let most = Self::SELLMEIER_TERMS;
@@ -72,6 +72,17 @@ impl Glass {
             });
         }
         let padded = |terms: &[f32]| std::array::from_fn(|i| terms.get(i).copied().unwrap_or(0.0));
+        let micrometres = |nm: f32| nm * 1e-3;
+        let (least, most) = (micrometres(NM_MIN), micrometres(NM_MAX));
+        let resonant =
+            |(&b, &c): (&f32, &f32)| b != 0.0 && (least * least..=most * most).contains(&c);
+        if let Some((_, &c)) = b.iter().zip(c).find(|term| resonant(*term)) {
+            let nm = 1e3 * c.sqrt();
+            return Err(SpectrumError::Ior {
+                ior: f32::INFINITY,
+                nm,
+            });
+        }
         Self::Sellmeier {
             b: padded(b),
             c: padded(c),

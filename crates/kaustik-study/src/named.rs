@@ -9,6 +9,7 @@ mod erpt;
 mod evenness;
 mod pssmlt;
 mod relt;
+mod rivals;
 mod spatial_target;
 
 use std::ops::ControlFlow;

@@ -1,6 +1,6 @@
 //! What a study measured.
 
-use kaustik::film::metrics::{Measured, Nsd, Reference, difference, matched, measure, nsd};
+use kaustik::film::metrics::{Measured, Nsd, Reference, difference, matched, measure, nsd_beside};
 use kaustik::film::{Image, Keep};
 use serde_json::Value;
 
@@ -129,7 +129,7 @@ pub(crate) fn evaluate(
                 method,
                 budget,
                 cells,
-                nsd: nsd(&all),
+                nsd: nsd_beside(&all, &reference.image),
             });
         }
         let seed = study.seeds[0];

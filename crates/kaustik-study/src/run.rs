@@ -46,8 +46,7 @@ impl std::fmt::Debug for Runner<'_> {
     }
 }
 
-/// The reference's seeds begin here: those of studies are smaller or as small as they like, but
-/// rarely these.
+/// First seed of a reference's renders. Seeds of a study's file have 32 bits, so that they never collide.
 const REFERENCE_SEED: u64 = 1 << 40;
 
 /// Counts renders and tells.

@@ -11,7 +11,7 @@ use kaustik_path::{Contributions, Event, PathBuilder};
 use kaustik_scene::Scene;
 use rayon::prelude::*;
 
-use crate::beside;
+use crate::beside::Besides;
 use crate::control::is_stopped;
 use crate::engine::{Engine, Nonfinite, add_counters, add_nonfinite};
 use crate::lamps::Lamps;
@@ -86,7 +86,7 @@ struct AnnealingEngine<'a, const K: usize> {
     weights: ReplicaWeights<K>,
     rough: [Estimate; K],
     film: Film,
-    direct: Option<Lamps<'a>>,
+    besides: Besides<'a>,
     scale: Scale,
     /// Raster area of the window in pixels.
     area: f64,
@@ -124,7 +124,7 @@ impl<'a, const K: usize> AnnealingEngine<'a, K> {
             weights: ReplicaWeights::new(rough.map(|b| b.value), options.beta, specific),
             rough,
             film: Film::with_layout(&layout, Quantum::from_mean(started.mean / 3.0))?,
-            direct: Lamps::new(scene, settings)?,
+            besides: Besides::of_lamps(Lamps::new(scene, settings)?),
             scale: settings.scale(),
             area: layout.extended_bounds().area(),
             seed: settings.seed,
@@ -349,7 +349,7 @@ impl<const K: usize> Engine for AnnealingEngine<'_, K> {
             }
         }
         let steps = self.rounds() * self.cost();
-        beside::keep_up(&mut self.direct, steps);
+        self.besides.keep_up(steps);
         steps - before * self.cost()
     }
 
@@ -374,12 +374,12 @@ impl<const K: usize> Engine for AnnealingEngine<'_, K> {
 
     fn develop(&mut self) -> Result<Image, RenderError> {
         let mut parts = vec![(&self.film, self.area / self.rounds().max(1) as f64)];
-        parts.extend(self.direct.iter().map(Lamps::part));
+        parts.extend(self.besides.parts());
         Ok(develop(&parts)?)
     }
 
     fn layers(&self) -> Result<Vec<Layer>, RenderError> {
-        let direct = self.direct.iter().map(|d| layer("direct", d.part()));
+        let direct = self.besides.parts().map(|part| layer("direct", part));
         direct.collect()
     }
 
@@ -438,7 +438,7 @@ impl<const K: usize> Engine for AnnealingEngine<'_, K> {
     fn nonfinite(&self) -> (u64, Vec<Place>) {
         let told = self.told.iter();
         let own = Nonfinite::all(told.map(|told| (told.ladder, told.nonfinite)));
-        add_nonfinite(own, self.direct.as_ref().map(Lamps::nonfinite))
+        add_nonfinite(own, Some(self.besides.nonfinite()))
     }
 
     fn replay(&mut self, place: Place) -> Result<Vec<Event>, RenderError> {
@@ -446,11 +446,10 @@ impl<const K: usize> Engine for AnnealingEngine<'_, K> {
     }
 
     fn film_counters(&self) -> Counters {
-        let direct = self.direct.as_ref().map(Lamps::film_counters);
-        add_counters(self.film.counters(), direct.unwrap_or_default())
+        add_counters(self.film.counters(), self.besides.film_counters())
     }
 
     fn is_lit(&self) -> bool {
-        self.lit || self.direct.as_ref().is_some_and(Lamps::is_lit)
+        self.lit || self.besides.is_lit()
     }
 }

@@ -83,9 +83,10 @@ pub(crate) trait Engine: Keep {
     fn nonfinite(&self) -> (u64, Vec<Place>);
 
     /// Takes the step at this place, and those before it where they follow on each other, and tells
-    /// what happened in it. For an engine that has taken none, or is not yet [past it](Self::ahead), and will not be used
-    /// again; of a method that [has shares](crate::Method::has_shares), for one of that ladder alone. Refuses a step that
-    /// there is not.
+    /// what happened in it.
+    ///
+    /// The engine must not be [past it](Self::ahead), and must be dropped afterwards; if the method
+    /// [has shares](crate::Method::has_shares), it must drive that ladder alone. Refuses a step that does not exist.
     fn replay(&mut self, place: Place) -> Result<Vec<Event>, RenderError>;
 
     /// Iterations or stages of the whole render that [`replay`](Self::replay) has to run before it comes to the one of this place; `None`:

@@ -250,7 +250,7 @@ pub const KEYS: &[Key] = &[
         name: "floor",
         default: "0.01",
         range: "0 < floor <= 1",
-        meaning: "what a pixel counts as at least where a stage evens out the picture, as a share of the mean",
+        meaning: "lower bound on a pixel's value in a stage's map, as a fraction of the image's mean",
         methods: STAGED,
     },
     Key {

@@ -12,8 +12,8 @@ pub struct MergeStatistics {
     pub of: Parts,
     /// The parts, by seed and ladders.
     pub parts: Vec<MergedPart>,
-    /// Mean luminance over the pixels of the picture.
-    pub luminance: f64,
+    /// Mean luminance over the pixels of the picture; `None` where parts tell of different pixels.
+    pub luminance: Option<f64>,
     /// Its standard error, from the spread of the parts; `None` if it is not known.
     pub luminance_error: Option<f64>,
     /// Root mean square of the pixels' standard errors (layer `error`), over the mean of all channels.
@@ -94,7 +94,7 @@ impl MergeStatistics {
                 .then(|| (squares / (weight.max(1.0) * freedom)).sqrt()),
             of,
             parts,
-            luminance,
+            luminance: Some(luminance),
             pixel_error: None,
             unknown,
         }
@@ -105,7 +105,7 @@ impl MergeStatistics {
         Self {
             of,
             parts: Vec::new(),
-            luminance: 0.0,
+            luminance: None,
             luminance_error: None,
             pixel_error: None,
             unknown: Some(why.to_owned()),
@@ -145,14 +145,14 @@ impl MergeStatistics {
             return vec![format!("note: no errors from the spread of {of}: {why}")];
         }
         let error = self.luminance_error.unwrap_or(0.0);
-        let percent = 100.0 * error / self.luminance.max(f64::MIN_POSITIVE);
+        let luminance = self.luminance.unwrap_or(0.0);
+        let percent = 100.0 * error / luminance.max(f64::MIN_POSITIVE);
         let pixels = self.pixel_error.map_or(String::new(), |error| {
             format!("; a pixel's error is {:.2} % of the mean", 100.0 * error)
         });
         vec![format!(
-            "{} {of}: mean luminance {:.6} +- {error:.6} ({percent:.3} %){pixels}",
-            self.parts.len(),
-            self.luminance
+            "{} {of}: mean luminance {luminance:.6} +- {error:.6} ({percent:.3} %){pixels}",
+            self.parts.len()
         )]
     }
 }
@@ -198,7 +198,10 @@ mod tests {
     #[test]
     fn parts_of_one_size_tell_their_error() {
         let told = MergeStatistics::new(Parts::Seeds, vec![part(10, 1.0), part(30, 2.0)], 4.0);
-        assert!((told.luminance - 1.75).abs() < 1e-6);
+        assert!(
+            told.luminance
+                .is_some_and(|luminance| (luminance - 1.75).abs() < 1e-6)
+        );
         // (10 x 0.75^2 + 30 x 0.25^2) / 40
         let error = told.luminance_error.expect("known");
         assert!((error - 0.1875_f64.sqrt()).abs() < 1e-6);

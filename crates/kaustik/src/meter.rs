@@ -48,7 +48,7 @@ const MOST: u64 = 2048;
 /// Passes that are taken at once.
 const BLOCK: u64 = 16;
 
-/// Independent samples that a method makes itself, or scouts where these alone are what it wants help with.
+/// Independent samples that the method already makes (of `relt`: its scouts).
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Own {
     /// Of one, as a pilot saw it; scouts have theirs by what the meter thinks of them.
@@ -89,7 +89,7 @@ pub(crate) struct Meter<'a> {
     trials: Mean,
     /// Variance of a sample of the method's own, by what was known before the first; infinite where it is not known.
     of_own: f64,
-    /// Walks from the camera of a single way each that are to be thought to know as much as a pass.
+    /// How many scouts of a single way have the same expected variance as a pass.
     walks: f64,
     nonfinite: Nonfinite,
 }

@@ -6,6 +6,7 @@
 //! mutations further samples are made, so that b becomes better while the picture does.
 
 mod keep;
+mod mixture;
 mod pool;
 
 use std::ops::Range;
@@ -14,16 +15,13 @@ use std::sync::atomic::AtomicBool;
 use glam::DVec2;
 use kaustik_estimate::RasterMap;
 use kaustik_film::{Counters, Film, Image, Quantum, develop};
-use kaustik_mcmc::{Estimate, Mean, Metropolis, Mixture, Move, Pcg64Dxsm, Pool, Statistics, Visit};
-use kaustik_mutate::{
-    BidirectionalMutation, CausticPerturbation, EveryPerturbation, LensMutation, LensPerturbation,
-    Path, PathSpace, Radii, Run, Seeds, TimeMutation, Told, WavelengthMutation, WrittenPath,
-};
+use kaustik_mcmc::{Estimate, Mean, Metropolis, Pcg64Dxsm, Pool, Statistics, Visit};
+use kaustik_mutate::{Path, PathSpace, Seeds, Told, WrittenPath};
 use kaustik_path::{Event, Role};
 use kaustik_scene::Scene;
 use serde::{Deserialize, Serialize};
 
-use crate::beside;
+use crate::beside::Besides;
 use crate::chains::{self, LadderChain};
 use crate::control::is_stopped;
 use crate::engine::{Engine, Nonfinite, STRIDE, add_counters, add_nonfinite};
@@ -31,21 +29,15 @@ use crate::lamps::Lamps;
 use crate::meter::{Meter, Own, Terms};
 use crate::render::builder_settings;
 use crate::{
-    ChainStatistics, Jitter, MutationStatistics, Mutations, Normaliser, Options, Place,
-    RenderError, RenderSettings,
+    ChainStatistics, MutationStatistics, Mutations, Normaliser, Options, Place, RenderError,
+    RenderSettings,
 };
+use mixture::mixture;
 
 /// A sample for so many mutations: it takes the time of a few.
 const EACH: u64 = 64;
 /// Mutations for each cell of a pass of a [`Meter`]: a tenth to a fifth of the time.
 const METERED: u64 = 320;
-
-/// How many kinds of mutations there are.
-const KINDS: usize = Mutations::NAMES.len();
-
-/// How often each is made where it suits, in the order of their names: the two that trace no part that a
-/// perturbation keeps, and the one that traces nothing, need to come by only now and then.
-const SHARES: [f64; KINDS] = [1.0, 1.0, 1.0, 1.0, 0.25, 0.25, 0.5, 1.0];
 
 /// Chains on a film.
 pub(crate) struct MltEngine<'a> {
@@ -55,8 +47,7 @@ pub(crate) struct MltEngine<'a> {
     map: RasterMap,
     chains: Vec<Chain>,
     film: Film,
-    lamps: Option<Lamps<'a>>,
-    meter: Option<Meter<'a>>,
+    besides: Besides<'a>,
     pool: Mean,
     size: DVec2,
     /// Of this process; where the pool is dark they have no chains.
@@ -94,8 +85,8 @@ fn density(map: &RasterMap) -> impl Fn(&Path) -> [f64; 1] {
 impl<'a> MltEngine<'a> {
     /// Fills the pool and starts the chains.
     pub(crate) fn new(scene: &'a Scene, settings: &RenderSettings) -> Result<Self, RenderError> {
-        let lamps = Lamps::new(scene, settings)?;
-        let mut engine = Self::with_map(scene, settings, RasterMap::even(), lamps)?;
+        let besides = Besides::of_lamps(Lamps::new(scene, settings)?);
+        let mut engine = Self::with_map(scene, settings, RasterMap::even(), besides)?;
         if engine.pool.mean() > 0.0 {
             let own = Own {
                 variance: engine.pool.variance(),
@@ -105,7 +96,7 @@ impl<'a> MltEngine<'a> {
                 each: METERED,
                 unit: engine.space.settings.window_area(),
             };
-            engine.meter = Meter::new(scene, settings, own, terms);
+            engine.besides.meter = Meter::new(scene, settings, own, terms);
         }
         Ok(engine)
     }
@@ -115,7 +106,7 @@ impl<'a> MltEngine<'a> {
         scene: &'a Scene,
         settings: &RenderSettings,
         map: RasterMap,
-        lamps: Option<Lamps<'a>>,
+        besides: Besides<'a>,
     ) -> Result<Self, RenderError> {
         let options = settings.options;
         let size = DVec2::new(f64::from(settings.width), f64::from(settings.height));
@@ -130,8 +121,7 @@ impl<'a> MltEngine<'a> {
         Ok(Self {
             chains: pool::start_chains(&space, &map, &pool, settings),
             film: Film::with_layout(&settings.layout(), Quantum::from_mean(b / 3.0))?,
-            lamps,
-            meter: None,
+            besides,
             pool: *pool.normaliser(),
             space,
             options,
@@ -166,62 +156,15 @@ impl<'a> MltEngine<'a> {
         steps: u64,
         stop: Option<&AtomicBool>,
     ) -> u64 {
-        let radii = self.options.jitter.radii(self.size, Jitter::Veach);
-        let [least, most] = self.options.angles;
-        let angles = Radii { least, most };
-        let lens = |run| LensPerturbation {
-            space,
-            radii,
-            angles,
-            run,
-        };
-        let (single, multiple) = (lens(Run::Single), lens(Run::Multiple));
-        let caustic = CausticPerturbation { space, radii };
-        let (subpath, wavelengths) = (LensMutation { space }, WavelengthMutation { space });
-        let time = TimeMutation { space };
-        let made = self.options.mutations;
-        let every = EveryPerturbation {
-            space,
-            fraction: made.fraction,
-        };
-        let suits = |path: &Path| {
-            let suited = [
-                true,
-                made.holds(1) && single.suits(path),
-                made.holds(2) && multiple.suits(path),
-                made.holds(3) && caustic.suits(path),
-                made.holds(4) && subpath.suits(path),
-                made.holds(5) && wavelengths.suits(path),
-                made.holds(6) && time.suits(path),
-                made.holds(Mutations::EVERY) && every.suits(path),
-            ];
-            std::array::from_fn(|i| {
-                if suited[i] && made.holds(i) {
-                    SHARES[i]
-                } else {
-                    0.0
-                }
-            })
-        };
-        let kernels = (
-            BidirectionalMutation { space },
-            single,
-            multiple,
-            caustic,
-            subpath,
-            wavelengths,
-            time,
-            every,
-        );
         let kernel = Told {
-            kernel: Mixture::<_, _, KINDS>::new(kernels, suits),
+            kernel: mixture(space, &self.options, self.size),
             space,
             names: &Mutations::NAMES,
         };
         let density = density(&self.map);
         let mut record = |visit: Visit<'_, Path, 1>| self.deposit(&visit);
         let running = self.options.normaliser == Normaliser::Running
-            && !self.meter.as_ref().is_some_and(Meter::is_alone);
+            && !self.besides.meter.as_ref().is_some_and(Meter::is_alone);
         let instant = chain.metropolis.value().time();
         for done in 0..steps {
             let moved_on = chain.metropolis.value().time().total_cmp(&instant).is_ne();
@@ -252,7 +195,7 @@ impl<'a> MltEngine<'a> {
     /// The estimate of `b` that scales the image: independent samples all, and so its standard error is
     /// theirs.
     fn normaliser(&self) -> Estimate {
-        match &self.meter {
+        match &self.besides.meter {
             Some(meter) => meter.with(&self.with_own(Mean::new())),
             None => self.with_own(self.pool).into(),
         }
@@ -312,8 +255,7 @@ impl Engine for MltEngine<'_> {
             }),
         };
         self.chains = chains;
-        beside::keep_up(&mut self.lamps, steps);
-        beside::keep_up(&mut self.meter, steps);
+        self.besides.keep_up(steps);
         taken
     }
 
@@ -332,7 +274,7 @@ impl Engine for MltEngine<'_> {
             _ => 0.0,
         };
         let mut films = vec![(&self.film, scale * per_step)];
-        films.extend(self.lamps.iter().map(Lamps::part));
+        films.extend(self.besides.parts());
         Ok(develop(&films)?)
     }
 
@@ -343,7 +285,7 @@ impl Engine for MltEngine<'_> {
             // What keeps most of a path, and what may make all of it anew.
             small_acceptance: rate(&statistics, &[1, 2, 3, Mutations::EVERY]),
             large_acceptance: rate(&statistics, &[0]),
-            metered: (self.meter.as_ref())
+            metered: (self.besides.meter.as_ref())
                 .map_or(0.0, |meter| meter.share(&self.with_own(Mean::new()))),
             ..ChainStatistics::new(&statistics, [b.value, b.standard_error], self.pool.mean())
         })
@@ -371,8 +313,7 @@ impl Engine for MltEngine<'_> {
         let chains = self.chains.iter();
         let fresh = Nonfinite::all(chains.map(|chain| (chain.ladder, chain.nonfinite)));
         let own = add_nonfinite(proposed, Some(fresh));
-        let own = add_nonfinite(own, self.lamps.as_ref().map(Lamps::nonfinite));
-        add_nonfinite(own, self.meter.as_ref().map(Meter::nonfinite))
+        add_nonfinite(own, Some(self.besides.nonfinite()))
     }
 
     /// What is beside the chains has no part in it.
@@ -386,12 +327,11 @@ impl Engine for MltEngine<'_> {
     }
 
     fn film_counters(&self) -> Counters {
-        let lamps = self.lamps.as_ref().map(Lamps::film_counters);
-        add_counters(self.film.counters(), lamps.unwrap_or_default())
+        add_counters(self.film.counters(), self.besides.film_counters())
     }
 
     fn is_lit(&self) -> bool {
-        self.pool.mean() > 0.0 || self.lamps.as_ref().is_some_and(Lamps::is_lit)
+        self.pool.mean() > 0.0 || self.besides.is_lit()
     }
 }
 
@@ -402,5 +342,3 @@ fn rate(statistics: &Statistics<1>, kinds: &[usize]) -> f64 {
     };
     sum(|moves| moves.expected) / sum(|moves| moves.proposed as f64).max(1.0)
 }
-
-const _: () = assert!(KINDS <= Move::KINDS);

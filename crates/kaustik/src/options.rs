@@ -14,7 +14,7 @@ use crate::choices::{
 };
 use crate::key::KEYS;
 use crate::method::Method;
-use crate::{Mutations, PhotonOptions, StageOptions};
+use crate::{Mutations, PhotonOptions, RenderError, StageOptions};
 
 /// All settings; a method reads those that [`Method::keys`] lists.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -136,6 +136,41 @@ pub enum OptionError {
 }
 
 impl Options {
+    /// Refuses settings of a method that contradict each other.
+    ///
+    /// # Errors
+    /// [`RenderError::Setting`], with the reason.
+    pub fn check(&self, method: Method) -> Result<(), RenderError> {
+        let has = method.keys().any(|key| key.name == "nextevent");
+        match self.next_event_that_is_not_there(method) {
+            Some(reason) if has => Err(RenderError::Setting {
+                what: "nextevent",
+                found: "off".to_owned(),
+                expected: format!("on with {reason}"),
+            }),
+            _ => Ok(()),
+        }
+    }
+
+    /// What has no next event that could be switched off, with the reason.
+    fn next_event_that_is_not_there(&self, method: Method) -> Option<&'static str> {
+        if self.next_event {
+            return None;
+        }
+        match self.builder {
+            Builder::Endpoint => Some("builder=endpoint: an endpoint is joined or it is nothing"),
+            Builder::Simple | Builder::Bidirectional => Some(
+                "builder=simple or bidirectional: it is one of their ways of joining two walks",
+            ),
+            Builder::Unidirectional
+                if method == Method::Erpt && self.seeds == Starts::Bidirectional =>
+            {
+                Some("seeds=bidirectional: it is one of the ways of joining two walks")
+            }
+            Builder::Unidirectional => None,
+        }
+    }
+
     /// Applies `key=value` for a method.
     ///
     /// # Errors

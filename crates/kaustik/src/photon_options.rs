@@ -191,8 +191,8 @@ pub(crate) const PACE: Key = Key {
     name: "pace",
     default: "auto",
     range: "auto|a:b:c:d, 1..=64 each",
-    meaning: "in every so-many-th sweep the uniform chain takes a step, that of visibility, of inverse kernel size, of the \
-              full target (4:4:4:1: the last takes four to one of each other); auto: 1:32:32:32 where half of the uniform \
+    meaning: "the uniform chain and those of visibility, inverse kernel size and full target take a step in every a-th, b-th, \
+              c-th, d-th sweep (4:4:4:1: the last takes four to one of each other); auto: 1:64:64:64 where half of the uniform \
               light paths are seen, else 1:2:2:1 as in the authors' code; without a full target 1:1:1:1",
     methods: CHAINS,
 };

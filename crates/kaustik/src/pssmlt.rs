@@ -16,7 +16,7 @@ use kaustik_path::{Contributions, Event, PathBuilder, Rays};
 use kaustik_scene::Scene;
 use serde::{Deserialize, Serialize};
 
-use crate::beside;
+use crate::beside::Besides;
 use crate::builders::builder;
 use crate::chains::{self, LadderChain};
 use crate::control::is_stopped;
@@ -41,8 +41,7 @@ pub(crate) struct PssmltEngine<'a, F = ScalarContribution> {
     chains: Vec<Chain>,
     chain_film: Film,
     large_film: Option<Film>,
-    lamps: Option<Lamps<'a>>,
-    meter: Option<Meter<'a>>,
+    besides: Besides<'a>,
     pool: Mean,
     /// The constant in the weights; 0 if neither pool nor pilot saw any light.
     b0: f64,
@@ -86,8 +85,8 @@ impl<'a> PssmltEngine<'a> {
             target: options.target,
             contribution: options.contribution,
         };
-        let lamps = Lamps::new(scene, settings)?;
-        let mut engine = Self::of_family(scene, settings, builder, family, lamps)?;
+        let besides = Besides::of_lamps(Lamps::new(scene, settings)?);
+        let mut engine = Self::of_family(scene, settings, builder, family, besides)?;
         if engine.b0 > 0.0 {
             let own = Own {
                 variance: engine.pool.variance(),
@@ -97,7 +96,7 @@ impl<'a> PssmltEngine<'a> {
                 each: mutations_a_cell(settings),
                 unit: 1.0,
             };
-            engine.meter = Meter::new(scene, settings, own, terms);
+            engine.besides.meter = Meter::new(scene, settings, own, terms);
         }
         Ok(engine)
     }
@@ -110,7 +109,7 @@ impl<'a, F: Family<Contributions, 1> + Send + Sync> PssmltEngine<'a, F> {
         settings: &RenderSettings,
         builder: Box<dyn PathBuilder + 'a>,
         family: F,
-        lamps: Option<Lamps<'a>>,
+        besides: Besides<'a>,
     ) -> Result<Self, RenderError> {
         let options = settings.options;
         let nonfinite = AtomicU64::new(0);
@@ -149,8 +148,7 @@ impl<'a, F: Family<Contributions, 1> + Send + Sync> PssmltEngine<'a, F> {
             chains,
             chain_film: Film::with_layout(&layout, quantum)?,
             large_film,
-            lamps,
-            meter: None,
+            besides,
             pool: *pool.normaliser(),
             b0,
             scale: settings.scale(),
@@ -213,7 +211,7 @@ impl<'a, F: Family<Contributions, 1> + Send + Sync> PssmltEngine<'a, F> {
             return self.pool.into();
         }
         let own = &statistics.independent[0];
-        if let Some(meter) = &self.meter {
+        if let Some(meter) = &self.besides.meter {
             return meter.with(own);
         }
         let mut mean = self.pool;
@@ -241,8 +239,7 @@ impl<F: Family<Contributions, 1> + Send + Sync> Engine for PssmltEngine<'_, F> {
             self.drive(chain, steps, stop);
         });
         self.chains = chains;
-        beside::keep_up(&mut self.lamps, steps);
-        beside::keep_up(&mut self.meter, steps);
+        self.besides.keep_up(steps);
         taken
     }
 
@@ -262,14 +259,15 @@ impl<F: Family<Contributions, 1> + Send + Sync> Engine for PssmltEngine<'_, F> {
         };
         let mut films = vec![(&self.chain_film, scale * per_step)];
         films.extend(self.large_film.iter().map(|film| (film, per_step)));
-        films.extend(self.lamps.iter().map(Lamps::part));
+        films.extend(self.besides.parts());
         Ok(develop(&films)?)
     }
 
     fn chain_statistics(&self) -> Option<ChainStatistics> {
         let statistics = self.statistics();
         let b = self.normaliser(&statistics);
-        let metered = (self.meter.as_ref()).map(|meter| meter.share(&statistics.independent[0]));
+        let metered =
+            (self.besides.meter.as_ref()).map(|meter| meter.share(&statistics.independent[0]));
         Some(ChainStatistics {
             metered: metered.unwrap_or_default(),
             ..ChainStatistics::new(&statistics, [b.value, b.standard_error], self.b0)
@@ -279,8 +277,7 @@ impl<F: Family<Contributions, 1> + Send + Sync> Engine for PssmltEngine<'_, F> {
     fn nonfinite(&self) -> (u64, Vec<Place>) {
         let chains = self.chains.iter();
         let own = Nonfinite::all(chains.map(|chain| (chain.ladder, chain.nonfinite)));
-        let own = add_nonfinite(own, self.lamps.as_ref().map(Lamps::nonfinite));
-        add_nonfinite(own, self.meter.as_ref().map(Meter::nonfinite))
+        add_nonfinite(own, Some(self.besides.nonfinite()))
     }
 
     /// What is beside the chains has no part in it.
@@ -294,19 +291,17 @@ impl<F: Family<Contributions, 1> + Send + Sync> Engine for PssmltEngine<'_, F> {
     }
 
     fn rays(&self) -> Option<Rays> {
-        let lamps = self.lamps.iter().map(Lamps::rays);
         let chains = self.chains.iter().map(|chain| chain.rays);
-        Some(add_rays(chains.chain(lamps)))
+        Some(add_rays(chains.chain([self.besides.rays()])))
     }
 
     fn film_counters(&self) -> Counters {
         let large = self.large_film.as_ref().map(Film::counters);
-        let lamps = self.lamps.as_ref().map(Lamps::film_counters);
-        let others = add_counters(large.unwrap_or_default(), lamps.unwrap_or_default());
+        let others = add_counters(large.unwrap_or_default(), self.besides.film_counters());
         add_counters(self.chain_film.counters(), others)
     }
 
     fn is_lit(&self) -> bool {
-        self.b0 > 0.0 || self.lamps.as_ref().is_some_and(Lamps::is_lit)
+        self.b0 > 0.0 || self.besides.is_lit()
     }
 }

@@ -20,7 +20,7 @@ use kaustik_path::{Bidirectional, Event, trace};
 use kaustik_scene::Scene;
 use rayon::prelude::*;
 
-use crate::beside;
+use crate::beside::Besides;
 use crate::control::is_stopped;
 use crate::engine::{Engine, Nonfinite, STRIDE, add_counters, add_nonfinite};
 use crate::lamps::Lamps;
@@ -76,14 +76,13 @@ struct ReltEngine<'a, const K: usize> {
     rough: [Estimate; K],
     runs: Vec<Run<K>>,
     films: [Film; K],
-    direct: Option<Lamps<'a>>,
+    /// Its meter tells how much light the specific replica has, where scouts alone do not.
+    besides: Besides<'a>,
     scale: Scale,
     /// Raster area of the window in pixels.
     area: f64,
     /// What the first population and the first scouts say of the light of each replica.
     pool: Shares<K>,
-    /// Tells how much light the specific replica has, where scouts alone do not.
-    meter: Option<Meter<'a>>,
     /// What scouts look for, if there are any.
     looks: Option<Looks<'a>>,
     /// Samples of each replica a sweep.
@@ -139,7 +138,10 @@ impl<'a, const K: usize> ReltEngine<'a, K> {
         };
         let meter = scouts.and_then(|_| Meter::new(scene, settings, own, terms));
         Ok(Self {
-            meter,
+            besides: Besides {
+                lamps: Lamps::new(scene, settings)?,
+                meter,
+            },
             scene,
             builder,
             options,
@@ -157,7 +159,6 @@ impl<'a, const K: usize> ReltEngine<'a, K> {
             dropped: started.dropped.clone(),
             runs: runs(&family, &set, settings, started),
             films,
-            direct: Lamps::new(scene, settings)?,
             scale: settings.scale(),
             area: layout.extended_bounds().area(),
         })
@@ -251,7 +252,7 @@ impl<'a, const K: usize> ReltEngine<'a, K> {
     /// What all ladders know of the light of each replica: the pool, and passes of the meter.
     fn known(&self) -> Shares<K> {
         let mut known = self.pool;
-        if let Some(meter) = &self.meter {
+        if let Some(meter) = &self.besides.meter {
             known.sampled(K - 1, &meter.as_scouts());
         }
         known
@@ -331,8 +332,7 @@ impl<const K: usize> Engine for ReltEngine<'_, K> {
             .for_each(|(run, &steps)| self.drive(run, steps / self.cost(), stop));
         self.runs = runs;
         let sweeps = self.sweeps();
-        beside::keep_up(&mut self.direct, sweeps * cost);
-        beside::keep_up(&mut self.meter, sweeps * cost);
+        self.besides.keep_up(sweeps * cost);
         (sweeps - before) * cost
     }
 
@@ -353,7 +353,7 @@ impl<const K: usize> Engine for ReltEngine<'_, K> {
         }
         self.runs = runs;
         let mut parts = self.parts();
-        parts.extend(self.direct.iter().map(Lamps::part));
+        parts.extend(self.besides.parts());
         Ok(develop(&parts)?)
     }
 
@@ -362,8 +362,8 @@ impl<const K: usize> Engine for ReltEngine<'_, K> {
         for (index, part) in self.parts().into_iter().enumerate() {
             layers.push(layer(&format!("replica-{}", index + 1), part)?);
         }
-        if let Some(direct) = &self.direct {
-            layers.push(layer("direct", direct.part())?);
+        for part in self.besides.parts() {
+            layers.push(layer("direct", part)?);
         }
         Ok(layers)
     }
@@ -374,7 +374,7 @@ impl<const K: usize> Engine for ReltEngine<'_, K> {
             all.merge(&self.level(level));
         }
         let b = self.brightness();
-        let metered = self.meter.as_ref().map(|meter| {
+        let metered = self.besides.meter.as_ref().map(|meter| {
             let all = self.shares().samples(K - 1);
             meter.as_scouts().count() as f64 / all as f64
         });
@@ -460,19 +460,17 @@ impl<const K: usize> Engine for ReltEngine<'_, K> {
 
     fn nonfinite(&self) -> (u64, Vec<Place>) {
         let own = Nonfinite::all(self.runs.iter().map(|run| (run.index, run.nonfinite)));
-        let own = add_nonfinite(own, self.direct.as_ref().map(Lamps::nonfinite));
-        add_nonfinite(own, self.meter.as_ref().map(Meter::nonfinite))
+        add_nonfinite(own, Some(self.besides.nonfinite()))
     }
 
     fn film_counters(&self) -> Counters {
-        let direct = self.direct.iter().map(Lamps::film_counters);
         (self.films.iter().map(Film::counters))
-            .chain(direct)
+            .chain([self.besides.film_counters()])
             .fold(Counters::default(), add_counters)
     }
 
     fn is_lit(&self) -> bool {
-        self.lit || self.direct.as_ref().is_some_and(Lamps::is_lit)
+        self.lit || self.besides.is_lit()
     }
 }
 

@@ -172,6 +172,7 @@ pub(crate) fn check(scene: &Scene, settings: &RenderSettings) -> Result<(), Rend
             format!("that of the scene's camera, {w} x {h}"),
         );
     }
+    settings.options.check(settings.method)?;
     if settings.max_depth == 0 {
         return setting("max-depth", "0".into(), "at least 1".into());
     }

@@ -21,7 +21,7 @@ use kaustik_film::{Counters, Image, develop};
 use kaustik_path::{Event, Rays};
 use kaustik_scene::Scene;
 
-use crate::beside;
+use crate::beside::Besides;
 use crate::builders::builder;
 use crate::control::is_stopped;
 use crate::engine::{Engine, add_counters, add_nonfinite, add_rays};
@@ -57,10 +57,11 @@ pub(crate) struct StagedEngine<'a> {
     engine: Box<dyn Engine + 'a>,
     /// The stage that the engine began in: its map is that of this one.
     began: usize,
-    /// The stage that ladders are in, or at the end of: a later one if since then no pool has seen light.
+    /// The stage that ladders are in, or at the end of: later than `began` if stages were skipped because their pools were
+    /// dark.
     stage: usize,
     /// What is seen directly is not for the stages.
-    lamps: Option<Lamps<'a>>,
+    besides: Besides<'a>,
     /// Samples that a pool is to have for what it tells of the light to be certain enough.
     many: u64,
     /// Why a stage could not begin.
@@ -76,7 +77,7 @@ impl<'a> StagedEngine<'a> {
         Ok(Self {
             many: many(engine.as_ref(), plan.pool(0, 0)),
             engine,
-            lamps: Lamps::new(scene, settings)?,
+            besides: Besides::of_lamps(Lamps::new(scene, settings)?),
             scene,
             settings: settings.clone(),
             plan,
@@ -155,14 +156,19 @@ fn begin<'a>(
     own.options.mis = Mis::Off;
     own.options.contribution = Contribution::Sum;
     if settings.method == Method::MltMultistage {
-        return Ok(Box::new(MltEngine::with_map(scene, &own, map, None)?));
+        return Ok(Box::new(MltEngine::with_map(
+            scene,
+            &own,
+            map,
+            Besides::default(),
+        )?));
     }
     let family = MappedContribution {
         target: options.target,
         map,
     };
     let builder = builder(scene, &own)?;
-    let engine = PssmltEngine::of_family(scene, &own, builder, family, None)?;
+    let engine = PssmltEngine::of_family(scene, &own, builder, family, Besides::default())?;
     Ok(Box::new(engine))
 }
 
@@ -217,7 +223,7 @@ impl Engine for StagedEngine<'_> {
             self.turn();
         }
         let steps = self.steps();
-        beside::keep_up(&mut self.lamps, steps);
+        self.besides.keep_up(steps);
         steps - before
     }
 
@@ -228,8 +234,8 @@ impl Engine for StagedEngine<'_> {
         let image = self.engine.develop()?;
         let sums = self.sums.with(&image, self.engine.steps());
         let mut image = sums.image(&self.settings.layout())?;
-        if let Some(lamps) = &self.lamps {
-            image.add(&develop(&[lamps.part()])?)?;
+        for part in self.besides.parts() {
+            image.add(&develop(&[part])?)?;
         }
         Ok(image)
     }
@@ -251,7 +257,7 @@ impl Engine for StagedEngine<'_> {
 
     fn nonfinite(&self) -> (u64, Vec<Place>) {
         let own = self.past.nonfinite(&self.counted());
-        add_nonfinite(own, self.lamps.as_ref().map(Lamps::nonfinite))
+        add_nonfinite(own, Some(self.besides.nonfinite()))
     }
 
     /// The stages before it run first.
@@ -286,17 +292,15 @@ impl Engine for StagedEngine<'_> {
 
     fn rays(&self) -> Option<Rays> {
         let stages = self.past.rays(&self.counted())?;
-        let lamps = self.lamps.iter().map(Lamps::rays);
-        Some(add_rays(std::iter::once(stages).chain(lamps)))
+        Some(add_rays([stages, self.besides.rays()].into_iter()))
     }
 
     fn film_counters(&self) -> Counters {
-        let lamps = self.lamps.as_ref().map(Lamps::film_counters);
         let stages = self.past.counters(&self.counted());
-        add_counters(stages, lamps.unwrap_or_default())
+        add_counters(stages, self.besides.film_counters())
     }
 
     fn is_lit(&self) -> bool {
-        self.began > 0 || self.engine.is_lit() || self.lamps.as_ref().is_some_and(Lamps::is_lit)
+        self.began > 0 || self.engine.is_lit() || self.besides.is_lit()
     }
 }

@@ -7,8 +7,8 @@ use std::sync::OnceLock;
 pub(super) const COSINES: usize = 48;
 pub(super) const ALPHAS: usize = 32;
 
-/// Loss and edge in units of 1/32767, little-endian: by alpha, cosine. Made by the long test in
-/// `generate`.
+/// Loss and edge in units of [`LOSS_STEP`] and [`EDGE_STEP`], little-endian: by alpha, cosine. Made by a long test
+/// in `generate`.
 static DATA: &[u8] = include_bytes!("reflector.bin");
 pub(super) const LOSS_STEP: f32 = 1.0 / 8192.0;
 pub(super) const EDGE_STEP: f32 = 1.0 / 32767.0;

@@ -17,8 +17,12 @@ pub(super) enum Clear {
 
 impl Clear {
     pub(super) fn new(p: &PrincipledParameters, share: f32) -> Self {
-        let reflected = p.specular_color.map(|x| x.min(1.0)) * (p.specular as f32 * share);
-        let interface = Interface::new(p.ior, reflected, p.base_color * share);
+        let mut interface = Interface::new(p.ior, Spectrum::splat(share), p.base_color * share);
+        let plain = p.specular >= 1.0 && p.specular_color == Spectrum::ONE && p.film.is_none();
+        if !plain {
+            let (f0, f90) = p.dielectric_ends();
+            interface = interface.with_finish(p.reflectance(f0, f90));
+        }
         let rough = p.alpha() > 0.0 && interface.bends();
         let (alpha, compensation) = (p.alpha(), p.compensation);
         match (p.wall, rough) {

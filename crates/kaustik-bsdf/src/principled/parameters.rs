@@ -52,7 +52,7 @@ pub struct FilmParameters {
     pub ior: f64,
     /// Thickness in nanometres.
     pub thickness: f64,
-    /// The path's wavelengths in nanometres.
+    /// The path's wavelengths in the medium outside, in nanometres: those in vacuum over its index.
     pub wavelengths: Spectrum,
 }
 
@@ -136,6 +136,23 @@ impl PrincipledParameters {
                 film.wavelengths,
                 (f0, f90.max()),
             )),
+        }
+    }
+
+    /// Reflection of two parts of the surface, each between two colours that are weighted by its share; under the film, if
+    /// there is one, each has its own.
+    #[inline]
+    pub(super) fn mixed(
+        &self,
+        (f0, f90): (Spectrum, Spectrum),
+        other: (Spectrum, Spectrum),
+    ) -> Reflectance {
+        match self.reflectance(f0, f90) {
+            Reflectance::Filmed(film) => Reflectance::Filmed(film.and((other.0, other.1.max()))),
+            _ => Reflectance::Schlick {
+                f0: f0 + other.0,
+                f90: f90 + other.1,
+            },
         }
     }
 

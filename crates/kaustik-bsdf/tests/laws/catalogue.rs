@@ -1,7 +1,9 @@
 //! Every variant over a grid of its parameters.
 
 use crate::layers::layers;
-use kaustik_bsdf::{Bsdf, Interface, Principled, PrincipledParameters, Wall};
+use kaustik_bsdf::{
+    Bsdf, Film, FilmParameters, Interface, Principled, PrincipledParameters, Reflectance, Wall,
+};
 use kaustik_spectrum::Spectrum;
 
 /// A scattering function and what is known of it.
@@ -107,6 +109,19 @@ fn glass(eta: f32) -> Interface {
     Interface::clear(grey(eta))
 }
 
+/// Glass that reflects less than its index says, nothing, in colours, by a film.
+pub(crate) fn finishes() -> [(&'static str, Reflectance); 4] {
+    let schlick = |f0, f90| Reflectance::Schlick { f0, f90 };
+    let wavelengths = Spectrum::new([550.0, 430.0, 490.0, 640.0]);
+    let film = Film::new(0.8, 1.4, 420.0, wavelengths, (grey(0.04), 1.0));
+    [
+        ("dull", schlick(grey(0.012), grey(0.3))),
+        ("dark", schlick(grey(0.0), grey(0.0))),
+        ("coloured", schlick(RED, grey(0.9))),
+        ("filmed", Reflectance::Filmed(film)),
+    ]
+}
+
 /// Reflectors, solids and panes of the given roughness.
 pub(crate) fn facets(alpha: f64, compensation: bool) -> Vec<Case> {
     let lossless = compensation || alpha == 0.0;
@@ -167,6 +182,25 @@ pub(crate) fn facets(alpha: f64, compensation: bool) -> Vec<Case> {
             width,
         ),
     ];
+    for (name, finish) in finishes() {
+        let finished = |eta| glass(eta).with_finish(finish);
+        all.push(case(
+            format!("{name} pane {alpha}{tag}"),
+            Bsdf::thin_dielectric(finished(1.5), alpha, compensation),
+            lossless,
+            1.0,
+            width,
+        ));
+        for eta in [0.75f32, 1.5] {
+            all.push(case(
+                format!("{name} solid {eta} {alpha}{tag}"),
+                Bsdf::dielectric(finished(eta), alpha, compensation),
+                alpha == 0.0,
+                f64::from(eta),
+                width,
+            ));
+        }
+    }
     for eta in [0.75f32, 1.1, 1.5, 2.4] {
         all.push(case(
             format!("glass {eta} {alpha}{tag}"),
@@ -251,6 +285,21 @@ pub(crate) fn principled(roughness: f64) -> Vec<Case> {
                 specular_color: Spectrum::new([2.0, 1.0, 0.5, 0.2]),
                 wall: Wall::Solid,
                 ior: FLINT,
+                ..white
+            },
+            false,
+        ),
+        (
+            "filmed glass",
+            PrincipledParameters {
+                transmission: 0.9,
+                specular: 0.8,
+                film: Some(FilmParameters {
+                    strength: 1.0,
+                    ior: 1.3,
+                    thickness: 300.0,
+                    wavelengths: Spectrum::new([550.0, 430.0, 490.0, 640.0]),
+                }),
                 ..white
             },
             false,

@@ -314,8 +314,8 @@ fn check(cases: &[Case], samples: usize) {
 
 #[test]
 fn samples_follow_the_density() {
-    // every third, so that all kinds and all roughnesses come by
-    let cases: Vec<Case> = some().into_iter().step_by(3).collect();
+    // one in five, a number that has no divisor in common with those of kinds: all come by, at one roughness or another
+    let cases: Vec<Case> = some().into_iter().step_by(5).collect();
     check(&cases, 20_000);
 }
 

@@ -117,7 +117,13 @@ pub(crate) fn layers(roughness: f64) -> Vec<Case> {
         ),
         case(
             name("velvet"),
-            Bsdf::layered(&plastic, &sheen(RED, 0.8)),
+            Bsdf::layered(
+                &plastic,
+                &LayerParameters {
+                    sheen_shade: 0.95,
+                    ..sheen(RED, 0.8)
+                },
+            ),
             false,
             1.0,
             width,
@@ -166,6 +172,21 @@ pub(crate) fn layers(roughness: f64) -> Vec<Case> {
                     ..metal
                 },
             ),
+            false,
+            1.0,
+            width,
+        ),
+        case(
+            name("film on half metal"),
+            Bsdf::Principled(Principled::new(&PrincipledParameters {
+                base_color: Spectrum::ONE,
+                metallic: 0.5,
+                film: Some(FilmParameters {
+                    ior: 1.1,
+                    ..film(200.0)
+                }),
+                ..plastic
+            })),
             false,
             1.0,
             width,

@@ -4,7 +4,7 @@ use super::attributes::{channels, compression, text, tiles, window};
 use super::bytes::Bytes;
 use super::write::ATTRIBUTE;
 use crate::Image;
-use crate::read::{DecodeError, Limits};
+use crate::read::{DecodeError, Keep, Limits};
 use ::exr::prelude::{Compression, SampleType};
 
 /// One part: a rectangle of pixels and how it is stored.
@@ -33,6 +33,13 @@ pub(super) struct ChannelInfo {
     pub linear: bool,
 }
 
+impl ChannelInfo {
+    /// Is it a channel of the picture, if its part is the first?
+    pub(super) fn is_main(&self) -> bool {
+        matches!(self.name.as_str(), "R" | "G" | "B" | "Y")
+    }
+}
+
 impl Part {
     /// Columns and rows of a whole block.
     pub(super) fn block_size(&self) -> [usize; 2] {
@@ -51,10 +58,12 @@ impl Part {
 }
 
 /// Reads magic number, version and all headers; leaves `bytes` at the offset tables. Whether the file
-/// has several parts decides how chunks are spelled.
+/// has several parts decides how chunks are spelled. Channels that are not kept do not count against the limit of
+/// samples.
 pub(super) fn read(
     bytes: &mut Bytes<'_>,
     limits: &Limits,
+    keep: Keep,
 ) -> Result<(Vec<Part>, bool), DecodeError> {
     const MULTIPART: u32 = 0x1000;
     const DEEP: u32 = 0x800;
@@ -82,7 +91,11 @@ pub(super) fn read(
     let mut samples = 0u64;
     loop {
         let part = part(bytes, limits, version & 0x200 != 0)?;
-        samples += part.size[0] as u64 * part.size[1] as u64 * part.channels.len() as u64;
+        let kept = (part.channels.iter()).filter(|channel| match keep {
+            Keep::All => true,
+            Keep::Main => parts.is_empty() && channel.is_main(),
+        });
+        samples += part.size[0] as u64 * part.size[1] as u64 * kept.count() as u64;
         if samples > limits.max_samples {
             return Err(DecodeError::TooLarge {
                 what: "samples",

@@ -2,7 +2,7 @@
 
 use super::blocks::{self, Block, Decoder};
 use super::bytes::Bytes;
-use super::header::{self, Part};
+use super::header::{self, ChannelInfo, Part};
 use crate::read::{DecodeError, Keep, Limits, reserve};
 use crate::{Channel, Image, Layer};
 
@@ -15,7 +15,7 @@ use crate::{Channel, Image, Layer};
 /// is not supported (deep data, subsampled channels, several levels). Never a panic, whatever the bytes.
 pub fn decode(bytes: &[u8], limits: &Limits, keep: Keep) -> Result<Image, DecodeError> {
     let mut bytes = Bytes::new(bytes);
-    let (parts, multipart) = header::read(&mut bytes, limits)?;
+    let (parts, multipart) = header::read(&mut bytes, limits, keep)?;
     let mut readers = Vec::new();
     for part in &parts {
         let [columns, rows] = part.block_counts();
@@ -61,14 +61,14 @@ impl<'a> PartReader<'a> {
     fn new(part: &'a Part, first: &Part, keep: Keep, count: usize) -> Result<Self, DecodeError> {
         let fits = (part.origin, part.size) == (first.origin, first.size);
         let main = std::ptr::eq(part, first);
-        let wanted = |name: &str| match keep {
+        let wanted = |channel: &ChannelInfo| match keep {
             Keep::All => fits,
-            Keep::Main => main && matches!(name, "R" | "G" | "B" | "Y"),
+            Keep::Main => main && channel.is_main(),
         };
         let planes = part
             .channels
             .iter()
-            .map(|c| wanted(&c.name).then(Vec::new))
+            .map(|channel| wanted(channel).then(Vec::new))
             .collect();
         let seen = vec![false; count];
         Ok(Self {

@@ -62,6 +62,16 @@ pub enum CompareError {
         /// The reference's rows.
         expected_height: u32,
     },
+    /// A picture and a reference of one size that show different parts of the same whole.
+    #[error("{name} shows {found}: expected the reference's {expected}")]
+    Place {
+        /// The picture.
+        name: String,
+        /// Its size and place.
+        found: String,
+        /// The reference's.
+        expected: String,
+    },
     /// Halves of different size.
     #[error("the two halves of the reference differ in size")]
     Halves,
@@ -98,6 +108,13 @@ pub fn compare(
 }
 
 fn report(name: &str, image: &Image, whole: &Reference<'_>) -> Result<ImageReport, CompareError> {
+    if is_elsewhere(whole.image(), image) {
+        return Err(CompareError::Place {
+            name: name.to_owned(),
+            found: image.shape(),
+            expected: whole.image().shape(),
+        });
+    }
     let (a, b) = (
         part(whole.image(), image),
         whole.half().map(|half| part(half, image)),
@@ -137,6 +154,12 @@ fn report(name: &str, image: &Image, whole: &Reference<'_>) -> Result<ImageRepor
         shares,
         worst_tile,
     })
+}
+
+/// Do both show as many pixels of the same whole, but others?
+fn is_elsewhere(reference: &Image, image: &Image) -> bool {
+    let same = (reference.width(), reference.height()) == (image.width(), image.height());
+    same && reference.full_size() == image.full_size() && reference.origin() != image.origin()
 }
 
 /// The part of a reference that a cropped picture shows; `None` if it is no such crop, or all of it.

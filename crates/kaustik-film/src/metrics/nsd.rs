@@ -24,12 +24,29 @@ pub struct Nsd {
     pub images: usize,
 }
 
-/// NSD of two or more pictures of one size; `None` for fewer, other sizes, or no pixel above zero.
+/// NSD of two or more pictures of one size and place; `None` for fewer, other sizes or places, or no pixel above zero.
 #[must_use]
 pub fn nsd(images: &[&Image]) -> Option<Nsd> {
+    spread(images, |_| false)
+}
+
+/// The same, where a pixel that is dark in all pictures and not in the reference counts with its bound, the square root of their
+/// number: a method is not to be rated by those pixels alone that it finds.
+#[must_use]
+pub fn nsd_beside(images: &[&Image], reference: &Image) -> Option<Nsd> {
+    if images.first()?.shape() != reference.shape() {
+        return None;
+    }
+    let colour = ToXyz::new();
+    spread(images, |pixel| {
+        colour.luminance(reference.pixel(pixel)) > 0.0
+    })
+}
+
+/// Over the pixels that are lit, or are to be.
+fn spread(images: &[&Image], is_to_be_lit: impl Fn(usize) -> bool) -> Option<Nsd> {
     let (first, rest) = images.split_first()?;
-    let same = |i: &&Image| (i.width(), i.height()) == (first.width(), first.height());
-    if rest.is_empty() || !rest.iter().all(same) {
+    if rest.is_empty() || rest.iter().any(|image| image.shape() != first.shape()) {
         return None;
     }
     let colour = ToXyz::new();
@@ -46,6 +63,8 @@ pub fn nsd(images: &[&Image]) -> Option<Nsd> {
             values.push((variance.sqrt() / mean) as f32);
             variances += variance;
             means += mean;
+        } else if is_to_be_lit(pixel) {
+            values.push(n.sqrt() as f32);
         }
     }
     if values.is_empty() {

@@ -196,6 +196,48 @@ fn a_sum_past_the_guard_band_is_reported() {
     assert!(a.counters().overflowed >= 3);
 }
 
+/// Whatever the radius: a splat adds what the filter says.
+#[test]
+fn splats_have_the_weights_of_their_filter() {
+    let mut random = Random(11);
+    for text in [
+        "box",
+        "box:0.7",
+        "box:1.5",
+        "tent:2",
+        "gaussian",
+        "mitchell:3",
+        "blackman-harris",
+    ] {
+        let filter: Filter = text.parse().unwrap();
+        let layout = Layout::new(9, 7).with_filter(filter);
+        for _ in 0..50 {
+            let film = Film::with_layout(&layout, Quantum::from_mean(1.0)).unwrap();
+            let [x, y] = [2.0 + 5.0 * random.uniform(), 2.0 + 3.0 * random.uniform()];
+            film.splat(x, y, Xyz([0.0, 1.0, 0.0]));
+            let image = develop_xyz(&[(&film, 1.0)]).unwrap();
+            let [_, luminance, _] = image.rgb();
+            let (across, down) = (filter.taps(x), filter.taps(y));
+            for row in 0..7i64 {
+                for column in 0..9i64 {
+                    let weight = |taps: &kaustik_film::Taps, at: i64| {
+                        let index = usize::try_from(at - taps.first()).ok();
+                        index
+                            .and_then(|i| taps.weights().get(i).copied())
+                            .unwrap_or(0.0)
+                    };
+                    let wanted = weight(&across, column) * weight(&down, row);
+                    let got = f64::from(luminance[(row * 9 + column) as usize]);
+                    assert!(
+                        (got - wanted).abs() < 1e-4,
+                        "{text} at {x}, {y}: {got} {wanted}"
+                    );
+                }
+            }
+        }
+    }
+}
+
 #[test]
 fn a_crop_holds_the_same_sums_as_the_whole() {
     for name in Filter::names() {

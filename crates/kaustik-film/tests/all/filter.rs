@@ -10,7 +10,7 @@ fn any_filter() -> impl Strategy<Value = Filter> {
         "mitchell" => 1.5,
         _ => 1.0,
     };
-    (0usize..4, 0.0..1.0f64).prop_map(move |(row, u)| {
+    (0..Filter::names().len(), 0.0..1.0f64).prop_map(move |(row, u)| {
         let name = Filter::names()[row];
         let radius = (u >= 0.3).then(|| least(name) + (u - 0.3) / 0.7 * (8.0 - least(name)));
         Filter::new(name, radius).unwrap()

@@ -265,6 +265,19 @@ fn announced_sizes_are_held_against_the_budget() {
             matches!(many, Err(DecodeError::TooLarge { .. })),
             "{name}: {many:?}"
         );
+        // Of what is not kept nothing is counted: these have more channels than the picture's own.
+        let main = decode(
+            &with_window(bytes.clone(), [0, 0, 1023, 1023]),
+            &Limits {
+                max_samples: 4 << 20,
+                ..LIMITS
+            },
+            Keep::Main,
+        );
+        assert!(
+            !matches!(main, Err(DecodeError::TooLarge { .. })),
+            "{name}: {main:?}"
+        );
         // Within the budget, but the file is far too short for it.
         let thin = decode(
             &with_window(bytes.clone(), [0, 0, 39, 4095]),

@@ -2,7 +2,7 @@
 
 use crate::random::Random;
 use kaustik_film::Image;
-use kaustik_film::metrics::{CompareError, Reference, compare, measure, nsd, tiles};
+use kaustik_film::metrics::{CompareError, Reference, compare, measure, nsd, nsd_beside, tiles};
 
 fn gray(width: u32, height: u32, value: impl FnMut(usize) -> f32) -> Image {
     let plane: Vec<f32> = (0..(width * height) as usize).map(value).collect();
@@ -197,6 +197,13 @@ fn nsd_is_the_relative_standard_deviation() {
     close(n.mean, 2.0f64.sqrt() / 2.0);
     assert_eq!((n.pixels, n.images), (1, 2));
     assert!(nsd(&[&images[0]]).is_none());
+    // The dark pixel counts where it should not be dark.
+    let n = nsd_beside(&[&images[0], &images[1]], &gray(2, 1, |_| 1.0)).unwrap();
+    close(n.mean, 0.75 * 2.0f64.sqrt());
+    assert_eq!(n.pixels, 2);
+    let n = nsd_beside(&[&images[0], &images[1]], &images[0]).unwrap();
+    assert_eq!(n.pixels, 1);
+    assert!(nsd_beside(&[&images[0], &images[1]], &gray(1, 2, |_| 1.0)).is_none());
     let mut random = Random(5);
     let many: Vec<Image> = (0..50)
         .map(|_| gray(32, 32, |_| (4.0 + random.normal()) as f32))
@@ -241,4 +248,13 @@ fn a_report_is_text_and_json() {
         Err(CompareError::Halves)
     ));
     assert_eq!(compare(&[], &r, None), Err(CompareError::Nothing));
+    // Two crops of one size lie on each other only if they are the same part.
+    let other = gray(8, 8, |_| 1.2).placed([8, 4], [32, 32]);
+    assert!(matches!(
+        compare(&[("crop", &crop)], &other, None),
+        Err(CompareError::Place { .. })
+    ));
+    assert!(compare(&[("crop", &crop)], &crop, None).is_ok());
+    assert!(compare(&[("crop", &crop)], &gray(8, 8, |_| 1.0), None).is_ok());
+    assert!(nsd(&[&crop, &other]).is_none());
 }

@@ -11,9 +11,9 @@ use crate::Draws;
 /// # Panics
 ///
 /// A draw panics if the program is not a function of its draws (what it asks for after the
-/// same answers has changed: some state was carried from one run to the next), or if a run
+/// same answers, or how probable they are, has changed: some state was carried from one run to the next), if a run
 /// makes more than 10,000 draws (it loops until it likes an answer: no finite enumeration
-/// has the law of that).
+/// has the law of that), if it draws a uniform number and `cells` is 1, or if weights are negative or not finite.
 #[derive(Debug)]
 pub struct Enumerator {
     cells: usize,
@@ -32,6 +32,8 @@ pub struct Enumerator {
 struct Branch {
     /// How many answers were possible: the same draw must ask the same.
     choices: usize,
+    /// Has any of them a probability?
+    possible: bool,
     /// Where its answers begin.
     begin: usize,
     /// The answer that is being followed.
@@ -60,7 +62,7 @@ impl Enumerator {
     /// The answer of this run to a draw with these probabilities.
     fn branch(&mut self, choices: usize, probability: impl Fn(usize) -> f64) -> usize {
         if self.depth == self.branches.len() {
-            self.open(choices, probability);
+            self.open(choices, &probability);
         }
         let branch = &self.branches[self.depth];
         assert!(
@@ -70,6 +72,16 @@ impl Enumerator {
             self.depth,
             branch.choices
         );
+        let (answer, p) = branch.followed;
+        if branch.possible {
+            let now = probability(answer);
+            assert!(
+                now.to_bits() == p.to_bits(),
+                "answer {answer} to draw {} had probability {p} and now has {now}: the program does not \
+                 depend on its draws alone",
+                self.depth
+            );
+        }
         self.depth += 1;
         self.probability *= branch.followed.1;
         branch.followed.0
@@ -87,6 +99,7 @@ impl Enumerator {
         let none = self.answers.len() == begin;
         self.branches.push(Branch {
             choices,
+            possible: !none,
             begin,
             followed: if none {
                 (0, 1.0)
@@ -119,6 +132,10 @@ impl Enumerator {
 impl Draws for Enumerator {
     fn uniform(&mut self) -> f64 {
         let cells = self.cells;
+        assert!(
+            cells > 1,
+            "the program draws a uniform number, and there is no grid for it: expected 2 cells or more"
+        );
         let cell = self.branch(cells, |_| 1.0 / cells as f64);
         (cell as f64 + 0.5) / cells as f64
     }
@@ -129,6 +146,11 @@ impl Draws for Enumerator {
     }
 
     fn index(&mut self, weights: &[f64]) -> usize {
+        let sound = |weight: &f64| weight.is_finite() && *weight >= 0.0;
+        assert!(
+            weights.iter().all(sound),
+            "weights of {weights:?}: expected finite ones that are not negative"
+        );
         let total: f64 = weights.iter().sum();
         self.branch(weights.len(), |answer| weights[answer] / total)
     }
@@ -238,6 +260,29 @@ mod tests {
             runs += 1;
             draws.index(&vec![1.0; 1 + runs])
         });
+    }
+
+    /// A cache that is right on a miss and wrong on a hit.
+    #[test]
+    #[should_panic(expected = "does not depend on its draws alone")]
+    fn a_program_that_remembers_its_weights_is_refused() {
+        let mut runs = 0.0;
+        enumerate(1, |draws| {
+            runs += 1.0;
+            draws.index(&[1.0, runs])
+        });
+    }
+
+    #[test]
+    #[should_panic(expected = "expected 2 cells or more")]
+    fn uniform_numbers_want_a_grid() {
+        enumerate(1, |draws| draws.uniform() < 0.3);
+    }
+
+    #[test]
+    #[should_panic(expected = "expected finite ones that are not negative")]
+    fn negative_weights_are_refused() {
+        enumerate(1, |draws| draws.index(&[-1.0, 2.0]));
     }
 
     #[test]

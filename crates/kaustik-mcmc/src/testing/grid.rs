@@ -53,6 +53,9 @@ impl Mutation for GridStep {
 /// the grid; with one proviso: no step may end exactly on the border of two cells. (From the
 /// middle of a cell, with `cells` answers to each uniform number, that is a matter of odd
 /// sizes.)
+///
+/// Take an even number of cells: mutations that read the sign off the first bit of a uniform number have no middle
+/// answer then. And see to it that steps leave a cell at all: a chain that never moves is in balance.
 #[derive(Clone, Debug, PartialEq)]
 pub struct OnGrid<M> {
     cells: usize,

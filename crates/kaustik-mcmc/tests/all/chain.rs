@@ -105,7 +105,9 @@ fn merged_statistics_are_sums() {
         both.large().proposed,
         a.large().proposed + b.large().proposed
     );
-    assert_eq!(both.independent[1].count(), both.large().proposed);
+    // Those from where a chain began in the dark are samples, and no moves that tell anything.
+    assert!(both.independent[1].count() >= both.large().proposed);
+    assert!(both.large().proposed > 150);
     assert_eq!(both.longest_stay, a.longest_stay.max(b.longest_stay));
 }
 

@@ -86,8 +86,6 @@ fn wraps_at_both_ends() {
     let one = Exponential::new(0.25, 0.25).mutate(0.75, &mut Fixed(0.0));
     assert!(one.abs() < 1e-15, "{one}");
     // a tiny negative number plus 1 would round to 1
-    let below = Exponential::new(0.25, 0.25).mutate(0.25 - 1e-17, &mut Fixed(0.5));
-    assert!((0.0..1.0).contains(&below));
     let below = Uniform::new(1e-9).mutate(0.0, &mut Fixed(0.5 - 1e-9));
     assert!((0.0..1.0).contains(&below) && below > 0.9);
 }

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use glam::{Affine3A, DVec3, Mat3A, Quat, Vec3, Vec3A};
 use kaustik_geometry::Mesh;
 use kaustik_scene::description::{
-    AlphaMode, CameraDescription, EnvironmentDescription, InstanceDescription, Lens,
+    AlphaMode, Blades, CameraDescription, EnvironmentDescription, InstanceDescription, Lens,
     LightDescription, LightKind, Load, MaterialDescription, Projection, Specular, Transmission,
     Volume,
 };
@@ -51,6 +51,15 @@ impl Stage {
             focus,
             blades: None,
         });
+        self
+    }
+
+    /// With so many blades.
+    pub(crate) fn blades(mut self, count: u32) -> Self {
+        if let Some(lens) = &mut self.description.cameras[0].lens {
+            let rotation = 0.3;
+            lens.blades = Some(Blades { count, rotation });
+        }
         self
     }
 
@@ -399,6 +408,7 @@ pub(crate) fn scene(name: &str) -> Scene {
         "sun-glass" => block(glass(0.0, 0.0)).light(LightKind::Directional, above, down),
         "sky" => plate(metal(0.0)).sky(0.5),
         "lens" => plate(metal(0.0)).lens(0.3, 2.5),
+        "blades" => plate(metal(0.0)).lens(0.6, 2.5).blades(3),
         "orthographic" => plate(metal(0.0)).orthographic(),
         "aquarium" => aquarium(std::convert::identity),
         "leaning-aquarium" => aquarium(leaning),

@@ -1,22 +1,18 @@
 //! The subpath from the eye, and the light that it gathers.
 
 use glam::{DVec2, DVec3};
-use kaustik_bsdf::{Lobe, Mode};
-use kaustik_pss::{Coordinates, Stream};
+use kaustik_pss::Coordinates;
 use kaustik_scene::EmissionPdf;
 use kaustik_spectrum::Spectrum;
 
 use super::join::{join, next_event};
-use super::running::{Departure, End, Running};
+use super::subpath_walk::SubpathWalk;
 use super::vertex::PathVertex;
 use super::witness::{Joint, Seen, Witness};
 use super::workspace::{Subpath, Workspace};
 use super::{Form, Job};
+use crate::Class;
 use crate::contributions::Gathered;
-use crate::walk::Walk;
-use crate::{Class, camera_walk, layout};
-
-pub(super) const BOUNCES: (Stream, u32) = (Stream::Camera, layout::CAMERA_HEAD);
 
 /// What the vertices of the eye are joined to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -40,61 +36,38 @@ pub(super) fn trace(
     gathered: &mut Gathered<'_>,
     witness: &mut impl Witness,
 ) -> DVec2 {
-    let settings = &job.builder.settings;
-    let (mut walk, raster) = camera_walk::start(settings, job.scene, job.wavelengths, u);
-    follow(job, &mut walk, u, workspace, other, gathered, witness);
-    gathered.count_walk(walk.edges);
+    let (mut going, raster) = SubpathWalk::from_lens(job, u);
+    follow(job, &mut going, u, workspace, other, gathered, witness);
+    gathered.count_walk(going.walk.edges);
     raster
 }
 
 /// The walk of [`trace`], once it has begun.
 fn follow(
     job: &Job<'_>,
-    walk: &mut Walk<'_>,
+    going: &mut SubpathWalk<'_>,
     u: &mut dyn Coordinates,
     workspace: &mut Workspace,
     other: OtherEnd,
     gathered: &mut Gathered<'_>,
     witness: &mut impl Witness,
 ) {
-    let scene = job.scene;
-    let (form, heuristic) = (job.builder.form, job.builder.heuristic);
-    let most = job.builder.settings.max_edges;
-    let mut departure = start(job, walk);
-    let mut from = walk.ray.origin.as_dvec3();
     let Workspace { light, eye } = workspace;
     loop {
-        let slot = eye.next();
-        if walk.advance(scene, u, &mut slot.vertex).is_none() {
-            let running = departure.escape(heuristic);
-            escape(job, walk, &running, eye.vertices(), gathered, witness);
+        if going.advance(job, u, eye).is_none() {
+            escape(job, going, eye.vertices(), gathered, witness);
             return;
         }
-        slot.reach(walk);
-        let squared = (slot.vertex.position - from).length_squared();
-        slot.running = departure.arrive(heuristic, squared, slot.cos_back());
-        from = slot.vertex.position;
-        eye.keep();
-        emission(job, walk.specular, eye.vertices(), gathered, witness);
-        if walk.edges == most {
+        going.keep(job, eye);
+        emission(job, going.walk.specular, eye.vertices(), gathered, witness);
+        if going.walk.edges == job.builder.settings.max_edges {
             return;
         }
-        let slot = eye.last_mut();
-        scene.write_bsdf(
-            &slot.vertex,
-            job.wavelengths,
-            &walk.interior,
-            &mut slot.bsdf,
-        );
-        slot.connectable = slot.bsdf.is_connectable();
-        slot.onward = form.at_surface(&slot.bsdf);
-        let onward = slot.onward.onward;
-
-        if form == Form::Full {
+        let onward = going.open(job, eye);
+        if job.builder.form == Form::Full {
             join_all(job, u, light, eye.vertices(), gathered, witness);
         } else if onward < 1.0 {
-            let stop = layout::bounce(layout::CAMERA_HEAD, walk.edges) + 3;
-            if u.get(Stream::Camera, stop) >= onward {
+            if going.walk.stops(onward, u) {
                 match other {
                     OtherEnd::Emitter => next_event(job, u, eye.vertices(), gathered, witness),
                     OtherEnd::Last => {
@@ -104,39 +77,12 @@ fn follow(
                 }
                 return;
             }
-            walk.throughput /= onward as f32;
+            going.walk.throughput /= onward as f32;
         }
-        match job.depart(walk, eye, u, BOUNCES) {
-            Some(next) => departure = next,
-            None => return,
+        if !going.depart(job, u, eye) {
+            return;
         }
     }
-}
-
-/// How the walk leaves the lens.
-pub(super) fn start(job: &Job<'_>, walk: &mut Walk) -> Departure {
-    let onward = job.builder.form.at_lens();
-    walk.throughput /= onward.onward as f32;
-    walk.start = walk.throughput.mean();
-    let camera = job.scene.camera();
-    let origin = walk.ray.origin.as_dvec3();
-    let parallel = camera.is_dirac_direction();
-    let pdf = if parallel {
-        camera.raster_density(origin, origin + walk.direction)
-    } else {
-        camera.pdf_direction(walk.direction)
-    };
-    let end = End {
-        position: if camera.has_aperture() {
-            camera.pdf_lens()
-        } else {
-            0.0
-        },
-        direction: pdf * job.raster_pdf,
-        cos: camera.forward().dot(walk.direction),
-        infinite: parallel,
-    };
-    Departure::from_end(job.builder.heuristic, end, onward.onward, onward.odds())
 }
 
 /// Joins the last vertex to an emitter and to all vertices of the light.
@@ -183,12 +129,12 @@ pub(super) fn emission(
 /// s = 0: what a walk that left the scene sees.
 pub(super) fn escape(
     job: &Job<'_>,
-    walk: &Walk,
-    running: &Running,
+    going: &SubpathWalk<'_>,
     eye: &[PathVertex],
     gathered: &mut Gathered<'_>,
     witness: &mut impl Witness,
 ) {
+    let walk = &going.walk;
     if walk.edges < job.builder.settings.min_edges {
         return;
     }
@@ -197,7 +143,8 @@ pub(super) fn escape(
         return;
     }
     let pdf = job.scene.environment_emission_pdf(walk.direction);
-    let weight = job.weights().implicit(walk.edges, &pdf, running);
+    let running = going.departure.escape(job.builder.heuristic);
+    let weight = job.weights().implicit(walk.edges, &pdf, &running);
     let value = walk.throughput * radiance * weight as f32;
     seen(
         witness,
@@ -227,45 +174,4 @@ fn seen(
         eye,
         joint: Joint::Emitter { pdf, direction },
     });
-}
-
-impl Job<'_> {
-    /// Goes on from the last vertex of a subpath; `None` where the walk ends.
-    #[inline]
-    pub(super) fn depart(
-        &self,
-        walk: &mut Walk,
-        path: &mut Subpath,
-        u: &mut dyn Coordinates,
-        bounces: (Stream, u32),
-    ) -> Option<Departure> {
-        let last = path.last_mut();
-        let scatter = last.scatter();
-        let sample = walk.bounce(self.scene, &scatter, u, bounces)?;
-        // Where the simple form may stop, that is roulette enough.
-        let roulette = self.builder.form == Form::Full || last.onward.onward >= 1.0;
-        if self.roulette && roulette && !walk.survives(u, bounces) {
-            return None;
-        }
-        let (densities, odds) = if sample.delta {
-            ([1.0; 2], 0.0)
-        } else {
-            let reverse = match walk.mode {
-                Mode::Radiance => Mode::Importance,
-                Mode::Importance => Mode::Radiance,
-            };
-            let back = last.bsdf.pdf(sample.wi, last.wo, reverse);
-            ([sample.pdf, back], last.onward.odds())
-        };
-        let cos = sample.wi.dot(last.ng).abs();
-        last.delta = sample.delta;
-        let heuristic = self.builder.heuristic;
-        Some(Departure::from_surface(
-            heuristic,
-            &last.running,
-            densities,
-            cos,
-            odds,
-        ))
-    }
 }

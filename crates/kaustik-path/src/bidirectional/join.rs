@@ -11,6 +11,7 @@ use super::weights::DirectEnd;
 use super::witness::{Joint, Seen, Witness};
 use crate::contributions::Gathered;
 use crate::next_event::end;
+use crate::shadow::Shadow;
 use crate::{Class, layout};
 
 /// s = 1: joins the last vertex to a fresh point of an emitter.
@@ -62,17 +63,14 @@ pub(super) fn next_event(
         eye,
         joint: Joint::Direct(&sample),
     });
-    let interior = scene.interior_toward(&z.vertex, &z.interior, z.back, sample.wi);
+    let shadow = Shadow {
+        ray: scene.shadow_ray(&z.vertex, &sample),
+        interior: scene.interior_toward(&z.vertex, &z.interior, z.back, sample.wi),
+        distance: distance.unwrap_or(0.0),
+    };
     gathered.count_shadow();
-    let visible = scene.transmittance(&scene.shadow_ray(&z.vertex, &sample), &interior);
-    if visible == 0.0 {
+    if !shadow.dim(scene, job.wavelengths, &mut value) {
         return;
-    }
-    value *= visible;
-    if !interior.is_vacuum() {
-        // A walk that escapes from a solid that is not closed is not dimmed either.
-        let distance = distance.unwrap_or(0.0);
-        value *= scene.absorption(&interior, job.wavelengths, distance);
     }
     let dispersive = z.dispersive || z.bsdf.dispersive_between(z.wo, wi);
     gathered.add(Class::L2, value, dispersive);
@@ -137,16 +135,14 @@ pub(super) fn join(
         eye,
         joint: Joint::Surfaces,
     });
-    let interior = scene.interior_toward(&z.vertex, &z.interior, z.back, direction);
-    let ray = Ray::between(&z.vertex.surface, &y.vertex.surface);
+    let shadow = Shadow {
+        ray: Ray::between(&z.vertex.surface, &y.vertex.surface),
+        interior: scene.interior_toward(&z.vertex, &z.interior, z.back, direction),
+        distance,
+    };
     gathered.count_shadow();
-    let visible = scene.transmittance(&ray, &interior);
-    if visible == 0.0 {
+    if !shadow.dim(scene, job.wavelengths, &mut value) {
         return;
-    }
-    value *= visible;
-    if !interior.is_vacuum() {
-        value *= scene.absorption(&interior, job.wavelengths, distance);
     }
     let dispersive = y.dispersive
         || z.dispersive

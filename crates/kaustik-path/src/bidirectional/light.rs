@@ -1,6 +1,5 @@
 //! The subpath from the light, and what it brings to the lens.
 
-use glam::DVec3;
 use kaustik_bsdf::{Lobe, Mode, shading};
 use kaustik_geometry::Ray;
 use kaustik_pss::{Coordinates, Stream};
@@ -8,17 +7,16 @@ use kaustik_scene::camera::LensHit;
 use kaustik_scene::{EmissionSample, Interior};
 use kaustik_spectrum::Spectrum;
 
-use super::running::{Departure, End};
+use super::subpath_walk::SubpathWalk;
 use super::weights::LensEnd;
 use super::witness::{Joint, Seen, Witness};
 use super::workspace::Subpath;
 use super::{Form, Job};
 use crate::contributions::colour;
 use crate::light::lens_coordinates;
+use crate::shadow::Shadow;
 use crate::walk::Walk;
-use crate::{Class, Contributions, layout};
-
-pub(super) const BOUNCES: (Stream, u32) = (Stream::Light, layout::LIGHT_HEAD);
+use crate::{Class, Contributions};
 
 /// Walks from an emitter. In the full form every vertex is joined to the lens; in the simple form the
 /// last one is, if `to_lens`, and the result tells whether there is a last one to be joined.
@@ -34,10 +32,9 @@ pub(super) fn trace(
     let Some(emission) = emission else {
         return false;
     };
-    let (mut walk, departure, from) = start(job, &emission);
-    let begin = (&emission, departure, from);
-    let ended = follow(job, &mut walk, begin, u, path, to_lens, out, witness);
-    out.count_walk(walk.edges);
+    let mut going = SubpathWalk::from_emitter(job, &emission);
+    let ended = follow(job, &mut going, &emission, u, path, to_lens, out, witness);
+    out.count_walk(going.walk.edges);
     ended
 }
 
@@ -48,37 +45,29 @@ pub(super) fn trace(
 )]
 fn follow(
     job: &Job<'_>,
-    walk: &mut Walk<'_>,
-    (emission, mut departure, mut from): (&EmissionSample, Departure, DVec3),
+    going: &mut SubpathWalk<'_>,
+    emission: &EmissionSample,
     u: &mut dyn Coordinates,
     path: &mut Subpath,
     to_lens: bool,
     out: &mut Contributions,
     witness: &mut impl Witness,
 ) -> bool {
-    let scene = job.scene;
-    let (form, heuristic) = (job.builder.form, job.builder.heuristic);
     let most = job.builder.settings.max_edges;
-    let aperture = scene.camera().has_aperture();
-    while !walk.throughput.is_zero() {
+    let aperture = job.scene.camera().has_aperture();
+    while !going.walk.throughput.is_zero() {
         // A path needs one more edge to be joined, and none to run into the lens.
-        let joinable = walk.edges + 2 <= most;
-        let lens = (aperture && walk.edges >= 1 && walk.edges < most)
-            .then(|| job.lens_ahead(walk))
+        let joinable = going.walk.edges + 2 <= most;
+        let lens = (aperture && going.walk.edges >= 1 && going.walk.edges < most)
+            .then(|| job.lens_ahead(&going.walk))
             .flatten();
         if !joinable && lens.is_none() {
             return false;
         }
-        let (throughput, interior) = (walk.throughput, walk.interior);
-        let distance = walk.advance(scene, u, &mut path.next().vertex);
+        let carried = Carried::by(&going.walk);
+        let distance = going.advance(job, u, path);
         if let Some(hit) = lens.filter(|hit| distance.is_none_or(|d| hit.distance < d)) {
-            let ray = Sent {
-                throughput,
-                interior,
-                departure: &departure,
-                walk,
-            };
-            meet_lens(job, &ray, &hit, path, out, witness);
+            meet_lens(job, going, &carried, &hit, path, out, witness);
         }
         let Some(distance) = distance else {
             return false;
@@ -86,100 +75,71 @@ fn follow(
         if !joinable {
             return false;
         }
-        if walk.edges == 1 {
-            walk.throughput *= scene.fading(emission, distance);
+        if going.walk.edges == 1 {
+            going.walk.throughput *= job.scene.fading(emission, distance);
         }
-
-        let slot = path.next();
-        slot.reach(walk);
-        scene.write_bsdf(
-            &slot.vertex,
-            job.wavelengths,
-            &walk.interior,
-            &mut slot.bsdf,
-        );
-        slot.connectable = slot.bsdf.is_connectable();
-        slot.onward = form.at_surface(&slot.bsdf);
-        let squared = (slot.vertex.position - from).length_squared();
-        slot.running = departure.arrive(heuristic, squared, slot.cos_back());
-        from = slot.vertex.position;
-        let onward = slot.onward.onward;
-        path.keep();
-
-        if form == Form::Full {
+        going.keep(job, path);
+        let onward = going.open(job, path);
+        if job.builder.form == Form::Full {
             join_lens(job, u, path, out, witness);
         } else if onward < 1.0 {
-            let stop = layout::bounce(layout::LIGHT_HEAD, walk.edges) + 3;
-            if u.get(Stream::Light, stop) >= onward {
+            if going.walk.stops(onward, u) {
                 if to_lens {
                     join_lens(job, u, path, out, witness);
                 }
                 return true;
             }
-            walk.throughput /= onward as f32;
+            going.walk.throughput /= onward as f32;
         }
-        if !aperture && walk.edges + 2 > most {
+        let ends = !aperture && going.walk.edges + 2 > most;
+        if ends || !going.depart(job, u, path) {
             return false;
-        }
-        match job.depart(walk, path, u, BOUNCES) {
-            Some(next) => departure = next,
-            None => return false,
         }
     }
     false
 }
 
-/// The walk at its emitter, how it leaves it, and from where.
-pub(super) fn start<'a>(job: &Job<'a>, emission: &EmissionSample) -> (Walk<'a>, Departure, DVec3) {
-    let onward = job.builder.form.at_emitter();
-    let throughput = emission.weight / onward.onward as f32;
-    let walk = Walk::from_emitter(emission, throughput, job.wavelengths);
-    let pdf = &emission.pdf;
-    let end = End {
-        position: if pdf.hittable { pdf.position } else { 0.0 },
-        direction: pdf.direction,
-        cos: pdf.cos,
-        infinite: pdf.infinite,
-    };
-    let departure = Departure::from_end(job.builder.heuristic, end, onward.onward, onward.odds());
-    let origin = match &emission.area {
-        Some(area) => area.surface.position,
-        None => emission.ray.origin,
-    };
-    (walk, departure, origin.as_dvec3())
-}
-
-/// What an edge toward the lens carries.
-pub(super) struct Sent<'a> {
-    pub(super) throughput: Spectrum,
+/// What an edge toward the lens carries, whatever lies behind the lens.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Carried {
+    throughput: Spectrum,
     /// The solids around its start.
-    pub(super) interior: Interior,
-    pub(super) departure: &'a Departure,
-    pub(super) walk: &'a Walk<'a>,
+    interior: Interior,
 }
 
-/// t = 0: the walk runs into the lens.
+impl Carried {
+    /// By a walk that is about to take the edge.
+    #[inline]
+    pub(super) fn by(walk: &Walk<'_>) -> Self {
+        Self {
+            throughput: walk.throughput,
+            interior: walk.interior,
+        }
+    }
+}
+
+/// t = 0: the edge just walked runs into the lens.
 pub(super) fn meet_lens(
     job: &Job<'_>,
-    sent: &Sent<'_>,
+    going: &SubpathWalk<'_>,
+    carried: &Carried,
     hit: &LensHit,
     path: &Subpath,
     out: &mut Contributions,
     witness: &mut impl Witness,
 ) {
-    if sent.walk.edges < job.builder.settings.min_edges {
+    let walk = &going.walk;
+    if walk.edges < job.builder.settings.min_edges {
         return;
     }
     let camera = job.scene.camera();
     let squared = hit.distance * hit.distance;
-    let running = sent
-        .departure
-        .arrive(job.builder.heuristic, squared, hit.cos);
-    let back = camera.pdf_direction(-sent.walk.direction) * job.raster_pdf;
+    let running = (going.departure).arrive(job.builder.heuristic, squared, hit.cos);
+    let back = camera.pdf_direction(-walk.direction) * job.raster_pdf;
     let weight = job.weights().lens_hit(&running, camera.pdf_lens(), back);
-    let mut value = sent.throughput * ((hit.we * job.raster_pdf * weight) as f32);
+    let mut value = carried.throughput * ((hit.we * job.raster_pdf * weight) as f32);
     witness.see(&Seen {
-        s: sent.walk.edges + 1,
+        s: walk.edges + 1,
         t: 0,
         weight,
         value,
@@ -187,8 +147,8 @@ pub(super) fn meet_lens(
         eye: &[],
         joint: Joint::LensHit(hit),
     });
-    value *= (job.scene).absorption(&sent.interior, job.wavelengths, hit.distance);
-    let xyz = colour(value, sent.walk.dispersive, job.wavelengths);
+    value *= (job.scene).absorption(&carried.interior, job.wavelengths, hit.distance);
+    let xyz = colour(value, walk.dispersive, job.wavelengths);
     out.push(hit.raster, xyz, Class::L3);
 }
 
@@ -247,15 +207,15 @@ pub(super) fn join_lens(
         eye: &[],
         joint: Joint::Lens(&lens),
     });
-    let ray = Ray::towards(&y.vertex.surface, lens.position.as_vec3());
-    let interior = scene.interior_toward(&y.vertex, &y.interior, y.back, lens.direction);
+    let shadow = Shadow {
+        ray: Ray::towards(&y.vertex.surface, lens.position.as_vec3()),
+        interior: scene.interior_toward(&y.vertex, &y.interior, y.back, lens.direction),
+        distance: lens.distance,
+    };
     out.count_shadow();
-    let visible = scene.transmittance(&ray, &interior);
-    if visible == 0.0 {
+    if !shadow.dim(scene, job.wavelengths, &mut value) {
         return;
     }
-    value *= visible;
-    value *= scene.absorption(&interior, job.wavelengths, lens.distance);
     let dispersive = y.dispersive || y.bsdf.dispersive_between(y.wo, wi);
     let xyz = colour(value, dispersive, job.wavelengths);
     out.push(lens.raster, xyz, Class::L4);

@@ -7,6 +7,7 @@ mod join;
 mod light;
 mod multiplexed;
 mod running;
+mod subpath_walk;
 mod techniques;
 mod vertex;
 mod weights;

@@ -1,22 +1,21 @@
 //! One strategy at a time (Hachisuka, Kaplanyan and Dachsbacher 2014).
 
-use glam::DVec3;
+use glam::DVec2;
 use kaustik_pss::{Coordinates, Stream};
 use kaustik_scene::{EmissionSample, Scene};
 use kaustik_spectrum::Wavelengths;
 
 use super::eye;
 use super::join::{join, next_event};
-use super::light;
-use super::running::Departure;
+use super::light::{self, Carried};
+use super::subpath_walk::SubpathWalk;
 use super::techniques::{Technique, Techniques};
 use super::witness::Witness;
 use super::workspace::{Subpath, Workspace};
 use super::{Bidirectional, Form, Job};
 use crate::contributions::Gathered;
 use crate::instant::at_its_time;
-use crate::walk::Walk;
-use crate::{Contributions, PathBuilder, camera_walk};
+use crate::{Contributions, PathBuilder};
 
 /// Bidirectional paths of which each point makes one alone: coordinates choose its length and its strategy, both
 /// subpaths are walked just as far as that takes, and one connection is made, with its weight
@@ -98,14 +97,6 @@ impl PathBuilder for Multiplexed {
     }
 }
 
-/// A subpath on its way.
-struct Going<'a> {
-    walk: Walk<'a>,
-    departure: Departure,
-    /// Where the next edge begins.
-    from: DVec3,
-}
-
 /// How far a walk from an emitter is to go.
 struct Way<'a> {
     emission: &'a EmissionSample,
@@ -113,57 +104,6 @@ struct Way<'a> {
     vertices: u32,
     /// Vertices of the eye.
     t: u32,
-}
-
-impl Going<'_> {
-    /// The next edge, to a vertex that is kept; `None` if it leaves the scene. The vertex cannot be joined
-    /// yet.
-    #[inline]
-    fn arrive(
-        &mut self,
-        job: &Job<'_>,
-        u: &mut dyn Coordinates,
-        path: &mut Subpath,
-    ) -> Option<f64> {
-        let slot = path.next();
-        let distance = self.walk.advance(job.scene, u, &mut slot.vertex)?;
-        slot.reach(&self.walk);
-        let squared = (slot.vertex.position - self.from).length_squared();
-        let heuristic = job.builder.heuristic;
-        slot.running = self.departure.arrive(heuristic, squared, slot.cos_back());
-        self.from = slot.vertex.position;
-        path.keep();
-        Some(distance)
-    }
-
-    /// Makes the last vertex one that scatters.
-    #[inline]
-    fn open(&self, job: &Job<'_>, path: &mut Subpath) {
-        let slot = path.last_mut();
-        let interior = &self.walk.interior;
-        (job.scene).write_bsdf(&slot.vertex, job.wavelengths, interior, &mut slot.bsdf);
-        let onward = Form::Full.at_surface(&slot.bsdf);
-        slot.connectable = onward.stop > 0.0;
-        slot.onward = onward;
-    }
-
-    /// Scatters at the last vertex; `false` where the walk ends.
-    #[inline]
-    fn depart(
-        &mut self,
-        job: &Job<'_>,
-        u: &mut dyn Coordinates,
-        path: &mut Subpath,
-        bounces: (Stream, u32),
-    ) -> bool {
-        match job.depart(&mut self.walk, path, u, bounces) {
-            Some(departure) => {
-                self.departure = departure;
-                true
-            }
-            None => false,
-        }
-    }
 }
 
 impl Job<'_> {
@@ -213,16 +153,11 @@ impl Job<'_> {
         let Some(emission) = emission else {
             return false;
         };
-        let (mut walk, departure, from) = light::start(self, &emission);
-        walk.throughput *= scale as f32;
-        if walk.throughput.is_zero() {
+        let mut going = SubpathWalk::from_emitter(self, &emission);
+        going.walk.throughput *= scale as f32;
+        if going.walk.throughput.is_zero() {
             return false;
         }
-        let mut going = Going {
-            walk,
-            departure,
-            from,
-        };
         let way = Way {
             emission: &emission,
             vertices,
@@ -236,7 +171,7 @@ impl Job<'_> {
     /// The walk of [`Self::walk_from_light`], once it has begun.
     fn follow_from_light(
         &self,
-        going: &mut Going<'_>,
+        going: &mut SubpathWalk<'_>,
         way: &Way<'_>,
         u: &mut dyn Coordinates,
         path: &mut Subpath,
@@ -249,17 +184,16 @@ impl Job<'_> {
             t,
         } = *way;
         for vertex in 1..=vertices {
-            let Some(distance) = going.arrive(self, u, path) else {
+            let Some(distance) = going.advance(self, u, path) else {
                 return false;
             };
             if vertex == 1 {
-                let fading = self.scene.fading(emission, distance);
-                going.walk.throughput *= fading;
-                path.last_mut().throughput *= fading;
+                going.walk.throughput *= self.scene.fading(emission, distance);
             }
+            going.keep(self, path);
             going.open(self, path);
             let last = vertex == vertices && t > 0;
-            if !last && !going.depart(self, u, path, light::BOUNCES) {
+            if !last && !going.depart(self, u, path) {
                 return false;
             }
         }
@@ -274,7 +208,7 @@ impl Job<'_> {
     /// t = 0: the next edge, if the lens is on it.
     fn run_into_lens(
         &self,
-        going: &mut Going<'_>,
+        going: &mut SubpathWalk<'_>,
         u: &mut dyn Coordinates,
         path: &mut Subpath,
         out: &mut Contributions,
@@ -283,17 +217,10 @@ impl Job<'_> {
         let Some(hit) = self.lens_ahead(&going.walk) else {
             return;
         };
-        let (throughput, interior) = (going.walk.throughput, going.walk.interior);
-        let scene = self.scene;
-        let distance = going.walk.advance(scene, u, &mut path.next().vertex);
+        let carried = Carried::by(&going.walk);
+        let distance = going.advance(self, u, path);
         if distance.is_none_or(|distance| hit.distance < distance) {
-            let sent = light::Sent {
-                throughput,
-                interior,
-                departure: &going.departure,
-                walk: &going.walk,
-            };
-            light::meet_lens(self, &sent, &hit, path, out, witness);
+            light::meet_lens(self, going, &carried, &hit, path, out, witness);
         }
     }
 
@@ -306,17 +233,9 @@ impl Job<'_> {
         workspace: &mut Workspace,
         gathered: &mut Gathered<'_>,
         witness: &mut impl Witness,
-    ) -> glam::DVec2 {
-        let settings = &self.builder.settings;
-        let (mut walk, raster) = camera_walk::start(settings, self.scene, self.wavelengths, u);
-        let departure = eye::start(self, &mut walk);
-        walk.throughput *= scale as f32;
-        let from = walk.ray.origin.as_dvec3();
-        let mut going = Going {
-            walk,
-            departure,
-            from,
-        };
+    ) -> DVec2 {
+        let (mut going, raster) = SubpathWalk::from_lens(self, u);
+        going.walk.throughput *= scale as f32;
         self.follow_from_eye(&mut going, technique, u, workspace, gathered, witness);
         gathered.count_walk(going.walk.edges);
         raster
@@ -325,7 +244,7 @@ impl Job<'_> {
     /// The walk of [`Self::walk_from_eye`], once it has begun.
     fn follow_from_eye(
         &self,
-        going: &mut Going<'_>,
+        going: &mut SubpathWalk<'_>,
         technique: &Technique,
         u: &mut dyn Coordinates,
         workspace: &mut Workspace,
@@ -336,21 +255,20 @@ impl Job<'_> {
         let Workspace { light, eye } = workspace;
         for vertex in 1..t {
             let last = vertex + 1 == t;
-            if going.arrive(self, u, eye).is_none() {
+            if going.advance(self, u, eye).is_none() {
                 if s == 0 && last {
-                    let running = going.departure.escape(self.builder.heuristic);
-                    let vertices = eye.vertices();
-                    eye::escape(self, &going.walk, &running, vertices, gathered, witness);
+                    eye::escape(self, going, eye.vertices(), gathered, witness);
                 }
                 return;
             }
+            going.keep(self, eye);
             if s == 0 && last {
                 let specular = going.walk.specular;
                 eye::emission(self, specular, eye.vertices(), gathered, witness);
                 return;
             }
             going.open(self, eye);
-            if !last && !going.depart(self, u, eye, eye::BOUNCES) {
+            if !last && !going.depart(self, u, eye) {
                 return;
             }
         }

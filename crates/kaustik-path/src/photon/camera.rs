@@ -2,7 +2,7 @@
 
 use glam::DVec2;
 use kaustik_bsdf::Bsdf;
-use kaustik_pss::{Coordinates, Stream};
+use kaustik_pss::Coordinates;
 use kaustik_scene::{Scene, Vertex};
 use kaustik_spectrum::Wavelengths;
 
@@ -10,9 +10,7 @@ use super::MeasurementPoints;
 use super::narrow::{Part, take};
 use super::point::Seen;
 use crate::walk::Scatter;
-use crate::{BuilderSettings, camera_walk, layout};
-
-const BOUNCES: (Stream, u32) = (Stream::Camera, layout::CAMERA_HEAD);
+use crate::{BuilderSettings, camera_walk};
 /// A pixel's footprint grows as one over the cosine under which a surface is seen, up to this one.
 const LEAST_COSINE: f64 = 0.1;
 
@@ -72,9 +70,7 @@ impl MeasurementWalk {
                         bsdf: &narrow,
                         ..scatter
                     };
-                    if walk.bounce(scene, &scatter, u, BOUNCES).is_none()
-                        || !walk.survives(u, BOUNCES)
-                    {
+                    if walk.bounce(scene, &scatter, u).is_none() || !walk.survives(u) {
                         return;
                     }
                 }

@@ -6,10 +6,7 @@ use kaustik_pss::{Coordinates, Stream};
 use kaustik_scene::{Scene, Vertex};
 use kaustik_spectrum::{Spectrum, Wavelengths};
 
-use crate::layout;
 use crate::walk::Walk;
-
-const BOUNCES: (Stream, u32) = (Stream::Light, layout::LIGHT_HEAD);
 
 /// Light that arrives at a point.
 #[derive(Clone, Copy, Debug)]
@@ -107,9 +104,7 @@ impl PhotonTracing {
                     dispersive: walk.dispersive,
                 });
             }
-            if walk.bounce(scene, &scatter, u, BOUNCES).is_none()
-                || !walk.survives_by_albedo(u, BOUNCES)
-            {
+            if walk.bounce(scene, &scatter, u).is_none() || !walk.survives_by_albedo(u) {
                 return;
             }
         }

@@ -1,7 +1,7 @@
 //! What photons cannot carry: emitters seen directly, and in mirrors, through glass, in narrow lobes.
 
 use kaustik_bsdf::Bsdf;
-use kaustik_pss::{Coordinates, Stream};
+use kaustik_pss::Coordinates;
 use kaustik_scene::{Scene, Vertex};
 
 use super::narrow::{Part, take};
@@ -9,9 +9,7 @@ use crate::contributions::Gathered;
 use crate::next_event::{Shares, next_event};
 use crate::unidirectional::{Origin, emission, escape};
 use crate::walk::{Scatter, Walk};
-use crate::{BuilderSettings, Contributions, PathBuilder, camera_walk, layout};
-
-const BOUNCES: (Stream, u32) = (Stream::Camera, layout::CAMERA_HEAD);
+use crate::{BuilderSettings, Contributions, PathBuilder, camera_walk};
 
 /// Path tracing through narrow lobes alone: with photon maps of the same threshold each light path counts once.
 ///
@@ -57,11 +55,11 @@ impl Remainder {
                 ..scatter
             };
             next_event(scene, walk, &scatter, Shares::BOTH, u, gathered);
-            let Some(sample) = walk.bounce(scene, &scatter, u, BOUNCES) else {
+            let Some(sample) = walk.bounce(scene, &scatter, u) else {
                 return;
             };
             origin = (!sample.delta).then(|| Origin::new(vertex.position, sample.pdf));
-            if !walk.survives(u, BOUNCES) {
+            if !walk.survives(u) {
                 return;
             }
         }

@@ -31,6 +31,11 @@ impl Aperture {
         }
     }
 
+    /// Of the disk, or of the circle through the polygon's corners.
+    pub(super) fn radius(&self) -> f64 {
+        self.radius
+    }
+
     /// In square scene units.
     pub(super) fn area(&self) -> f64 {
         let square = self.radius * self.radius;

@@ -212,6 +212,18 @@ impl Camera {
         (self.pose).point_to_world(from.pose.point_to_local(lens_point))
     }
 
+    /// A point of the lens (world) moved within its plane, along the camera's own axes, by a share of the opening's radius (that
+    /// of the corners, if it has any); `None` if it is no point of the lens any more. A camera without an aperture has one
+    /// point.
+    #[must_use]
+    pub fn moved_on_lens(&self, lens_point: DVec3, by: DVec2) -> Option<DVec3> {
+        let Optics::Perspective(optics) = &self.optics else {
+            return None;
+        };
+        let moved = optics.moved_on_lens(self.pose.point_to_local(lens_point), by)?;
+        Some(self.pose.point_to_world(moved))
+    }
+
     /// Density of `direction` (unit, into the scene) per solid angle when the raster is
     /// uniform over the unit square: `1 / (A_1 cos^3)`; 0 behind the camera, not clipped to the
     /// window. 1 for an orthographic camera, whose direction is Dirac.

@@ -83,6 +83,13 @@ impl Perspective {
         self.lens.is_none()
     }
 
+    /// A point of the lens moved by so many of its radii; `None` beyond the rim.
+    pub(super) fn moved_on_lens(&self, point: DVec3, by: DVec2) -> Option<DVec3> {
+        let aperture = &self.lens.as_ref()?.aperture;
+        let moved = point + (by * aperture.radius()).extend(0.0);
+        aperture.holds(moved).then_some(moved)
+    }
+
     pub(super) fn pdf_lens(&self) -> f64 {
         match &self.lens {
             Some(lens) => lens.pdf,

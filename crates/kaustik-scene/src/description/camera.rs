@@ -7,12 +7,12 @@ pub enum Projection {
     Perspective {
         /// Vertical field of view in radians, in (0, pi).
         yfov: f32,
-        /// Width over height if the file gives it.
+        /// Width over height if the file gives it: the default of the image's shape, which decides.
         aspect_ratio: Option<f32>,
     },
     /// Parallel rays; half extents in scene units.
     Orthographic {
-        /// Half the width.
+        /// Half the width that the file asks for: the default of the image's shape, which decides.
         xmag: f32,
         /// Half the height.
         ymag: f32,

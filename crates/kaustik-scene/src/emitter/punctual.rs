@@ -124,7 +124,7 @@ impl Punctual {
                 cos_outer,
             } => {
                 let cos = self.axis.dot(direction);
-                let t = (cos - cos_outer) / (cos_inner - cos_outer).max(0.001);
+                let t = (cos - cos_outer) / (cos_inner - cos_outer).max(f64::MIN_POSITIVE);
                 let t = t.clamp(0.0, 1.0);
                 t * t
             }

@@ -138,6 +138,23 @@ impl ColorSource {
         self.times(textures, surface, wavelengths, [1.0; 3])
     }
 
+    /// The largest of the channels at a point, without the vertex colour; of a table nothing is known.
+    pub(crate) fn largest_plain(&self, textures: &[Texture], surface: &Surface) -> f32 {
+        match self {
+            Self::Rgb { factor, slot, .. } => {
+                let texel = slot
+                    .as_ref()
+                    .map_or([1.0; 4], |s| s.read(textures, surface, Coding::Srgb));
+                let channels = factor
+                    .iter()
+                    .zip(texel)
+                    .map(|(factor, texel)| factor * texel);
+                channels.fold(0.0, f32::max).min(1.0)
+            }
+            Self::Table { .. } => 0.0,
+        }
+    }
+
     #[inline]
     fn times(
         &self,

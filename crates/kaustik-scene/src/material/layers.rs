@@ -22,6 +22,9 @@ pub(super) struct Layers {
     film: Option<(Iridescence, [Option<Slot>; 2])>,
 }
 
+/// Index of a varnish, as its extension has it.
+const VARNISH: f64 = 1.5;
+
 impl Layers {
     /// Does the material have any?
     pub(super) fn exist(description: &MaterialDescription) -> bool {
@@ -75,21 +78,26 @@ impl Layers {
         })
     }
 
-    /// Varnish and fibres at a point.
+    /// Varnish and fibres at a point; `around` is the index of the medium outside.
     pub(super) fn on_top(
         &self,
         textures: &[Texture],
         surface: &Surface,
         wavelengths: &Wavelengths,
+        around: Spectrum,
     ) -> LayerParameters {
         let read = |slot: &Option<Slot>, channel: usize| texel(slot, textures, surface)[channel];
-        let mut layers = LayerParameters::default();
+        let mut layers = LayerParameters {
+            clearcoat_ior: VARNISH / f64::from(around.mean()),
+            ..LayerParameters::default()
+        };
         if let Some((coat, [share, roughness, _])) = &self.coat {
             layers.clearcoat = f64::from(coat.factor * read(share, 0));
             layers.clearcoat_roughness = f64::from(coat.roughness * read(roughness, 1));
         }
         if let Some((color, roughness, slot)) = &self.sheen {
             layers.sheen_color = color.eval_plain(textures, surface, wavelengths);
+            layers.sheen_shade = color.largest_plain(textures, surface);
             layers.sheen_roughness = f64::from(roughness * read(slot, 3));
         }
         layers
@@ -146,7 +154,8 @@ impl Layers {
             strength: f64::from(film.factor * texel(share, textures, surface)[0]),
             ior: f64::from(film.ior / around.mean()),
             thickness: f64::from(least + place * (most - least)),
-            wavelengths: Spectrum::new(wavelengths.nm()),
+            // as they are outside, to which the index is relative
+            wavelengths: Spectrum::new(wavelengths.nm()) / around.mean(),
         })
     }
 

@@ -150,7 +150,7 @@ impl Material {
     ) -> Bsdf {
         let base = self.parameters(textures, surface, wavelengths, around);
         let layers = self.layers.as_deref();
-        let layers = layers.map(|layers| layers.on_top(textures, surface, wavelengths));
+        let layers = layers.map(|layers| layers.on_top(textures, surface, wavelengths, around));
         let layers = layers.unwrap_or_default();
         Bsdf::layered(
             &base,
@@ -238,7 +238,10 @@ impl Material {
         let base = self.parameters(textures, surface, wavelengths, around);
         match self.layers.as_deref() {
             None => Bsdf::principled(&base),
-            Some(layers) => Bsdf::layered(&base, &layers.on_top(textures, surface, wavelengths)),
+            Some(layers) => {
+                let on_top = layers.on_top(textures, surface, wavelengths, around);
+                Bsdf::layered(&base, &on_top)
+            }
         }
     }
 

@@ -6,7 +6,7 @@
 //! bilinear look-up is linear in light. There are no mip levels: a path tracer averages
 //! over its samples.
 //!
-//! A look-up never fails: NaN and infinite coordinates read the texel at 0.
+//! A look-up never fails: NaN reads the texel at 0, infinite coordinates read some texel.
 
 mod uv_map;
 
@@ -119,7 +119,7 @@ impl Texture {
         }
     }
 
-    /// Mean over all texels: what an emissive texture radiates on the whole.
+    /// Mean over all texels.
     #[must_use]
     pub fn mean(&self, coding: Coding) -> [f32; 4] {
         let (width, height) = (i64::from(self.image.width), i64::from(self.image.height));

@@ -76,6 +76,10 @@ fn glasses_from_words_and_numbers() {
         Glass::sellmeier(&[1.0], &[0.25]),
         Err(SpectrumError::Ior { .. })
     ));
+    // A weak resonance between two whole nanometres.
+    let resonant = Glass::sellmeier(&[1.0, 1e-4], &[0.01, 0.303_05]);
+    assert!(matches!(resonant, Err(SpectrumError::Ior { nm, .. }) if (nm - 550.5).abs() < 0.1));
+    assert!(Glass::sellmeier(&[1.0, 0.0], &[0.01, 0.303_05]).is_ok());
     assert!(matches!(
         Glass::constant(f32::NAN),
         Err(SpectrumError::Ior { .. })

@@ -29,90 +29,6 @@ pub(super) fn last<'a>(results: &'a Results, place: &str, name: &str) -> Option<
     scene(results, place)?.group(method(results, name)?, budget)
 }
 
-/// At the last budget the median of `better` is at most `factor` times that of each of `worse`.
-pub(super) fn lower(
-    results: &Results,
-    place: &str,
-    figure: Figure,
-    better: &str,
-    worse: &[(&str, f64)],
-) -> Finding {
-    let median = |name: &str| Some(last(results, place, name)?.quartiles(figure).median);
-    let Some(ours) = median(better) else {
-        return Finding::open("not rendered");
-    };
-    let mut holds = true;
-    // With halves small errors may come out at or below zero: too small for this reference to tell.
-    let mut told = ours > 0.0;
-    let mut measured = format!("{place}, {}: {better} {}", figure.name(), number(ours));
-    for &(name, factor) in worse {
-        let Some(theirs) = median(name) else {
-            return Finding::open("not rendered");
-        };
-        holds &= ours <= factor * theirs;
-        told &= theirs > 0.0;
-        measured += &format!(", {name} {} (ratio {:.2})", number(theirs), ours / theirs);
-    }
-    if told {
-        Finding::new(measured, holds)
-    } else {
-        Finding::new(measured + "; too small for this reference", Verdict::Open)
-    }
-}
-
-/// At the last budget the normalised standard deviation of `better` over its seeds is at most `factor` times that of each of
-/// `worse`.
-pub(super) fn lower_nsd(
-    results: &Results,
-    place: &str,
-    better: &str,
-    worse: &[(&str, f64)],
-) -> Finding {
-    let nsd = |name: &str| last(results, place, name)?.nsd;
-    let Some(ours) = nsd(better) else {
-        return Finding::open("not rendered");
-    };
-    let mut holds = true;
-    let mut measured = format!("{place}, NSD: {better} {}", number(ours.mean));
-    for &(name, factor) in worse {
-        let Some(theirs) = nsd(name) else {
-            return Finding::open("not rendered");
-        };
-        let ratio = ours.mean / theirs.mean;
-        holds &= ratio <= factor;
-        measured += &format!(", {name} {} (ratio {ratio:.2})", number(theirs.mean));
-    }
-    Finding::new(measured, holds)
-}
-
-/// The same at every budget, as a share of the budgets.
-pub(super) fn lower_always(
-    results: &Results,
-    place: &str,
-    figure: Figure,
-    better: &str,
-    worse: &[&str],
-) -> Finding {
-    let Some((scene, ours)) = scene(results, place).zip(method(results, better)) else {
-        return Finding::open("not rendered");
-    };
-    let budgets = results.study.budgets.amounts.len();
-    let mut measured = format!("{place}, {}: {better} is below", figure.name());
-    let mut holds = true;
-    for name in worse {
-        let Some(theirs) = method(results, name) else {
-            return Finding::open("not rendered");
-        };
-        let median = |m, budget| Some(scene.group(m, budget)?.quartiles(figure).median);
-        let won = (0..budgets)
-            .filter(|&b| median(ours, b) < median(theirs, b))
-            .count();
-        holds &= won == budgets;
-        measured += &format!(" {name} at {won} of {budgets} times;");
-    }
-    Finding::new(measured.trim_end_matches(';').to_owned(), holds)
-}
-
 /// Small steps are accepted about as often as the paper says: within ten points.
 pub(super) fn acceptance(results: &Results, place: &str, rates: &[(&str, f64)]) -> Finding {
     let mut parts = Vec::new();
@@ -126,34 +42,6 @@ pub(super) fn acceptance(results: &Results, place: &str, rates: &[(&str, f64)]) 
         parts.push(format!("{name}: {:.1} % of small steps", 100.0 * rate));
     }
     Finding::new(parts.join("; "), holds)
-}
-
-/// Which of several methods has the lowest median.
-pub(super) fn best(
-    results: &Results,
-    place: &str,
-    figure: Figure,
-    among: &[&str],
-    wanted: &[&str],
-) -> Finding {
-    let median = |name: &&str| Some(last(results, place, name)?.quartiles(figure).median);
-    let found: Option<Vec<f64>> = among.iter().map(median).collect();
-    let Some(found) = found else {
-        return Finding::open("not rendered");
-    };
-    let parts: Vec<String> = (among.iter().zip(&found))
-        .map(|(name, value)| format!("{name} {}", number(*value)))
-        .collect();
-    let least = found.iter().copied().fold(f64::INFINITY, f64::min);
-    let winner = found
-        .iter()
-        .position(|v| v.to_bits() == least.to_bits())
-        .map(|i| among[i]);
-    let holds = winner.is_some_and(|winner| wanted.contains(&winner));
-    Finding::new(
-        format!("{place}, {}: {}", figure.name(), parts.join(", ")),
-        holds,
-    )
 }
 
 /// Luminance of a pixel, linear Rec.709.

@@ -3,9 +3,8 @@
 use kaustik::Method;
 use kaustik::film::Window;
 
-use super::checks::{
-    best, cost_of_a_step, few_spikes, last, lower, same_tint, statistic_above, tint_differs,
-};
+use super::checks::{cost_of_a_step, few_spikes, last, same_tint, statistic_above, tint_differs};
+use super::rivals::{best, lower};
 use super::{PaperFigure, Scale, blank, per_pixel, seconds, settings};
 use crate::{Claim, Figure, Finding, MethodEntry, SceneEntry, Study};
 

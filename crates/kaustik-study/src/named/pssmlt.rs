@@ -2,7 +2,8 @@
 
 use kaustik::Method;
 
-use super::checks::{acceptance, best, fewer_shadow_rays, last, lower, lower_in_the_dark};
+use super::checks::{acceptance, fewer_shadow_rays, last, lower_in_the_dark};
+use super::rivals::{best, lower};
 use super::{PaperFigure, Scale, blank, per_pixel, seconds, settings};
 use crate::{Claim, Figure, Finding, MethodEntry, SceneEntry, Study};
 

@@ -3,7 +3,8 @@
 use kaustik::Method;
 use kaustik::film::Window;
 
-use super::checks::{carries_the_dark, lower, lower_always, more_effective, starts_within};
+use super::checks::{carries_the_dark, more_effective, starts_within};
+use super::rivals::{lower, lower_always};
 use super::{PaperFigure, Scale, blank, minutes, seconds, settings};
 use crate::{Budgets, Claim, Figure, MethodEntry, SceneEntry, Study};
 

@@ -2,8 +2,8 @@
 
 use kaustik::Method;
 
-use super::checks::{lower, lower_nsd};
 use super::evenness::evener;
+use super::rivals::{lower, lower_nsd};
 use super::{PaperFigure, Scale, blank, minutes, seconds, settings};
 use crate::{Claim, Figure, MethodEntry, SceneEntry, Study};
 

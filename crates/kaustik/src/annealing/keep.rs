@@ -6,7 +6,6 @@ use kaustik_mcmc::{Estimate, Mean};
 use serde::{Deserialize, Serialize};
 
 use super::{AnnealingEngine, Level, Told};
-use crate::beside;
 use crate::engine::Nonfinite;
 use crate::state::{Keep, Reader, StateError, Writer};
 
@@ -34,9 +33,7 @@ impl<const K: usize> Keep for AnnealingEngine<'_, K> {
     fn write(&self, out: &mut Writer<'_>) -> io::Result<()> {
         out.value(&self.rough.to_vec())?;
         out.film(&self.film)?;
-        if let Some(direct) = &self.direct {
-            direct.write(out)?;
-        }
+        self.besides.write(out)?;
         let kept = self.told.iter().map(|told| Kept {
             ladder: told.ladder,
             rounds: told.rounds,
@@ -54,7 +51,7 @@ impl<const K: usize> Keep for AnnealingEngine<'_, K> {
             return Err(StateError::pilot(value(&rough), value(&self.rough)));
         }
         from.film(&mut self.film)?;
-        let passes = beside::take_up(&mut self.direct, from)?;
+        let passes = self.besides.take_up(from)?;
         let kept: Vec<Kept> = from.value()?;
         let (ladders, cost) = (from.ladders(), self.cost());
         let told = (self.told.iter_mut()).filter(|told| ladders.contains(&told.ladder));
@@ -66,9 +63,9 @@ impl<const K: usize> Keep for AnnealingEngine<'_, K> {
             *told = kept.checked(told.ladder, cost)?;
             rounds += told.rounds;
         }
-        beside::check(self.direct.as_ref(), passes, rounds * cost)?;
+        self.besides.check(passes, rounds * cost)?;
         let steps = self.rounds() * cost;
-        beside::keep_up(&mut self.direct, steps);
+        self.besides.keep_up(steps);
         Ok(())
     }
 }

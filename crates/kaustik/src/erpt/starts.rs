@@ -46,8 +46,8 @@ impl<'a> Starter<'a> {
             }
             Some(seeds) => {
                 let weight = seeds.sample(&mut self.path, draws);
-                // The path was chosen from all: to leave it out with its weight leaves the others right.
-                if self.path.edges() >= settings.min_edges as usize {
+                // A weight that is no number comes without a path, and is to be counted.
+                if weight > 0.0 || !weight.is_finite() {
                     found(&self.path, weight);
                 }
             }

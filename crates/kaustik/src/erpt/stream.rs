@@ -245,7 +245,9 @@ struct Spread<'a, D> {
 impl<D: Draws> Spread<'_, D> {
     /// One of the sample's paths with its weight.
     fn start(&mut self, path: &Path, weight: f64) {
-        self.job.space.tell(path, Role::Sampled(weight));
+        if path.edges() > 0 {
+            self.job.space.tell(path, Role::Sampled(weight));
+        }
         if !weight.is_finite() {
             self.bad += 1;
             return;

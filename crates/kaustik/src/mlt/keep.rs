@@ -7,7 +7,6 @@ use kaustik_mcmc::Mean;
 use kaustik_mutate::PathSpace;
 
 use super::{Chain, Kept, MltEngine, density};
-use crate::beside;
 use crate::chains::check_counts;
 use crate::state::{Keep, Reader, StateError, Writer};
 
@@ -24,12 +23,7 @@ impl Keep for MltEngine<'_> {
     fn write(&self, out: &mut Writer<'_>) -> io::Result<()> {
         out.value(&self.pool)?;
         out.film(&self.film)?;
-        if let Some(lamps) = &self.lamps {
-            lamps.write(out)?;
-        }
-        if let Some(meter) = &self.meter {
-            meter.write(out)?;
-        }
+        self.besides.write(out)?;
         if self.chains.is_empty() {
             return out.value(&self.idle);
         }
@@ -42,8 +36,7 @@ impl Keep for MltEngine<'_> {
             return Err(StateError::pilot(pool.mean(), self.pool.mean()));
         }
         from.film(&mut self.film)?;
-        let passes = beside::take_up(&mut self.lamps, from)?;
-        let metered = beside::take_up(&mut self.meter, from)?;
+        let passes = self.besides.take_up(from)?;
         let ladders = from.ladders();
         let mut taken = 0;
         if self.chains.is_empty() {
@@ -55,11 +48,9 @@ impl Keep for MltEngine<'_> {
                 .checked(chain.ladder, &self.space, &self.map)?;
             taken += chain.metropolis.statistics().steps;
         }
-        beside::check(self.lamps.as_ref(), passes, taken)?;
-        beside::check(self.meter.as_ref(), metered, taken)?;
+        self.besides.check(passes, taken)?;
         let steps = self.steps();
-        beside::keep_up(&mut self.lamps, steps);
-        beside::keep_up(&mut self.meter, steps);
+        self.besides.keep_up(steps);
         Ok(())
     }
 }

@@ -60,8 +60,8 @@ pub(super) struct PhotonChains<const K: usize> {
     adaptations: [AcceptanceAdaptation<Power>; K],
     /// Rough normalisers: those of the iteration before.
     rough: [f64; K],
-    /// XYZ of each pixel, summed over iterations; where visibility's normaliser is still to come without it, and of all chains
-    /// but the first.
+    /// XYZ of each pixel, summed over iterations. Where visibility's normaliser comes only at the end: of all chains but the
+    /// first, not yet multiplied by it.
     sums: Vec<[f64; 3]>,
     /// Of visibility, over iterations; `None` where each iteration has its own.
     visible: Option<Mean>,

@@ -6,7 +6,6 @@ use kaustik_mcmc::{Family, Mean, checked_densities};
 use kaustik_path::Contributions;
 
 use super::{Chain, PssmltEngine};
-use crate::beside;
 use crate::chains::{LadderChain, check_counts};
 use crate::state::{Keep, Reader, StateError, Writer};
 
@@ -23,12 +22,7 @@ impl<F: Family<Contributions, 1> + Send + Sync> Keep for PssmltEngine<'_, F> {
         if let Some(film) = &self.large_film {
             out.film(film)?;
         }
-        if let Some(lamps) = &self.lamps {
-            lamps.write(out)?;
-        }
-        if let Some(meter) = &self.meter {
-            meter.write(out)?;
-        }
+        self.besides.write(out)?;
         self.chains.iter().try_for_each(|chain| out.value(chain))
     }
 
@@ -45,8 +39,7 @@ impl<F: Family<Contributions, 1> + Send + Sync> Keep for PssmltEngine<'_, F> {
         if let Some(film) = &mut self.large_film {
             from.film(film)?;
         }
-        let passes = beside::take_up(&mut self.lamps, from)?;
-        let metered = beside::take_up(&mut self.meter, from)?;
+        let passes = self.besides.take_up(from)?;
         let ladders = from.ladders();
         let chains = self.chains.iter_mut();
         let mut taken = 0;
@@ -56,11 +49,9 @@ impl<F: Family<Contributions, 1> + Send + Sync> Keep for PssmltEngine<'_, F> {
             taken += kept.metropolis.statistics().steps;
             *chain = kept;
         }
-        beside::check(self.lamps.as_ref(), passes, taken)?;
-        beside::check(self.meter.as_ref(), metered, taken)?;
+        self.besides.check(passes, taken)?;
         let steps = self.statistics().steps;
-        beside::keep_up(&mut self.lamps, steps);
-        beside::keep_up(&mut self.meter, steps);
+        self.besides.keep_up(steps);
         Ok(())
     }
 }

@@ -11,7 +11,6 @@ use super::ReltEngine;
 use super::run::{Run, below};
 use super::start::Mutation;
 use crate::Steps;
-use crate::beside;
 use crate::engine::Nonfinite;
 use crate::state::{Keep, Reader, StateError, Writer};
 
@@ -49,12 +48,7 @@ impl<const K: usize> Keep for ReltEngine<'_, K> {
         for film in &self.films {
             out.film(film)?;
         }
-        if let Some(direct) = &self.direct {
-            direct.write(out)?;
-        }
-        if let Some(meter) = &self.meter {
-            meter.write(out)?;
-        }
+        self.besides.write(out)?;
         (self.runs.iter()).try_for_each(|run| {
             out.value(&Kept {
                 index: run.index,
@@ -82,8 +76,7 @@ impl<const K: usize> Keep for ReltEngine<'_, K> {
         for film in &mut self.films {
             from.film(film)?;
         }
-        let passes = beside::take_up(&mut self.direct, from)?;
-        let metered = beside::take_up(&mut self.meter, from)?;
+        let passes = self.besides.take_up(from)?;
         let (ladders, cost) = (from.ladders(), self.cost());
         let adapts = self.options.steps == Steps::Adapted;
         let mut steps = 0;
@@ -99,10 +92,8 @@ impl<const K: usize> Keep for ReltEngine<'_, K> {
             steps += run.sweeps * cost;
         }
         let all = self.sweeps() * cost;
-        beside::check(self.direct.as_ref(), passes, steps)?;
-        beside::check(self.meter.as_ref(), metered, steps)?;
-        beside::keep_up(&mut self.direct, all);
-        beside::keep_up(&mut self.meter, all);
+        self.besides.check(passes, steps)?;
+        self.besides.keep_up(all);
         Ok(())
     }
 }

@@ -7,7 +7,6 @@ use serde::{Deserialize, Serialize};
 use super::past::Past;
 use super::sums::Sums;
 use super::{StagedEngine, begin, sees};
-use crate::beside;
 use crate::state::{Keep, Reader, StateError, Writer};
 
 /// Where a render stands among its stages.
@@ -35,9 +34,7 @@ impl Keep for StagedEngine<'_> {
         if self.began > 0 {
             self.sums.write(out)?;
         }
-        if let Some(lamps) = &self.lamps {
-            lamps.write(out)?;
-        }
+        self.besides.write(out)?;
         self.engine.write(out)
     }
 
@@ -65,12 +62,12 @@ impl Keep for StagedEngine<'_> {
         }
         (self.began, self.stage, self.past) = (kept.began, kept.stage, kept.past);
         self.sums = sums;
-        let passes = beside::take_up(&mut self.lamps, from)?;
+        let passes = self.besides.take_up(from)?;
         self.engine.take_up(from)?;
         self.check_steps()?;
         let steps = self.steps();
-        beside::check(self.lamps.as_ref(), passes, steps)?;
-        beside::keep_up(&mut self.lamps, steps);
+        self.besides.check(passes, steps)?;
+        self.besides.keep_up(steps);
         Ok(())
     }
 }

@@ -27,9 +27,8 @@ pub(super) struct Stage {
     pub(super) end: u64,
 }
 
-/// All of them. Every ladder has the same, and all come to the end of a stage before any goes on: the budget of a render gives ladders
-/// numbers of steps that differ by one at most, and rounds give each as many as it may have. So whichever ladder is to take a step
-/// beyond an end, all others are to come to that end in the same round.
+/// All of them. All ladders reach the end of a stage in the same round, before any goes on: their numbers of steps differ by one
+/// at most.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Plan {
     /// Those within the budget.
