@@ -47,6 +47,18 @@ fn every_link_leads_somewhere() {
     assert!(faults.is_empty(), "\n{}", faults.join("\n"));
 }
 
+/// The book is its folder alone: a link to a file beside it leads nowhere there.
+#[test]
+fn links_of_the_book_stay_in_it() {
+    for page in pages().iter().filter(|page| page.starts_with("docs/")) {
+        let depth = page.matches('/').count();
+        for target in targets(&read(page)) {
+            let up = target.split('/').take_while(|part| *part == "..").count();
+            assert!(up < depth, "{page}: {target} leads out of docs/");
+        }
+    }
+}
+
 #[test]
 fn the_book_names_each_of_its_pages() {
     let listed = targets(&read("docs/SUMMARY.md"));

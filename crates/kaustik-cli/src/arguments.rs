@@ -217,6 +217,9 @@ pub(crate) struct MethodWords {
 pub(crate) struct InfoWords {
     /// A .gltf or .glb file, or builtin:NAME
     pub(crate) scene: String,
+    /// Most memory that loading the scene may take, for instance 500M or 4G
+    #[arg(long, value_name = "SIZE", value_parser = size)]
+    pub(crate) max_memory: Option<u64>,
 }
 
 /// Words of `compare`.

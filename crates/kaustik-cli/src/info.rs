@@ -10,7 +10,7 @@ use crate::arguments::InfoWords;
 use crate::{Failure, input, output};
 
 pub(crate) fn run(words: &InfoWords) -> Result<ExitCode, Failure> {
-    let input = input::load(&words.scene, None, None)?;
+    let input = input::load(&words.scene, words.max_memory, None)?;
     let mut text = contents(&input.description);
     let mut line = |what: &str, value: &str| {
         let _ = writeln!(text, "{what:<11} {value}");

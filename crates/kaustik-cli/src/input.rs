@@ -79,52 +79,74 @@ fn built_in(
     })
 }
 
-/// `--environment`: one number, `R,G,B`, or a file.
-pub(crate) fn environment(text: &str) -> Result<EnvironmentDescription, Failure> {
+/// `--environment`: one number, `R,G,B`, or a file; and how many values of the file had to be mended.
+pub(crate) fn environment(text: &str) -> Result<(EnvironmentDescription, u64), Failure> {
     let numbers: Option<Vec<f32>> = text
         .split(',')
         .map(|part| part.trim().parse().ok())
         .collect();
     let sound = |c: &[f32]| c.iter().all(|c| c.is_finite() && *c >= 0.0);
     match numbers.as_deref() {
-        Some(&[grey]) if sound(&[grey]) => Ok(EnvironmentDescription::Constant([grey; 3])),
-        Some(&[r, g, b]) if sound(&[r, g, b]) => Ok(EnvironmentDescription::Constant([r, g, b])),
+        Some(&[grey]) if sound(&[grey]) => Ok((EnvironmentDescription::Constant([grey; 3]), 0)),
+        Some(&[r, g, b]) if sound(&[r, g, b]) => {
+            Ok((EnvironmentDescription::Constant([r, g, b]), 0))
+        }
         Some(_) => Err(Failure::Input(format!(
             "--environment {text}: expected one number, R,G,B (each >= 0), or a .hdr or .exr file"
         ))),
-        None => Ok(EnvironmentDescription::Image {
-            image: Arc::new(environment_image(Path::new(text))?),
-            strength: 1.0,
-            rotation: glam::Quat::IDENTITY,
-        }),
+        None => {
+            let (image, mended) = environment_image(Path::new(text))?;
+            let environment = EnvironmentDescription::Image {
+                image: Arc::new(image),
+                strength: 1.0,
+                rotation: glam::Quat::IDENTITY,
+            };
+            Ok((environment, mended))
+        }
     }
 }
 
-fn environment_image(path: &Path) -> Result<ImageData, Failure> {
+fn environment_image(path: &Path) -> Result<(ImageData, u64), Failure> {
     let is_exr = path
         .extension()
         .is_some_and(|e| e.eq_ignore_ascii_case("exr"));
     if !is_exr {
         return load_hdr(path)
-            .map(|decoded| decoded.image)
+            .map(|decoded| (decoded.image, decoded.cleaned))
             .map_err(Failure::input);
     }
     let image = film::read(path, &Limits::default(), Keep::Main).map_err(Failure::input)?;
+    let size = [image.width(), image.height()];
+    if image.full_size() != size {
+        let [width, height] = image.full_size();
+        return Err(Failure::Input(format!(
+            "{}: a part of {width} x {height} pixels: expected a whole panorama",
+            path.display()
+        )));
+    }
     let [r, g, b] = image.rgb();
-    let clean = |v: f32| if v.is_finite() { v.max(0.0) } else { 0.0 };
+    let mut mended = 0;
+    let mut clean = |v: f32| {
+        if v.is_finite() && v >= 0.0 {
+            return v;
+        }
+        mended += 1;
+        0.0
+    };
     let pixels = r
         .iter()
         .zip(g)
         .zip(b)
-        .flat_map(|((r, g), b)| [*r, *g, *b].map(clean))
+        .flat_map(|((r, g), b)| [*r, *g, *b].map(&mut clean))
         .collect();
-    Ok(ImageData {
+    let image = ImageData {
         name: path.display().to_string(),
         width: image.width(),
         height: image.height(),
         pixels: Pixels::RgbF32(pixels),
         encoded: Vec::new(),
-    })
+    };
+    Ok((image, mended))
 }
 
 /// Width over height of the camera that will be used, if the file says.

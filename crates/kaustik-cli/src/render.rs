@@ -96,11 +96,19 @@ fn load_here(
     }
     let (width, height) = input::image_size(&input.description, source.camera.as_deref(), size);
     let environment = source.environment.as_deref().map(input::environment);
+    let environment = environment.transpose()?.map(|(environment, mended)| {
+        if mended > 0 {
+            let warning =
+                format!("warning: --environment: {mended} values were not finite, negative or too large, and mended");
+            remark(outputs, &warning);
+        }
+        environment
+    });
     let options = SceneOptions {
         width,
         height,
         camera: source.camera.clone(),
-        environment: environment.transpose()?,
+        environment,
         compensation,
     };
     let scene = Scene::new(&input.description, &options)

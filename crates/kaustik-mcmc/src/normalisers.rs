@@ -59,6 +59,14 @@ impl From<Mean> for Estimate {
 /// let running = SteppingStone::<2>::line().normalisers(1.0);
 /// weights(&running); // no: these change during the run
 /// ```
+///
+/// The same with what is fixed:
+///
+/// ```
+/// # use kaustik_mcmc::RoughNormalisers;
+/// fn weights(fixed: &RoughNormalisers<2>) {}
+/// weights(&RoughNormalisers::guess([1.0, 0.5]));
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct RoughNormalisers<const K: usize> {

@@ -23,8 +23,11 @@ impl Exponential {
     /// Steps between `s1` and `s2`.
     ///
     /// Sizes make sense for 0 < s1 <= s2 <= 1/2; others are moved to the nearest that do (NaN to the smallest),
-    /// so that a size that is being adapted cannot leave the circle.
+    /// so that a size that is being adapted cannot leave the circle. If `s2` is the smaller one they change places.
+    ///
+    /// With equal sizes a coordinate walks on a lattice, and never forgets on which.
     pub fn new(s1: f64, s2: f64) -> Self {
+        let (s1, s2) = if s1 > s2 { (s2, s1) } else { (s1, s2) };
         let s2 = size_within(s2, 0.5);
         let s1 = size_within(s1, s2);
         Self {
