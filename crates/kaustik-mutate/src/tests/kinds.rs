@@ -1,5 +1,6 @@
 //! The kernels under test, from starts that are independent paths.
 
+use glam::DVec3;
 use kaustik_mcmc::testing::{Changes, PairedTest};
 use kaustik_mcmc::{Kernel, Pcg64Dxsm, acceptance, decide};
 use kaustik_scene::Scene;
@@ -13,15 +14,20 @@ use crate::{
 };
 
 /// How many test functions there are.
-pub(super) const H: usize = 23;
+pub(super) const H: usize = 26;
 /// Longest path.
 pub(super) const EDGES: u32 = 5;
+
+/// Where most of the stages' cameras stand.
+const EYE: DVec3 = DVec3::new(0.3, 3.0, 2.0);
 
 /// What each part of a path shows.
 pub(super) fn functions(path: &Path) -> [f64; H] {
     let n = path.edges();
     // What a kernel keeps is worked out again: rounding is no change.
-    let [x, y] = path.raster().to_array().map(|u| (u * 1e9).round() * 1e-9);
+    let rounded = |u: f64| (u * 1e9).round() * 1e-9;
+    let [x, y] = path.raster().to_array().map(rounded);
+    let lens = DVec3::from(path.position(n).map(rounded)) - EYE;
     let (first, last) = (path.position(1.min(n)), path.position(n - 1));
     let specular = (1..n).filter(|&i| path.is_specular(i)).count() as f64;
     let is = |yes: bool| f64::from(u8::from(yes));
@@ -50,6 +56,9 @@ pub(super) fn functions(path: &Path) -> [f64; H] {
         path.time(),
         is(path.time() < 0.3),
         path.time() * first[0],
+        lens.x,
+        lens.x * lens.x,
+        lens.length_squared(),
     ]
 }
 
