@@ -197,12 +197,12 @@ pub(crate) fn left_over<'de, D: Deserializer<'de>>(
 /// What has been counted, with room to count on and to be merged.
 pub(crate) fn count<'de, D: Deserializer<'de>>(deserializer: D) -> Result<u64, D::Error> {
     let count = u64::deserialize(deserializer)?;
-    check(count <= MOST, "a count beyond 2^62")?;
+    check(count <= MOST, "a count beyond 2^48")?;
     Ok(count)
 }
 
 /// No run counts so far.
-pub(crate) const MOST: u64 = 1 << 62;
+pub(crate) const MOST: u64 = 1 << 48;
 
 /// A level of K.
 pub(crate) fn level<'de, D: Deserializer<'de>, const K: usize>(

@@ -48,7 +48,7 @@ impl<M> TryFrom<Read<M>> for Point<M> {
     fn try_from(read: Read<M>) -> Result<Self, Self::Error> {
         let (time, large_time) = (read.time, read.large_time);
         if !(0..=MOST as i64).contains(&time) {
-            return Err("a point's time is below 0 or beyond 2^62");
+            return Err("a point's time is below 0 or beyond 2^48");
         }
         if !(0..time.max(1)).contains(&large_time) {
             return Err("a point's last large step is not in its past");

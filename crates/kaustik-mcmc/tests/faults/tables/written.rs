@@ -85,7 +85,7 @@ pub(crate) const WRITTEN: &[Fault] = &[
     fault(
         "read: any count",
         "serial.rs",
-        "check(count <= MOST, \"a count beyond 2^62\")?;",
+        "check(count <= MOST, \"a count beyond 2^48\")?;",
         "",
         "hostile::what_cannot_be_is_refused hostile::broken_ladders_are_refused_or_run",
     ),
