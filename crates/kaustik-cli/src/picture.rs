@@ -130,10 +130,16 @@ pub(crate) fn report(words: &OutputWords, outcome: Outcome, statistics: &RenderS
         );
         return;
     }
+    let work = match &statistics.photons {
+        Some(photons) => format!(
+            "{} iterations, {:.1} light paths a pixel",
+            photons.iterations, statistics.per_pixel
+        ),
+        None => format!("{:.1} samples a pixel", statistics.per_pixel),
+    };
     let mut line = format!(
-        "{}: {:.1} samples a pixel in {:.1} s ({:.2} M/s)",
+        "{}: {work} in {:.1} s ({:.2} M/s)",
         statistics.method,
-        statistics.per_pixel,
         statistics.seconds,
         statistics.steps as f64 / statistics.seconds.max(1e-9) * 1e-6
     );
