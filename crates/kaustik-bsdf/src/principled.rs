@@ -29,7 +29,7 @@ use kaustik_spectrum::Spectrum;
 /// Lobes are chosen in proportion to their estimated albedos from `wo`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Principled {
-    /// Metal and cover together: reflection is linear in F0 and F90.
+    /// Metal and cover together: reflection is linear in F0 and F90; a film has both apart.
     glossy: Glossy,
     /// The cover alone, and the diffuse body beneath it.
     body: Body,

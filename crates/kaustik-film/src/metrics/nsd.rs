@@ -67,7 +67,8 @@ fn spread(images: &[&Image], is_to_be_lit: impl Fn(usize) -> bool) -> Option<Nsd
             values.push(n.sqrt() as f32);
         }
     }
-    if values.is_empty() {
+    // black pictures have no spread, whatever is to be lit
+    if means <= 0.0 {
         return None;
     }
     let pixels = values.len() as f64;

@@ -204,6 +204,8 @@ fn nsd_is_the_relative_standard_deviation() {
     let n = nsd_beside(&[&images[0], &images[1]], &images[0]).unwrap();
     assert_eq!(n.pixels, 1);
     assert!(nsd_beside(&[&images[0], &images[1]], &gray(1, 2, |_| 1.0)).is_none());
+    let black = gray(2, 1, |_| 0.0);
+    assert!(nsd_beside(&[&black, &black], &gray(2, 1, |_| 1.0)).is_none());
     let mut random = Random(5);
     let many: Vec<Image> = (0..50)
         .map(|_| gray(32, 32, |_| (4.0 + random.normal()) as f32))
