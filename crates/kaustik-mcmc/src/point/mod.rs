@@ -49,7 +49,13 @@ pub enum Step {
 /// Once the largest index has been met, a step allocates nothing.
 #[derive(Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Deserialize))]
-#[cfg_attr(feature = "serde", serde(try_from = "serial::Read<M>"))]
+#[cfg_attr(
+    feature = "serde",
+    serde(
+        try_from = "serial::Read<M>",
+        bound(deserialize = "M: Mutation + serde::Deserialize<'de>")
+    )
+)]
 pub struct Point<M> {
     pub(crate) mutation: M,
     pub(crate) streams: [Vec<Coordinate>; Stream::COUNT],
@@ -306,15 +312,27 @@ fn catch_up<M: Mutation, D: Draws + ?Sized>(
     draws: &mut D,
 ) {
     let now = clock.time - 1;
-    let owed = now.saturating_sub(coordinate.modify).max(0) as u64;
-    if owed > mutation.mixed_after_at(stream, index) {
-        coordinate.value = draws.uniform();
-    } else {
-        for _ in 0..owed {
-            coordinate.value = mutation.mutate_at(stream, index, coordinate.value, draws);
+    match replays(coordinate, (stream, index), clock, mutation) {
+        Some(owed) => {
+            for _ in 0..owed {
+                coordinate.value = mutation.mutate_at(stream, index, coordinate.value, draws);
+            }
         }
+        None => coordinate.value = draws.uniform(),
     }
     coordinate.modify = coordinate.modify.max(now);
+}
+
+/// How many steps bring a coordinate that was made since the last large step to the present, if they are not so many that a
+/// uniform number does (see [`Mutation::mixed_after`]).
+fn replays<M: Mutation>(
+    coordinate: &Coordinate,
+    (stream, index): (Stream, u32),
+    clock: &Clock,
+    mutation: &M,
+) -> Option<u64> {
+    let owed = (clock.time - 1).saturating_sub(coordinate.modify).max(0) as u64;
+    (owed <= mutation.mixed_after_at(stream, index)).then_some(owed)
 }
 
 #[cold]

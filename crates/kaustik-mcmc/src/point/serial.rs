@@ -3,8 +3,14 @@
 use kaustik_pss::Stream;
 use serde::{Deserialize, Serialize, Serializer};
 
-use super::{Clock, Coordinate, Point, restore};
+use super::{Clock, Coordinate, Point, replays, restore};
+use crate::Mutation;
 use crate::serial::MOST;
+
+/// No state that is read may ask for more replayed steps than these, all its coordinates
+/// together: some ten seconds. A chain would have to run for hours without a large step to
+/// owe them, of a mutation that hardly moves or (with equal sizes) never mixes.
+const MOST_REPLAYED: u64 = 1 << 31;
 
 /// What is written: the current state. Of an open proposal there is no trace.
 #[derive(Serialize)]
@@ -42,7 +48,7 @@ impl<M: Serialize> Serialize for Point<M> {
     }
 }
 
-impl<M> TryFrom<Read<M>> for Point<M> {
+impl<M: Mutation> TryFrom<Read<M>> for Point<M> {
     type Error = &'static str;
 
     fn try_from(read: Read<M>) -> Result<Self, Self::Error> {
@@ -58,7 +64,7 @@ impl<M> TryFrom<Read<M>> for Point<M> {
         if !read.streams.iter().flatten().all(sound) {
             return Err("a coordinate's times are not in its point's past");
         }
-        Ok(Self {
+        let point = Self {
             mutation: read.mutation,
             streams: read.streams,
             undo: Vec::new(),
@@ -67,7 +73,28 @@ impl<M> TryFrom<Read<M>> for Point<M> {
                 large_time,
                 large: true, // each proposal says anew
             },
-        })
+        };
+        if point.replayed() > MOST_REPLAYED {
+            return Err("a point's coordinates owe more than 2^31 steps");
+        }
+        Ok(point)
+    }
+}
+
+impl<M: Mutation> Point<M> {
+    /// How many steps [`settle`](Self::settle) would replay.
+    fn replayed(&self) -> u64 {
+        let mut all = 0u64;
+        for (stream, stored) in Stream::ALL.into_iter().zip(&self.streams) {
+            for (index, coordinate) in (0..).zip(stored) {
+                if coordinate.modify >= self.clock.large_time {
+                    let address = (stream, index);
+                    let owed = replays(coordinate, address, &self.clock, &self.mutation);
+                    all = all.saturating_add(owed.unwrap_or(0));
+                }
+            }
+        }
+        all
     }
 }
 

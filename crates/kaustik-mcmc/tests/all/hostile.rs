@@ -245,6 +245,18 @@ fn what_cannot_be_is_refused() {
             ("/statistics/rounds", json!(u64::MAX)),
         ],
     );
+    // A coordinate that slept for 2^40 steps: drawn anew if these mix, replayed for an hour if not.
+    let asleep = |sizes: [f64; 2]| {
+        json!({
+            "mutation": sizes,
+            "time": 1u64 << 40,
+            "large_time": 0,
+            "streams": [[[0.5, 3, 3]], [], [], [], [], [], []],
+        })
+    };
+    let state = "/replicas/0/state";
+    assert!(reads(&ladder, state, &asleep([0.01, 0.1])));
+    assert_refused(&ladder, &[(state, asleep([0.1, 0.1]))]);
     let chain = ladder.replicas()[1].clone();
     assert!(reads(&chain, "/level", &json!(0)));
     assert_refused(&chain, &[("/level", json!(2)), ("/level", json!(-1))]);
