@@ -57,7 +57,17 @@ fn part(path: &Path) -> Option<Part> {
     (path.edges() > 0 && path.at(0).is_hittable()).then_some(Part { last: 0, turns })
 }
 
-impl LensPerturbation<'_> {
+impl<'a> LensPerturbation<'a> {
+    /// One for each [`Run`], in its order.
+    pub fn runs(space: &'a PathSpace<'a>, radii: Radii, angles: Radii) -> [Self; 2] {
+        [Run::Single, Run::Multiple].map(|run| Self {
+            space,
+            radii,
+            angles,
+            run,
+        })
+    }
+
     /// Is the path of the kind that this perturbation moves?
     pub fn suits(&self, path: &Path) -> bool {
         part(path).is_some_and(|part| (part.turns > 0) == (self.run == Run::Multiple))

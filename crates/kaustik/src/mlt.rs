@@ -29,7 +29,7 @@ use crate::lamps::Lamps;
 use crate::meter::{Meter, Own, Terms};
 use crate::render::builder_settings;
 use crate::{
-    ChainStatistics, MutationStatistics, Mutations, Normaliser, Options, Place, RenderError,
+    ChainStatistics, MutationKind, MutationStatistics, Normaliser, Options, Place, RenderError,
     RenderSettings,
 };
 use mixture::mixture;
@@ -159,7 +159,7 @@ impl<'a> MltEngine<'a> {
         let kernel = Told {
             kernel: mixture(space, &self.options, self.size),
             space,
-            names: &Mutations::NAMES,
+            names: &MutationKind::NAMES,
         };
         let density = density(&self.map);
         let mut record = |visit: Visit<'_, Path, 1>| self.deposit(&visit);
@@ -283,8 +283,16 @@ impl Engine for MltEngine<'_> {
         let b = self.normaliser();
         Some(ChainStatistics {
             // What keeps most of a path, and what may make all of it anew.
-            small_acceptance: rate(&statistics, &[1, 2, 3, Mutations::EVERY]),
-            large_acceptance: rate(&statistics, &[0]),
+            small_acceptance: rate(
+                &statistics,
+                &[
+                    MutationKind::Lens,
+                    MutationKind::Multichain,
+                    MutationKind::Caustic,
+                    MutationKind::Every,
+                ],
+            ),
+            large_acceptance: rate(&statistics, &[MutationKind::Bidirectional]),
             metered: (self.besides.meter.as_ref())
                 .map_or(0.0, |meter| meter.share(&self.with_own(Mean::new()))),
             ..ChainStatistics::new(&statistics, [b.value, b.standard_error], self.pool.mean())
@@ -293,7 +301,7 @@ impl Engine for MltEngine<'_> {
 
     fn mutation_statistics(&self) -> Vec<MutationStatistics> {
         let statistics = self.statistics();
-        let kinds = Mutations::NAMES.iter().zip(&statistics.moves);
+        let kinds = MutationKind::NAMES.iter().zip(&statistics.moves);
         kinds
             .map(|(name, moves)| MutationStatistics {
                 name,
@@ -336,9 +344,11 @@ impl Engine for MltEngine<'_> {
 }
 
 /// Mean acceptance of several kinds.
-fn rate(statistics: &Statistics<1>, kinds: &[usize]) -> f64 {
+fn rate(statistics: &Statistics<1>, kinds: &[MutationKind]) -> f64 {
     let sum = |of: fn(&kaustik_mcmc::Acceptance) -> f64| -> f64 {
-        kinds.iter().map(|&kind| of(&statistics.moves[kind])).sum()
+        (kinds.iter())
+            .map(|&kind| of(&statistics.moves[kind as usize]))
+            .sum()
     };
     sum(|moves| moves.expected) / sum(|moves| moves.proposed as f64).max(1.0)
 }

@@ -1,39 +1,48 @@
-/// Which mutations `mlt` or `erpt` makes, by their number in [`Mutations::NAMES`].
+use crate::MutationKind;
+
+/// Which kinds of mutations `mlt` or `erpt` makes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Mutations {
-    made: [bool; Mutations::NAMES.len()],
-    /// The share of its domain that [`Mutations::EVERY`] moves a variable by, in (0, 1].
+    made: [bool; MutationKind::COUNT],
+    /// The share of its domain that [`MutationKind::Every`] moves a variable by, in (0, 1].
     pub fraction: f64,
 }
 
 impl Mutations {
-    /// Names of all, in the order of the statistics.
-    pub const NAMES: [&'static str; 8] = [
-        "bidirectional",
-        "lens",
-        "multichain",
-        "caustic",
-        "subpath",
-        "wavelengths",
-        "time",
-        "every",
-    ];
-    /// The number of the one that moves every variable of a path.
-    pub const EVERY: usize = 7;
-    /// All but that one.
-    pub const STANDARD: Self = Self {
-        made: [true, true, true, true, true, true, true, false],
-        fraction: 0.2,
-    };
+    /// All but [`MutationKind::Every`].
+    pub const STANDARD: Self = Self::of(&[
+        MutationKind::Bidirectional,
+        MutationKind::Lens,
+        MutationKind::Multichain,
+        MutationKind::Caustic,
+        MutationKind::Subpath,
+        MutationKind::Wavelengths,
+        MutationKind::Time,
+    ]);
     /// Those that keep the string of scatterings, and the wavelengths: what `erpt` makes.
-    pub const PERTURBATIONS: Self = Self {
-        made: [false, true, true, true, false, true, false, false],
-        fraction: 0.2,
-    };
+    pub const PERTURBATIONS: Self = Self::of(&[
+        MutationKind::Lens,
+        MutationKind::Multichain,
+        MutationKind::Caustic,
+        MutationKind::Wavelengths,
+    ]);
+
+    const fn of(kinds: &[MutationKind]) -> Self {
+        let mut made = [false; MutationKind::COUNT];
+        let mut i = 0;
+        while i < kinds.len() {
+            made[kinds[i] as usize] = true;
+            i += 1;
+        }
+        Self {
+            made,
+            fraction: 0.2,
+        }
+    }
 
     /// Is it made?
-    pub fn holds(self, index: usize) -> bool {
-        self.made[index]
+    pub fn holds(self, kind: MutationKind) -> bool {
+        self.made[kind as usize]
     }
 
     /// Does the other set hold all of this one?
@@ -43,27 +52,28 @@ impl Mutations {
 
     /// From a list of names, at least one. `every` may be followed by a colon and its fraction.
     pub(crate) fn parse(list: &str) -> Option<Self> {
-        let mut made = [false; Self::NAMES.len()];
-        let mut fraction = Self::STANDARD.fraction;
+        let mut parsed = Self::of(&[]);
         for word in list.split(',') {
             let (name, number) = word.split_once(':').unwrap_or((word, ""));
-            let index = Self::NAMES.iter().position(|known| *known == name)?;
+            let kind = MutationKind::named(name)?;
             if word.len() > name.len() {
-                fraction = (number.parse::<f64>().ok())
-                    .filter(|share| index == Self::EVERY && *share > 0.0 && *share <= 1.0)?;
+                parsed.fraction = (number.parse::<f64>().ok())
+                    .filter(|share| kind == MutationKind::Every && *share > 0.0 && *share <= 1.0)?;
             }
-            made[index] = true;
+            parsed.made[kind as usize] = true;
         }
-        Some(Self { made, fraction })
+        Some(parsed)
     }
 }
 
 impl std::fmt::Display for Mutations {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let names = Self::NAMES.iter().zip(self.made);
-        let made: Vec<&str> = names.filter(|(_, on)| *on).map(|(name, _)| *name).collect();
-        f.write_str(&made.join(","))?;
-        if self.holds(Self::EVERY) {
+        let made = MutationKind::ALL
+            .into_iter()
+            .filter(|kind| self.holds(*kind));
+        let names: Vec<&str> = made.map(MutationKind::name).collect();
+        f.write_str(&names.join(","))?;
+        if self.holds(MutationKind::Every) {
             write!(f, ":{}", self.fraction)?;
         }
         Ok(())

@@ -3,11 +3,10 @@
 use glam::DVec2;
 use kaustik_mcmc::{Kernel, Mixture, Suitability};
 use kaustik_mutate::{
-    CausticPerturbation, LensPerturbation, Path, PathSpace, Radii, RuleFive, Run,
-    WavelengthMutation,
+    CausticPerturbation, LensPerturbation, Path, PathSpace, Radii, RuleFive, WavelengthMutation,
 };
 
-use crate::{Caustics, Jitter, Options};
+use crate::{Caustics, Jitter, MutationKind, Mutations, Options};
 
 /// Kinds of moves: the four of the settings, and caustic perturbations as printed.
 pub(crate) const KINDS: usize = 5;
@@ -33,8 +32,8 @@ pub(crate) struct Perturbations<'a> {
     multiple: LensPerturbation<'a>,
     caustic: CausticPerturbation<'a>,
     wavelengths: WavelengthMutation<'a>,
-    /// Which of the four are made.
-    made: [bool; 4],
+    /// Which of them are made.
+    made: Mutations,
     printed: bool,
 }
 
@@ -42,19 +41,13 @@ impl<'a> Perturbations<'a> {
     pub(crate) fn new(space: &'a PathSpace<'a>, options: &Options, size: DVec2) -> Self {
         let radii = options.jitter.radii(size, Jitter::Local);
         let [least, most] = options.angles;
-        let angles = Radii { least, most };
-        let lens = |run| LensPerturbation {
-            space,
-            radii,
-            angles,
-            run,
-        };
+        let [single, multiple] = LensPerturbation::runs(space, radii, Radii { least, most });
         Self {
-            single: lens(Run::Single),
-            multiple: lens(Run::Multiple),
+            single,
+            multiple,
             caustic: CausticPerturbation { space, radii },
             wavelengths: WavelengthMutation { space },
-            made: [1, 2, 3, 5].map(|index| options.perturbations.holds(index)),
+            made: options.perturbations,
             printed: options.caustic == Caustics::Printed,
         }
     }
@@ -89,18 +82,21 @@ impl<'a> Perturbations<'a> {
 
 impl Suitability<Path, KINDS> for Perturbations<'_> {
     fn weights(&self, path: &Path) -> [f64; KINDS] {
-        let [lens, multichain, caustic, wavelengths] = self.made;
+        let made = |kind| self.made.holds(kind);
         // Cline and Batty perturb caustics alone in this way: a Dirac scattering before what is seen.
         let edges = path.edges();
-        let caustic =
-            caustic && edges > 2 && path.is_specular(edges - 2) && self.caustic.suits(path);
+        let caustic = made(MutationKind::Caustic)
+            && edges > 2
+            && path.is_specular(edges - 2)
+            && self.caustic.suits(path);
         let weight = |suits: bool| f64::from(u8::from(suits));
         [
-            weight(lens && self.single.suits(path)),
-            weight(multichain && self.multiple.suits(path)),
+            weight(made(MutationKind::Lens) && self.single.suits(path)),
+            weight(made(MutationKind::Multichain) && self.multiple.suits(path)),
             weight(caustic && !self.printed),
             weight(caustic && self.printed),
-            FRESH_WAVELENGTHS * weight(wavelengths && self.wavelengths.suits(path)),
+            FRESH_WAVELENGTHS
+                * weight(made(MutationKind::Wavelengths) && self.wavelengths.suits(path)),
         ]
     }
 }

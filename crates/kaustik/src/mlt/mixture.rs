@@ -4,21 +4,24 @@ use glam::DVec2;
 use kaustik_mcmc::{Kernel, Mixture, Move};
 use kaustik_mutate::{
     BidirectionalMutation, CausticPerturbation, EveryPerturbation, LensMutation, LensPerturbation,
-    Path, PathSpace, Radii, Run, TimeMutation, WavelengthMutation,
+    Path, PathSpace, Radii, TimeMutation, WavelengthMutation,
 };
 
-use crate::{Jitter, Mutations, Options};
+use crate::{Jitter, MutationKind, Options};
 
-/// How many kinds of mutations there are.
-const KINDS: usize = Mutations::NAMES.len();
+const _: () = assert!(MutationKind::COUNT <= Move::KINDS);
 
-/// How often each is made where it suits, in the order of their names: the two that trace no part that a
+/// How often a kind is made where it suits, for once of the others: those that trace no part that a
 /// perturbation keeps, and the one that traces nothing, need to come by only now and then.
-const SHARES: [f64; KINDS] = [1.0, 1.0, 1.0, 1.0, 0.25, 0.25, 0.5, 1.0];
+const fn share(kind: MutationKind) -> f64 {
+    match kind {
+        MutationKind::Subpath | MutationKind::Wavelengths => 0.25,
+        MutationKind::Time => 0.5,
+        _ => 1.0,
+    }
+}
 
-const _: () = assert!(KINDS <= Move::KINDS);
-
-/// Of all mutations of the options that suit a path one is made, by their [`SHARES`]; `size` is the image's, in pixels.
+/// Of all mutations of the options that suit a path one is made, by their [`share`]; `size` is the image's, in pixels.
 pub(super) fn mixture<'s>(
     space: &'s PathSpace<'s>,
     options: &Options,
@@ -26,14 +29,7 @@ pub(super) fn mixture<'s>(
 ) -> impl Kernel<(), Value = Path> + use<'s> {
     let radii = options.jitter.radii(size, Jitter::Veach);
     let [least, most] = options.angles;
-    let angles = Radii { least, most };
-    let lens = |run| LensPerturbation {
-        space,
-        radii,
-        angles,
-        run,
-    };
-    let (single, multiple) = (lens(Run::Single), lens(Run::Multiple));
+    let [single, multiple] = LensPerturbation::runs(space, radii, Radii { least, most });
     let caustic = CausticPerturbation { space, radii };
     let (subpath, wavelengths) = (LensMutation { space }, WavelengthMutation { space });
     let time = TimeMutation { space };
@@ -43,24 +39,22 @@ pub(super) fn mixture<'s>(
         fraction: made.fraction,
     };
     let suits = move |path: &Path| {
-        let suited = [
-            true,
-            made.holds(1) && single.suits(path),
-            made.holds(2) && multiple.suits(path),
-            made.holds(3) && caustic.suits(path),
-            made.holds(4) && subpath.suits(path),
-            made.holds(5) && wavelengths.suits(path),
-            made.holds(6) && time.suits(path),
-            made.holds(Mutations::EVERY) && every.suits(path),
-        ];
-        std::array::from_fn(|i| {
-            if suited[i] && made.holds(i) {
-                SHARES[i]
-            } else {
-                0.0
-            }
+        MutationKind::ALL.map(|kind| {
+            let suits = made.holds(kind)
+                && match kind {
+                    MutationKind::Bidirectional => true,
+                    MutationKind::Lens => single.suits(path),
+                    MutationKind::Multichain => multiple.suits(path),
+                    MutationKind::Caustic => caustic.suits(path),
+                    MutationKind::Subpath => subpath.suits(path),
+                    MutationKind::Wavelengths => wavelengths.suits(path),
+                    MutationKind::Time => time.suits(path),
+                    MutationKind::Every => every.suits(path),
+                };
+            if suits { share(kind) } else { 0.0 }
         })
     };
+    // In the order of `MutationKind::ALL`.
     let kernels = (
         BidirectionalMutation { space },
         single,
@@ -71,5 +65,5 @@ pub(super) fn mixture<'s>(
         time,
         every,
     );
-    Mixture::<_, _, KINDS>::new(kernels, suits)
+    Mixture::<_, _, { MutationKind::COUNT }>::new(kernels, suits)
 }
