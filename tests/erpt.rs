@@ -83,7 +83,12 @@ fn assert_agree(name: &str, words: &str, spp: u64, change: impl Fn(&mut Options)
 #[test]
 fn no_setting_shows_in_the_mean() {
     type Change = fn(&mut Options);
-    let variants: [(&str, &str, Change); 10] = [
+    let variants: [(&str, &str, Change); 13] = [
+        ("defaults", "cornell", |_| ()),
+        ("wide steps", "cornell", |o| o.jitter = Jitter::Veach),
+        ("wide angles", "glass-cube?light=0.8", |o| {
+            o.angles = [1e-3, 0.3]
+        }),
         ("a tenth of a chain", "cornell", |o| o.chains = 0.1),
         ("ten chains", "cornell", |o| o.chains = 10.0),
         ("earlier passes", "cornell", |o| o.energy = Energy::Passes),
@@ -104,6 +109,8 @@ fn no_setting_shows_in_the_mean() {
     for (name, words, change) in variants {
         let verdict = assert_agree(name, words, 32, change);
         assert!(verdict.rejected.is_empty(), "{name}: {verdict:?}");
+        // noise alone must not pass
+        assert!(verdict.worst_error < 0.15, "{name}: {verdict:?}");
     }
 }
 
