@@ -50,8 +50,9 @@ mod injected;
 mod kept;
 /// Two commands on one output.
 mod locks;
-/// What moves while the shutter is open.
+/// Implicit specular light that a meter finds, and its errors.
 mod meter;
+/// What moves while the shutter is open.
 mod motion;
 /// A scene opens nothing outside its folder.
 mod outside;

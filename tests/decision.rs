@@ -1,8 +1,9 @@
 //! One accept/reject decision in the whole workspace, and every method calls it.
 //!
 //! A loop that decides for itself is how light transport codes come to have the same
-//! mistake in three places. So no crate but `kaustik-mcmc` may throw a coin at all, and
-//! inside it the files that throw one are named here, each with what it decides.
+//! mistake in three places. So no crate but `kaustik-mcmc` may toss a coin of a known
+//! probability, and inside it the files that toss one are named here, each with what it
+//! decides. Choices among several by their weights (`Draws::index`) are made where they belong.
 
 use crate::source::{Source, lines_with, sources};
 

@@ -37,7 +37,8 @@ impl<const K: usize> Sharing<K> {
         self.samples[level] * densities[level] / self.rough[level]
     }
 
-    /// The weight of a level, which is its part of what is expected of all, or `1 / K`; over `T_l / b0_l`.
+    /// The weight of a level by the balance heuristic (or `1 / K`), divided by its density
+    /// `T_l / b0_l`.
     #[inline]
     fn share(&self, densities: &[f64; K], level: usize) -> f64 {
         match self.combine {

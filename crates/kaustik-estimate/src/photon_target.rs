@@ -5,7 +5,7 @@ use kaustik_path::{PhotonPath, PhotonTracing, note};
 use kaustik_pss::Coordinates;
 use kaustik_scene::Scene;
 
-use crate::PhotonMap;
+use crate::{PhotonMap, PhotonTargetKind};
 
 /// A photon of a path that counts at a measurement point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -23,9 +23,9 @@ pub struct PhotonValue {
     pub path: PhotonPath,
     /// All pairs that meet, by photon.
     pub meetings: Vec<Meeting>,
-    /// Those of the four chains of G sec. 4.4: 1; visibility; inverse kernel size; all of it. Positive
-    /// where the path is visible, else but for the first 0.
-    pub targets: [f64; 4],
+    /// The targets, by [`PhotonTargetKind`]: all but the uniform one are positive where the path is
+    /// visible, and 0 elsewhere.
+    pub targets: [f64; PhotonTargetKind::COUNT],
 }
 
 /// Evaluates light paths against the measurement points of one iteration.
@@ -70,16 +70,20 @@ impl Target for PhotonTarget<'_> {
     }
 }
 
-/// Which of the four targets the chains of a ladder follow, the uniform one first (G sec. 4.4, Fig. 5).
+/// Which targets the chains of a ladder follow, the uniform one first (G sec. 4.4, Fig. 5).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct PhotonLevels<const K: usize>(
-    /// Positions in [`PhotonValue::targets`].
-    pub [usize; K],
-);
+pub struct PhotonLevels<const K: usize>(pub [PhotonTargetKind; K]);
+
+impl<const K: usize> PhotonLevels<K> {
+    /// Does a chain follow this target?
+    pub fn has(&self, kind: PhotonTargetKind) -> bool {
+        self.0.contains(&kind)
+    }
+}
 
 impl<const K: usize> Family<PhotonValue, K> for PhotonLevels<K> {
     #[inline]
     fn densities(&self, value: &PhotonValue) -> [f64; K] {
-        self.0.map(|level| value.targets[level])
+        self.0.map(|kind| value.targets[kind as usize])
     }
 }

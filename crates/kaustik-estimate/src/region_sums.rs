@@ -4,7 +4,7 @@ use std::sync::atomic::{AtomicI64, Ordering::Relaxed};
 
 use kaustik_mcmc::Visit;
 
-use crate::{LeafTally, Meeting, PhotonMap, PhotonValue, Sharing};
+use crate::{LeafTally, Meeting, PhotonLevels, PhotonMap, PhotonTargetKind, PhotonValue, Sharing};
 
 /// Steps of one: weights are near one, and sums stay below 2^62.
 const STEP: f64 = (1u64 << 24) as f64;
@@ -22,7 +22,7 @@ pub enum Witnesses {
     /// All chains but the one that follows what is being estimated, by the power heuristic with exponent 2.
     #[default]
     Others,
-    /// The chain of visibility alone (G Eq. 6).
+    /// The chain of visibility alone (G Eq. 6). As [`Others`](Self::Others) in ladders that have none.
     Visibility,
     /// All chains, by the same heuristic. Within an iteration targets stand, so that the chain of the full one is as good a
     /// witness as any; where light is seldom it is the only one that comes often.
@@ -37,23 +37,36 @@ pub enum Witnesses {
 pub struct RegionSums<const K: usize> {
     /// The leaf of each measurement point.
     leaves: Vec<u32>,
-    /// For each leaf and level: psi of both halves, paths, flux, its square.
-    sums: Vec<[[AtomicI64; 5]; K]>,
+    /// For each leaf and level.
+    sums: Vec<[LevelSums; K]>,
     counts: [bool; K],
     /// A typical flux that a path brings to a point, if fluxes are asked for.
     typical: Option<f64>,
 }
 
+/// Sums of one level in one leaf, in steps of fixed point, so that any order of adding gives the same.
+#[derive(Debug, Default)]
+struct LevelSums {
+    /// `psi` of both halves, in steps of 1 / [`STEP`].
+    psi: [AtomicI64; 2],
+    /// Paths, likewise.
+    paths: AtomicI64,
+    /// Flux, relative to the typical one, likewise.
+    flux: AtomicI64,
+    /// Its square, in steps of 1 / [`SQUARE_STEP`].
+    squared_flux: AtomicI64,
+}
+
 impl<const K: usize> RegionSums<K> {
-    /// For so many leaves. `levels` are the targets of the ladder (see [`PhotonLevels`](crate::PhotonLevels)); the last is
-    /// the full one.
-    pub fn new(leaves: usize, levels: [usize; K], witnesses: Witnesses) -> Self {
+    /// For so many leaves, in a ladder of these levels, of which the last is the full target.
+    pub fn new(leaves: usize, levels: &PhotonLevels<K>, witnesses: Witnesses) -> Self {
+        let visibility = PhotonTargetKind::Visibility;
         let counts = std::array::from_fn(|level| match witnesses {
-            Witnesses::Visibility if levels.contains(&1) => levels[level] == 1,
+            Witnesses::Visibility if levels.has(visibility) => levels.0[level] == visibility,
             Witnesses::All => true,
             _ => level + 1 < K || K == 1,
         });
-        let zeros = || std::array::from_fn(|_| std::array::from_fn(|_| AtomicI64::new(0)));
+        let zeros = || std::array::from_fn(|_| LevelSums::default());
         Self {
             leaves: Vec::new(),
             sums: (0..leaves).map(|_| zeros()).collect(),
@@ -78,8 +91,8 @@ impl<const K: usize> RegionSums<K> {
     /// Begins an iteration: all is zero.
     pub fn begin(&mut self, leaves: Vec<u32>) {
         self.leaves = leaves;
-        for sum in self.sums.iter_mut().flatten().flatten() {
-            *sum.get_mut() = 0;
+        for sums in self.sums.iter_mut().flatten() {
+            *sums = LevelSums::default();
         }
     }
 
@@ -122,7 +135,7 @@ impl<const K: usize> RegionSums<K> {
                 self.add_points(run, level, half, weight * f64::from(points));
                 (run, points) = (here, 0);
                 if !meetings[..at].iter().rev().any(|other| leaf(other) == here) {
-                    add(&self.sums[here as usize][level][2], visit.weight * share);
+                    add(&self.sums[here as usize][level].paths, visit.weight * share);
                 }
             }
             points += 1;
@@ -136,9 +149,9 @@ impl<const K: usize> RegionSums<K> {
                     })
                     .sum::<f64>();
                 let relative = (flux / typical).clamp(0.0, MOST_FLUX);
-                add(&sums[3], weight * relative);
+                add(&sums.flux, weight * relative);
                 let steps = (weight * relative * relative * SQUARE_STEP).round_ties_even() as i64;
-                sums[4].fetch_add(steps, Relaxed);
+                sums.squared_flux.fetch_add(steps, Relaxed);
             }
         }
         self.add_points(run, level, half, weight * f64::from(points));
@@ -147,22 +160,21 @@ impl<const K: usize> RegionSums<K> {
     #[inline]
     fn add_points(&self, leaf: u32, level: usize, half: usize, weight: f64) {
         if leaf != NONE {
-            add(&self.sums[leaf as usize][level][half], weight);
+            add(&self.sums[leaf as usize][level].psi[half], weight);
         }
     }
 
     /// What was found, for each leaf. `factors` are `b_l / (b0_l N_l)`.
     pub fn tallies(&self, factors: &[f64; K]) -> Vec<LeafTally> {
-        let tally = |levels: &[[AtomicI64; 5]; K]| {
+        let tally = |levels: &[LevelSums; K]| {
             let mut tally = LeafTally::default();
             for (sums, factor) in levels.iter().zip(factors) {
-                let of = |at: usize| sums[at].load(Relaxed) as f64;
-                let [first, second, paths] = [0, 1, 2].map(|at| of(at) / STEP);
-                tally.flux[0] += of(3) / STEP * factor;
-                tally.flux[1] += of(4) / SQUARE_STEP * factor;
-                tally.psi[0] += first * factor;
-                tally.psi[1] += second * factor;
-                tally.paths += paths;
+                let of = |sum: &AtomicI64| sum.load(Relaxed) as f64;
+                tally.flux[0] += of(&sums.flux) / STEP * factor;
+                tally.flux[1] += of(&sums.squared_flux) / SQUARE_STEP * factor;
+                tally.psi[0] += of(&sums.psi[0]) / STEP * factor;
+                tally.psi[1] += of(&sums.psi[1]) / STEP * factor;
+                tally.paths += of(&sums.paths) / STEP;
             }
             tally
         };
@@ -203,7 +215,8 @@ mod tests {
             samples: [1.0, 3.0],
         };
         let leaves: Vec<u32> = (0..20).map(|point| point / 5).collect();
-        let mut sums = RegionSums::new(4, [0, 1], Witnesses::All);
+        let levels = PhotonLevels([PhotonTargetKind::Uniform, PhotonTargetKind::Full]);
+        let mut sums = RegionSums::new(4, &levels, Witnesses::All);
         sums.begin(leaves.clone());
         let mut rng = generator(71, 0);
         let mut below = |n: f64| (rng.uniform() * n) as u32;

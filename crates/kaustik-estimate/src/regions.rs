@@ -8,8 +8,9 @@ mod refinement;
 
 pub use refinement::Refinement;
 
-/// A position in the world, or in the image (the unit square), and behind it the normal times a length, or zero: a tree
-/// tells orientations apart where regions are smaller than that length.
+/// A position in the world or in the image (the unit square), then the normal times a length:
+/// a tree tells orientations apart where regions are smaller than that length. With length zero
+/// orientations do not count.
 pub type Place = [f32; 6];
 /// How many of them are the position.
 const POSITION: usize = 3;
@@ -258,15 +259,15 @@ impl Regions {
     }
 
     /// For each leaf the density of photons in its region of the cut, D of G Eq. 10, over the largest of all that have
-    /// points. A region that nothing is known of takes that of the nearest ancestor of which something is; where there is
-    /// none, 1.
+    /// points. A region without statistics takes the density of its nearest ancestor that has some;
+    /// 1 where there is none.
     pub fn densities(&self) -> Vec<f64> {
         let densities = self.cut.iter().map(|&node| self.known_density(node));
         self.relative(densities.collect(), &self.cut)
     }
 
-    /// The same without a cut: for each leaf what is known of it, drawn towards what is known of the region that this is half of,
-    /// and so on from the root.
+    /// As [`densities`](Self::densities), without a cut: the estimate of each leaf is shrunk towards that
+    /// of the region it is half of, which is shrunk likewise, up to the root.
     ///
     /// The mean of a Poisson variable that was seen `n` times where `e` were expected, with a gamma prior that counts for `paths`
     /// looks at the region around it: `D = D_parent (paths + n) / (paths + e)`. Where nothing was seen, `e` goes by area.

@@ -11,10 +11,11 @@ pub type ClassWeights = [f64; Class::COUNT];
 /// The replicas of a run (RELT 4.2.3): the uniform one, then a row of class
 /// weights each.
 ///
-/// Each stands on one before it, the one just before unless said otherwise, and its support is nested in
-/// the support of that one: a class that it weighs is weighed there. States are exchanged with the replica that one
-/// stands on, and with the next that stands on the same. Where all stand on one another in a line, that is
-/// the paper's; other sets are partially ordered (RELT sec. 6), such as [`sides`](Self::sides).
+/// Each stands on a replica before it, by default the one just before, and its support lies
+/// within the support of that one: a class that it weighs is weighed there. It exchanges states
+/// with the replica that it stands on, and with the nearest before it that stands on the same.
+/// The paper's replicas stand in a line; other sets are partially ordered (RELT sec. 6), such as
+/// [`sides`](Self::sides).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ReplicaSet {
     rows: [ClassWeights; ReplicaSet::MOST],
@@ -131,17 +132,28 @@ impl ReplicaSet {
     /// 1, that it stands on, if it is not the one before.
     fn add(&mut self, word: &str) -> Result<(), ReplicaSetError> {
         if self.count == Self::MOST {
-            return Err(ReplicaSetError::Count);
+            return Err(ReplicaSetError::Count(Self::MOST + 1));
         }
         let (word, below) = match word.split_once('@') {
             Some((word, below)) => (word, number(below, self.count)? - 1),
             None => (word, self.count - 1),
         };
         let (word, repeats) = with_repeats(word)?;
-        let row = row(word).ok_or(ReplicaSetError::Row)?;
-        let nested = |(&weight, &under): (&f64, &f64)| weight <= 0.0 || under > 0.0;
-        if below > 0 && !row.iter().zip(&self.rows[below]).all(nested) {
-            return Err(ReplicaSetError::Nesting);
+        let replica = self.count + 1;
+        let row = row(word).ok_or_else(|| ReplicaSetError::Row {
+            replica,
+            found: word.to_owned(),
+        })?;
+        let outside = |class: &Class| {
+            let class = *class as usize;
+            row[class] > 0.0 && self.rows[below][class] <= 0.0
+        };
+        if let Some(class) = Class::ALL.into_iter().find(outside).filter(|_| below > 0) {
+            return Err(ReplicaSetError::Nesting {
+                replica,
+                class,
+                below: below + 1,
+            });
         }
         self.rows[self.count] = row;
         self.below[self.count] = below;
@@ -178,37 +190,79 @@ impl fmt::Display for ReplicaSet {
     }
 }
 
-/// Why a text names no replicas.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// Why a text names no replicas. They are counted from 1, the uniform one.
+#[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum ReplicaSetError {
     /// The first is not `uniform`.
-    NotUniform,
-    /// Too few or too many.
-    Count,
-    /// A row that is not six finite numbers >= 0, one of them positive.
-    Row,
-    /// A row weighs a class that the row it stands on does not.
-    Nesting,
-    /// Steps a sweep that are no number from 1 to 64.
-    Repeats,
-    /// Scouts a sweep that are no number up to 1024.
-    Scouts,
-    /// It stands on a replica that is not before it.
-    Below,
+    NotUniform(String),
+    /// Fewer than [`ReplicaSet::FEWEST`] or more than [`ReplicaSet::MOST`].
+    Count(usize),
+    /// A replica's weights are not one finite number >= 0 for each class, at least one of them positive.
+    Row {
+        /// The replica.
+        replica: usize,
+        /// What stands in place of weights.
+        found: String,
+    },
+    /// A replica weighs a class that the one it stands on does not.
+    Nesting {
+        /// The replica.
+        replica: usize,
+        /// The class.
+        class: Class,
+        /// What it stands on.
+        below: usize,
+    },
+    /// Steps a sweep that are no number from 1 to [`ReplicaSet::MOST_REPEATS`].
+    Repeats(String),
+    /// Scouts a sweep that are no number up to [`ReplicaSet::MOST_SCOUTS`].
+    Scouts(String),
+    /// A replica stands on one that is not before it.
+    Below {
+        /// The replica.
+        replica: usize,
+        /// What it is said to stand on.
+        found: String,
+    },
 }
 
 impl fmt::Display for ReplicaSetError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::NotUniform => "the first replica is to be 'uniform'",
-            Self::Count => "there are to be 2 to 8 replicas",
-            Self::Row => "a replica is six numbers >= 0, one of them positive",
-            Self::Nesting => "a replica weighs a class that the one it stands on does not",
-            Self::Repeats => "steps a sweep are to be from 1 to 64",
-            Self::Scouts => "scouts a sweep are to be at most 1024",
-            Self::Below => "a replica is to stand on one before it",
-        })
+        let (fewest, most) = (ReplicaSet::FEWEST, ReplicaSet::MOST);
+        match self {
+            Self::NotUniform(found) => {
+                write!(f, "the first replica is to be 'uniform', not '{found}'")
+            }
+            Self::Count(found) => write!(f, "{found} replicas, not {fewest} to {most}"),
+            Self::Row { replica, found } => write!(
+                f,
+                "replica {replica} is '{found}', not {} numbers >= 0, one of them positive",
+                Class::COUNT
+            ),
+            Self::Nesting {
+                replica,
+                class,
+                below,
+            } => write!(
+                f,
+                "replica {replica} weighs class {class:?}, and replica {below}, on which it stands, does not"
+            ),
+            Self::Repeats(found) => {
+                let most = ReplicaSet::MOST_REPEATS;
+                write!(f, "'*{found}' is no number of steps from 1 to {most}")
+            }
+            Self::Scouts(found) => {
+                let most = ReplicaSet::MOST_SCOUTS;
+                write!(f, "'+{found}' is no number of scouts up to {most}")
+            }
+            Self::Below { replica, found } => {
+                write!(
+                    f,
+                    "replica {replica} stands on '@{found}', which is none before it"
+                )
+            }
+        }
     }
 }
 
@@ -229,20 +283,20 @@ impl FromStr for ReplicaSet {
         let mut set = LINE;
         let mut first = words.next().unwrap_or_default();
         if let Some((word, scouts)) = first.split_once('+') {
-            let scouts = scouts.trim().parse().ok();
-            let known = scouts.filter(|n| *n <= Self::MOST_SCOUTS);
-            (first, set.scouts) = (word.trim(), known.ok_or(ReplicaSetError::Scouts)?);
+            let known = (scouts.trim().parse().ok()).filter(|n| *n <= Self::MOST_SCOUTS);
+            let unknown = || ReplicaSetError::Scouts(scouts.trim().to_owned());
+            (first, set.scouts) = (word.trim(), known.ok_or_else(unknown)?);
         }
         let (first, repeats) = with_repeats(first)?;
         if first != "uniform" {
-            return Err(ReplicaSetError::NotUniform);
+            return Err(ReplicaSetError::NotUniform(first.to_owned()));
         }
         set.repeats[0] = repeats;
         for word in words {
             set.add(word)?;
         }
         if set.count < Self::FEWEST {
-            return Err(ReplicaSetError::Count);
+            return Err(ReplicaSetError::Count(set.count));
         }
         Ok(set)
     }
@@ -253,17 +307,19 @@ fn with_repeats(word: &str) -> Result<(&str, u32), ReplicaSetError> {
     let Some((word, repeats)) = word.split_once('*') else {
         return Ok((word, 1));
     };
-    let repeats = repeats.trim().parse().ok();
-    let known = repeats.filter(|n| (1..=ReplicaSet::MOST_REPEATS).contains(n));
-    Ok((word.trim(), known.ok_or(ReplicaSetError::Repeats)?))
+    let repeats = repeats.trim();
+    let known = (repeats.parse().ok()).filter(|n| (1..=ReplicaSet::MOST_REPEATS).contains(n));
+    let unknown = || ReplicaSetError::Repeats(repeats.to_owned());
+    Ok((word.trim(), known.ok_or_else(unknown)?))
 }
 
 /// A replica counted from 1, of so many.
 fn number(text: &str, count: usize) -> Result<usize, ReplicaSetError> {
-    let number = text.trim().parse().ok();
-    number
-        .filter(|n| (1..=count).contains(n))
-        .ok_or(ReplicaSetError::Below)
+    let known = (text.trim().parse().ok()).filter(|n| (1..=count).contains(n));
+    known.ok_or_else(|| ReplicaSetError::Below {
+        replica: count + 1,
+        found: text.trim().to_owned(),
+    })
 }
 
 fn row(text: &str) -> Option<ClassWeights> {
@@ -319,15 +375,13 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_set_is_refused() {
+    fn what_is_no_set_is_refused_with_the_place() {
         use ReplicaSetError as E;
         let refused = |text: &str| text.parse::<ReplicaSet>().unwrap_err();
-        assert_eq!(refused("1,0,1,1,1,1"), E::NotUniform);
-        assert_eq!(refused("uniform"), E::Count);
-        assert_eq!(
-            refused(&format!("uniform{}", ";1,1,1,1,1,1".repeat(8))),
-            E::Count
-        );
+        assert_eq!(refused("1,0,1,1,1,1"), E::NotUniform("1,0,1,1,1,1".into()));
+        assert_eq!(refused("uniform"), E::Count(1));
+        let many = format!("uniform{}", ";1,1,1,1,1,1".repeat(8));
+        assert_eq!(refused(&many), E::Count(9));
         for row in [
             "",
             "1,2,3",
@@ -336,19 +390,39 @@ mod tests {
             "1,0,nan,0,0,0",
             "a,0,0,0,0,1",
         ] {
-            assert_eq!(refused(&format!("uniform;{row}")), E::Row, "{row}");
+            let (replica, found) = (3, row.to_owned());
+            let text = format!("uniform;1,1,1,1,1,1;{row}");
+            assert_eq!(refused(&text), E::Row { replica, found });
         }
-        assert_eq!(refused("uniform;1,0,0,0,0,0;1,1,0,0,0,0"), E::Nesting);
-        assert_eq!(refused("uniform;1,0,0,0,0,0;1,1,0,0,0,0@2"), E::Nesting);
-        assert_eq!(refused("uniform;1,0,0,0,0,0@2"), E::Below);
-        assert_eq!(refused("uniform;1,0,0,0,0,0@0"), E::Below);
-        assert_eq!(refused("uniform+1025;1,0,0,0,0,0"), E::Scouts);
-        for repeats in ["0", "65", "x", ""] {
+        for on in ["", "@2"] {
+            let (replica, class, below) = (3, Class::L1, 2);
+            let error = refused(&format!("uniform;1,0,0,0,0,0;1,1,0,0,0,0{on}"));
             assert_eq!(
-                refused(&format!("uniform;1,0,0,0,0,0*{repeats}")),
-                E::Repeats
+                error,
+                E::Nesting {
+                    replica,
+                    class,
+                    below
+                }
             );
         }
+        for found in ["2", "0", "x"] {
+            let error = refused(&format!("uniform;1,0,0,0,0,0@{found}"));
+            let (replica, found) = (2, found.to_owned());
+            assert_eq!(error, E::Below { replica, found });
+        }
+        assert_eq!(
+            refused("uniform+1025;1,0,0,0,0,0"),
+            E::Scouts("1025".into())
+        );
+        for repeats in ["0", "65", "x", ""] {
+            let error = refused(&format!("uniform;1,0,0,0,0,0*{repeats}"));
+            assert_eq!(error, E::Repeats(repeats.into()));
+        }
+        assert_eq!(
+            refused("uniform;1,0,0,0,0,0;1,1,0,0,0,0").to_string(),
+            "replica 3 weighs class L1, and replica 2, on which it stands, does not"
+        );
         let plain: ReplicaSet = "uniform; 1,0,1,1,1,1".parse().unwrap();
         assert!(!plain.is_specific() && plain.count() == 2);
     }

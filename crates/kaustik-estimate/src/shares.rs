@@ -4,7 +4,7 @@ use std::array::from_fn;
 
 use kaustik_mcmc::{Estimate, Mean};
 
-/// So many effective samples know as much as bridges do.
+/// With so many effective samples, samples and bridges are trusted alike.
 const FEW: f64 = 2.0;
 
 /// What the films of K replicas hold, and what they should hold.
@@ -33,9 +33,9 @@ pub struct Shares<const K: usize> {
     held: [f64; K],
     /// The same times all light of the visit.
     squares: [f64; K],
-    /// Visits of the replica below, by how much of a bridge is this replica's.
+    /// Over the visits of the replica below: the sum of this replica's part of the bridge density.
     up: [f64; K],
-    /// Visits of this replica, by how much of the bridge is the one's below.
+    /// Over the visits of this replica: the sum of the lower one's part of the bridge density.
     down: [f64; K],
     /// The replica that each stands on.
     below: [usize; K],
@@ -158,9 +158,10 @@ impl<const K: usize> Shares<K> {
         estimate(&self.whole)
     }
 
-    /// Standard error that these samples bring into the light of a larger number, which they are a share of. Those
-    /// of the first `shared` replicas are taken to err alike, the others each for itself. The spread is that of
-    /// all: these may have met none of what is rare and bright.
+    /// Standard error that these samples contribute to the mean of `all`, of which they are a
+    /// part. Errors of the first `shared` replicas are taken to be fully correlated, those of the
+    /// others to be independent. The variance is that of `all`: these alone may have met none of
+    /// what is rare and bright.
     fn error_within(&self, all: &Self, shared: usize) -> f64 {
         let error = |k: usize| {
             let share = self.parts[k].count() as f64 / all.parts[k].count().max(1) as f64;

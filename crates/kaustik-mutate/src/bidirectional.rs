@@ -54,9 +54,9 @@ const CHANGE: [f64; MOST_CHANGE + 1] = {
 /// What is deleted: vertices `first..end`; those before and behind are kept. `end - first + 1` edges go,
 /// virtual ones beyond the ends of the path included.
 ///
-/// A vertex remains what it was: the emitter is not kept as a place that scatters, nor the other way round. Of
-/// surfaces that do both, a point taken from the list of emitters need not know all that a walk learns, and
-/// for all others such a path carries no light.
+/// A vertex keeps its role: an emitter is not kept as a place that scatters, nor the other way
+/// round. A point sampled on an emitter lacks the data that scattering there needs; and unless
+/// the surface does both, such a path carries no light.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Cut {
     first: usize,

@@ -17,10 +17,10 @@ use crate::{Path, PathSpace, Radii};
 ///
 /// The size of the jitter is that of pixels where the path is seen, so that it is not symmetric.
 ///
-/// Of Cline's rules two are at work, as opposed to Batty's report, which names the fifth alone: rule 2 at the vertex
-/// where the direction moves, whose cosine (at an emitter too) stays when the density per solid angle has
-/// taken the rest, and rule 5 at the vertex that the lens is joined to. Rule 3 is not: the link to the
-/// light is kept and nothing is joined there.
+/// Two of Cline's rules apply: rule 2 at the vertex where the direction moves (an emitter, or
+/// one that scatters), whose cosine is left over once the density is per solid angle, and rule
+/// 5 at the vertex that is joined to the lens. Batty's report names rule 5 alone. Rule 3 does
+/// not apply: the edge to the light is kept, and nothing is joined there.
 #[derive(Clone, Copy, Debug)]
 pub struct CausticPerturbation<'a> {
     /// Where the paths run.
@@ -96,7 +96,8 @@ impl CausticPerturbation<'_> {
         if !(y.at(n - 2).bsdf.is_connectable() && space.join(y, n - 2)) {
             return None;
         }
-        // Both ends of the range go alike, so that its logarithm's length does not change.
+        // Both limits scale by the same factor, so that ln(most / least), and with it the density
+        // of the size, is the same there and back.
         let back = f64::from(u8::from(self.sizes(y, pivot).holds(size)));
         let back = factor(Factor::Range, back);
         if back == 0.0 {

@@ -139,6 +139,7 @@ impl PathSpace<'_> {
             _ => self.step_to_eye_pdf(path, i),
         };
         // Horner's scheme: sum_i (L_0 .. L_{i-1}) J_i (E_i .. E_{n-1}), from the light.
+        // 1, unless a test leaves this factor out: the ways that begin at the light then count nothing.
         let mut light = 1.0 - factor(Factor::OtherWays, 0.0);
         let mut sum = f64::from(u8::from(joins(path, first)));
         for i in first..end {

@@ -12,7 +12,7 @@ use crate::{Path, PathSpace};
 ///
 /// | variable | domain | measure |
 /// |---|---|---|
-/// | wavelengths | [0, 1) | their number |
+/// | wavelengths | [0, 1) | that of the uniform number they are sampled by |
 /// | time, where something moves | [0, 1) | itself |
 /// | point of the lens | square around it | area; beyond the rim the proposal is impossible |
 /// | raster point | the window | area |

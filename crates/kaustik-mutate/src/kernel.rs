@@ -43,7 +43,8 @@ kernels! {
     WavelengthMutation by redraw,
 }
 
-/// A ratio that is infinite or not a number belongs to a step that rounding made impossible.
+/// A ratio that is infinite or not a number belongs to a step that rounding made impossible:
+/// it is rejected, as are all whose way back does not exist, and is no defect of a value.
 fn ratio(found: Option<f64>) -> f64 {
     found.filter(|ratio| ratio.is_finite()).unwrap_or(0.0)
 }

@@ -42,7 +42,7 @@ struct Part {
     turns: u32,
 }
 
-/// Of any path that a walk from the eye could have made as far as it is traced.
+/// The part that is traced again; `None` if no walk from the eye could have made it.
 fn part(path: &Path) -> Option<Part> {
     let mut turns = 0;
     for i in (1..path.edges()).rev() {

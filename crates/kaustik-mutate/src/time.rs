@@ -7,8 +7,8 @@ use crate::{Path, PathSpace};
 /// the emitter, the same string of scatterings and the same directions, each as its surface sees it. Symmetric in these;
 /// what is left of the ratio is geometry, as of [`EveryPerturbation`](crate::EveryPerturbation).
 ///
-/// Light that nothing moves on its way is kept as it is, at any time; without this kernel it would see another time only
-/// where the whole path is made anew.
+/// A path that nothing moves stays what it is at any time. Without this kernel, the time of a
+/// path would change only where the whole path is made anew.
 #[derive(Clone, Copy, Debug)]
 pub struct TimeMutation<'a> {
     /// Where the paths run.

@@ -51,6 +51,22 @@ impl<N: Kernel<(), Value = Path>> Kernel<()> for Told<'_, N> {
         made
     }
 
+    fn accept(&self, state: &mut ()) {
+        self.kernel.accept(state);
+    }
+
+    fn reject(&self, state: &mut ()) {
+        self.kernel.reject(state);
+    }
+
+    fn enter<D: Draws + ?Sized>(&self, state: &mut (), draws: &mut D) {
+        self.kernel.enter(state, draws);
+    }
+
+    fn exchange<D: Draws + ?Sized>(&self, a: &mut (), b: &mut (), draws: &mut D) {
+        self.kernel.exchange(a, b, draws);
+    }
+
     #[inline]
     fn accept_move(&self, state: &mut (), proposal: &Move) {
         note(|| Event::Decision { accepted: true });

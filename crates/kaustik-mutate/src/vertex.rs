@@ -38,12 +38,13 @@ pub(crate) struct PathVertex {
     pub(crate) wo: DVec3,
     /// Local geometric normal.
     pub(crate) ng: DVec3,
-    /// Scattering function with the factor of shading normals, for the light's way; share of a Dirac
-    /// direction; emitted radiance or intensity of the first vertex.
+    /// At a surface: the BSDF with the factor of shading normals, for light on its way to the
+    /// eye; if it scatters into a Dirac direction, the weight of that. At the first vertex:
+    /// emitted radiance, or the intensity of a punctual light.
     pub(crate) value: Spectrum,
     /// Scatters into a Dirac direction.
     pub(crate) specular: bool,
-    /// ... through the surface.
+    /// If so: it passes the surface.
     pub(crate) transmitted: bool,
     /// Refracts so that the hero counts alone.
     pub(crate) dispersive: bool,

@@ -35,9 +35,10 @@ impl fmt::Debug for Find<'_> {
 /// ([`Beginning::Dirac`](crate::Beginning::Dirac)), and goes on along so many ways (one at least) from the first surface that scatters
 /// otherwise, half as many from the next, and so on.
 ///
-/// At such a surface the walk, which has come through glass or by mirrors, meets the lamp only if it goes by glass or mirrors again,
-/// in few of all directions. Ways spread over them, each for the cost of what is new of it: up to the next surface that scatters
-/// otherwise, past which the first alone goes on. So lengths of paths fall into stretches. Light that was met is told to `found` with
+/// From such a surface, which the walk has reached through glass or by mirrors, only few
+/// directions lead through glass or mirrors again to the lamp. So several are followed from
+/// there, each at the cost of its own new edges alone; only the first goes on past the next surface
+/// that scatters otherwise. So lengths of paths fall into stretches. Light that was met is told to `found` with
 /// its stretch, and the sum over all tellings of the weight times the light of
 /// [`Class::L0`](crate::Class::L0) that [`Bidirectional`](crate::Bidirectional) paths in their full form, with the find's settings, have
 /// at the find's coordinates has the mean of that light of walks that begin so.

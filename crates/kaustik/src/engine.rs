@@ -14,8 +14,9 @@ use crate::{
 
 /// A method at work: ladders that can be driven on, films that can be developed, and a state that can be kept.
 ///
-/// Ladders are independent of each other and of how their steps are cut into rounds, so that
-/// the picture depends on the number of steps alone.
+/// The picture depends on the number of steps alone, never on how they are cut into rounds. Ladders are
+/// independent of each other, but for those of photon methods and of stages: these learn from each other at the end of an
+/// iteration or a stage, and move on only when all have come there.
 pub(crate) trait Engine: Keep {
     /// Drives the ladders of this process on by as many steps as `plan` says for each, on the threads
     /// of the current pool; returns early when `stop` is raised. Returns the number of steps taken.

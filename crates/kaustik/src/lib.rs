@@ -88,7 +88,7 @@ pub use method::{Method, UnknownMethod};
 pub use mutation_kind::MutationKind;
 pub use mutations::Mutations;
 pub use options::{OptionError, Options};
-pub use photon_options::{Normalisation, Pace, PhotonOptions, TargetFunction};
+pub use photon_options::{LadderSize, Normalisation, Pace, PhotonOptions, TargetFunction};
 pub use render::{Outcome, Rendered, Watch, render, render_watched, resume};
 pub use replay::{replay, replay_from};
 pub use replica_statistics::{ReplicaLevel, ReplicaStatistics};

@@ -38,7 +38,7 @@ const SCOUTS: u64 = 16;
 const OTHERS: [u64; 2] = [2, 8];
 /// Passes that tell how well the meter knows the light, and are no part of what it says of it.
 const TRIALS: Range<u64> = (1 << 40)..(1 << 40) + 4;
-/// A meter that would have less than this of a say is not worth its time.
+/// A meter whose estimate would have less than this weight beside the method's own is not run.
 const SAY: f64 = 0.25;
 /// Passes before the first mutation.
 const FIRST: u64 = 4;
@@ -51,7 +51,8 @@ const BLOCK: u64 = 16;
 /// Independent samples that the method already makes (of `relt`: its scouts).
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Own {
-    /// Of one, as a pilot saw it; scouts have theirs by what the meter thinks of them.
+    /// Variance of one sample, as a pilot saw it. Not used for scouts, whose variance the meter
+    /// itself estimates.
     pub(crate) variance: f64,
     /// How many there are for each mutation.
     pub(crate) per_step: f64,

@@ -124,7 +124,7 @@ pub enum OptionError {
         known: String,
     },
     /// A value out of its range.
-    #[error("setting {key}: '{value}' is not one of {range}")]
+    #[error("setting {key}: '{value}' is not one of {range}{}", said(reason))]
     Value {
         /// The key.
         key: &'static str,
@@ -132,7 +132,14 @@ pub enum OptionError {
         value: String,
         /// What was expected.
         range: &'static str,
+        /// What is wrong with the value, if there is more to say.
+        reason: Option<String>,
     },
+}
+
+/// A reason at the end of a sentence, if there is one.
+fn said(reason: &Option<String>) -> String {
+    (reason.as_ref()).map_or_else(String::new, |reason| format!(": {reason}"))
 }
 
 impl Options {
@@ -195,14 +202,16 @@ impl Options {
         // Words that only other methods know.
         let shared = matches!(key.name, "normaliser" | "direct");
         let known = !shared || key.range.split('|').any(|word| word == value);
-        known
-            .then(|| self.setting(key.name)?.read(value))
-            .flatten()
-            .ok_or_else(|| OptionError::Value {
-                key: key.name,
-                value: value.to_owned(),
-                range: key.range,
-            })
+        let read = match self.setting(key.name) {
+            Some(mut setting) if known => setting.read(value),
+            _ => Err(None),
+        };
+        read.map_err(|reason| OptionError::Value {
+            key: key.name,
+            value: value.to_owned(),
+            range: key.range,
+            reason,
+        })
     }
 
     /// The settings of a method as one would write them, defaults included: what a picture needs to be

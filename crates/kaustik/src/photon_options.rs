@@ -19,8 +19,7 @@ pub struct PhotonOptions {
     pub acceptance: f64,
     pub burn_in: u64,
     pub combine: Combine,
-    /// Chains of a ladder: 2, 3 or 4.
-    pub levels: u32,
+    pub levels: LadderSize,
     pub pace: Pace,
     pub target_function: TargetFunction,
     pub psi: Witnesses,
@@ -42,6 +41,18 @@ pub enum TargetFunction {
     InverseKernel,
     /// The full one, with the spread of fluxes in each region as well (G Eq. 3).
     SecondMoment,
+}
+
+/// How many chains a ladder has, and so which targets they follow.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum LadderSize {
+    /// Uniform and full target.
+    Two,
+    /// Uniform, inverse kernel size, full target.
+    Three,
+    /// With visibility, as published (G sec. 4.4).
+    #[default]
+    Four,
 }
 
 /// How often each chain of a ladder takes a step.
@@ -76,7 +87,7 @@ impl Default for PhotonOptions {
             acceptance: 0.234,
             burn_in: 64,
             combine: Combine::Balance,
-            levels: 4,
+            levels: LadderSize::Four,
             pace: Pace::Auto,
             target_function: TargetFunction::Full,
             psi: Witnesses::All,
@@ -254,6 +265,11 @@ pub(crate) const MAPS: Key = Key {
 
 const COMBINES: &[(&str, Combine)] =
     &[("balance", Combine::Balance), ("average", Combine::Average)];
+const LADDER_SIZES: &[(&str, LadderSize)] = &[
+    ("2", LadderSize::Two),
+    ("3", LadderSize::Three),
+    ("4", LadderSize::Four),
+];
 const TARGET_FUNCTIONS: &[(&str, TargetFunction)] = &[
     ("full", TargetFunction::Full),
     ("inverse-kernel", TargetFunction::InverseKernel),
@@ -290,7 +306,7 @@ impl PhotonOptions {
             "acceptance" => number(&mut self.acceptance, |rate| (0.01..=0.99).contains(&rate)),
             "burnin" => integer(&mut self.burn_in, 0..=100_000),
             "combine" => word(&mut self.combine, COMBINES),
-            "levels" => integer(&mut self.levels, 2..=4),
+            "levels" => word(&mut self.levels, LADDER_SIZES),
             "pace" => by(&mut self.pace, Pace::parse, Pace::text),
             "tf" => word(&mut self.target_function, TARGET_FUNCTIONS),
             "psi" => word(&mut self.psi, PSIS),

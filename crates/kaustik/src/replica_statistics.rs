@@ -7,7 +7,7 @@ pub struct ReplicaStatistics {
     pub levels: Vec<ReplicaLevel>,
     /// Sweeps of all ladders.
     pub sweeps: u64,
-    /// Mean acceptance of exchanges between neighbours, by pair.
+    /// Mean acceptance of exchanges, for each pair that exchanges ([`ReplicaSet::pairs`](crate::estimate::ReplicaSet::pairs)).
     pub exchange_acceptance: Vec<f64>,
     /// The pairs, counted from 1.
     pub pairs: Vec<[usize; 2]>,
@@ -46,7 +46,7 @@ pub struct ReplicaLevel {
     pub independent: f64,
     /// Its standard error.
     pub independent_error: Option<f64>,
-    /// How many standard errors lie between the last two.
+    /// How many standard errors lie between `normalisation` and `independent`.
     pub discrepancy: Option<f64>,
     /// Light (X + Y + Z) that its film stands for, by independent samples.
     pub share: f64,

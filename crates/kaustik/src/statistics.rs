@@ -70,7 +70,7 @@ pub struct PhotonStatistics {
 /// One level of the ladders of a photon method.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct PhotonLevel {
-    /// What its chain follows: `uniform`, `visibility`, `inverse-kernel` or `full`.
+    /// What its chain follows: `uniform`, `visibility`, `density`, `inverse-kernel` or `full`.
     pub target: &'static str,
     /// The target's integral, in the last iteration.
     pub normaliser: f64,
@@ -164,9 +164,9 @@ fn ladder<S: Serializer>(ladder: &u32, to: S) -> Result<S::Ok, S::Error> {
 /// What became of direct light that was rendered apart from the chains.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct DirectStatistics {
-    /// Independent samples of paths of at most so many edges.
+    /// The longest paths that count as direct light, in edges.
     pub max_edges: u32,
-    /// Their number.
+    /// Number of independent samples of them.
     pub samples: u64,
 }
 

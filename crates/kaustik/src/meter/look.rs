@@ -7,7 +7,7 @@ use super::samples::{At, Samples, Scratch};
 
 /// Scouts of a look in each cell.
 const EACH: u64 = 16;
-/// Who has met light less often does not know how much it varies.
+/// With fewer finds, their variance is not known well enough to go by.
 const ENOUGH: u64 = 30;
 
 /// What scouts saw that are used for nothing else, so that where one looks more closely does not depend on what is found
@@ -68,9 +68,11 @@ impl Look {
         self.dirac.len() as f64 * shares / variances
     }
 
-    /// How many scouts go out in each cell in a pass, `each` in the mean: as many for all of the Dirac surfaces that are seen.
-    /// Neighbours share, as few scouts know little of a cell; one at least, so that no light is left out. A find is evaluated, for
-    /// much more than a look costs: fewer go out where more than `finds` a cell were to be expected.
+    /// How many scouts go out in each cell in a pass, `each` in the mean: in proportion to how much
+    /// of the cell shows Dirac surfaces. Counts are blurred over neighbours, since a few scouts know
+    /// little of one cell; each has one at least, so that no light is left out. A find is evaluated,
+    /// which costs much more than a look: fewer go out where more than `finds` a cell would be
+    /// expected.
     pub(super) fn often(&self, samples: &Samples<'_>, each: u64, finds: u64) -> Vec<u64> {
         let shares = samples.grid.blurred(&self.dirac);
         let mean = shares.iter().sum::<f64>() / shares.len() as f64;

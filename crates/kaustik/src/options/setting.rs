@@ -5,11 +5,17 @@ use std::str::FromStr;
 
 /// A place that holds a setting, with the words for it.
 pub(crate) trait Setting {
-    /// Sets it to what a text says; `None` if that is out of range, and then nothing changes.
-    fn read(&mut self, text: &str) -> Option<()>;
+    /// Sets it to what a text says.
+    ///
+    /// # Errors
+    /// If that is out of range, with the reason if there is more to say; then nothing changes.
+    fn read(&mut self, text: &str) -> Result<(), Refusal>;
     /// What [`read`](Self::read) would have to be told for it to be as it is.
     fn written(&self) -> String;
 }
+
+/// Why a text is no value, if the range alone does not tell.
+pub(crate) type Refusal = Option<String>;
 
 /// A setting of some type.
 pub(crate) type AnySetting<'a> = Box<dyn Setting + 'a>;
@@ -21,10 +27,14 @@ struct By<'a, T, R, W> {
     write: W,
 }
 
-impl<T, R: Fn(&str) -> Option<T>, W: Fn(&T) -> String> Setting for By<'_, T, R, W> {
-    fn read(&mut self, text: &str) -> Option<()> {
+impl<T, R, W> Setting for By<'_, T, R, W>
+where
+    R: Fn(&str) -> Result<T, Refusal>,
+    W: Fn(&T) -> String,
+{
+    fn read(&mut self, text: &str) -> Result<(), Refusal> {
         *self.value = (self.read)(text)?;
-        Some(())
+        Ok(())
     }
 
     fn written(&self) -> String {
@@ -38,6 +48,7 @@ pub(crate) fn by<'a, T>(
     read: impl Fn(&str) -> Option<T> + 'a,
     write: impl Fn(&T) -> String + 'a,
 ) -> AnySetting<'a> {
+    let read = move |text: &str| read(text).ok_or(None);
     Box::new(By { value, read, write })
 }
 
@@ -80,15 +91,24 @@ pub(crate) fn optional<'a, T: ToString>(
     nothing: &'static str,
     read: impl Fn(&str) -> Option<T> + 'a,
 ) -> AnySetting<'a> {
+    reasoned(value, nothing, move |text| read(text).ok_or(None))
+}
+
+/// As [`optional`], where `read` tells why it does not take a text.
+pub(crate) fn reasoned<'a, T: ToString>(
+    value: &'a mut Option<T>,
+    nothing: &'static str,
+    read: impl Fn(&str) -> Result<T, Refusal> + 'a,
+) -> AnySetting<'a> {
     let read = move |text: &str| match text {
-        _ if text == nothing => Some(None),
+        _ if text == nothing => Ok(None),
         _ => read(text).map(Some),
     };
     let write = |value: &Option<T>| {
         let written = value.as_ref().map(T::to_string);
         written.unwrap_or_else(|| nothing.to_owned())
     };
-    by(value, read, write)
+    Box::new(By { value, read, write })
 }
 
 /// A number that is neither infinite nor none.

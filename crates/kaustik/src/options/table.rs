@@ -1,12 +1,14 @@
 //! Which setting a key stands for, in which words.
 
-use kaustik_estimate::{Contribution, Mis, ScalarTarget};
+use kaustik_estimate::{Contribution, Mis, ReplicaSetError, ScalarTarget};
 use kaustik_mcmc::Schedule;
 use kaustik_path::Heuristic;
 use kaustik_spectrum::WavelengthSampling;
 
 use super::Options;
-use super::setting::{AnySetting, by, finite, integer, number, optional, range, switch, word};
+use super::setting::{
+    AnySetting, by, finite, integer, number, optional, range, reasoned, switch, word,
+};
 use crate::choices::{
     Builder, Caustics, Colours, Direct, Energy, EvenSamples, Jitter, Normaliser, SmallStep, Starts,
     Steps, Strategies,
@@ -34,7 +36,10 @@ impl Options {
             "normaliser" => word(&mut self.normaliser, Normaliser::WORDS),
             "meter" => switch(&mut self.meter),
             "direct" => word(&mut self.direct, DIRECT),
-            "replicas" => optional(&mut self.replicas, "standard", |set| set.parse().ok()),
+            "replicas" => reasoned(&mut self.replicas, "standard", |set| {
+                set.parse()
+                    .map_err(|error: ReplicaSetError| Some(error.to_string()))
+            }),
             "delta" => number(&mut self.delta, |delta| delta > 0.0 && delta <= 1.0),
             "beta" => number(&mut self.beta, |beta| (1.0..=8.0).contains(&beta)),
             "exchange" => word(&mut self.exchange, EXCHANGES),

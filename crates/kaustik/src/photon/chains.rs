@@ -10,10 +10,10 @@ mod sums;
 use std::io;
 use std::sync::atomic::AtomicBool;
 
-use kaustik_estimate::{PhotonLevels, PhotonTarget, PhotonValue, Sharing};
+use kaustik_estimate::{PhotonLevels, PhotonTarget, PhotonTargetKind, PhotonValue, Sharing};
 use kaustik_film::{Counters, Film, Image, Layer, Quantum};
 use kaustik_mcmc::{
-    Acceptance, AcceptanceAdaptation, Draws, Ignore, Independent, Ladder, Mean, Metropolis,
+    Acceptance, AcceptanceAdaptation, Draws, Family, Ignore, Independent, Ladder, Mean, Metropolis,
     Pcg64Dxsm, Point, PointKernel, Pool, Power, SampleGenerators, Statistics, Target, generator,
 };
 use kaustik_path::Event;
@@ -52,8 +52,8 @@ pub(super) struct PhotonChains<const K: usize> {
     options: PhotonOptions,
     ladders: Vec<Chains<K>>,
     periods: Periods<K>,
-    /// Of all levels but the last, which has one that is lent. Black between two iterations, but for what the first chain has
-    /// brought in all where visibility's normaliser is still to come.
+    /// One for each level but the last, which is lent `spare`. Empty between two iterations, except
+    /// for the uniform level's where visibility's normaliser is still to come.
     films: Vec<Film>,
     first: mark::First,
     targets: Targets<K>,
@@ -90,12 +90,12 @@ impl<const K: usize> PhotonChains<K> {
     pub(super) fn new(
         stage: &Stage<'_>,
         settings: &RenderSettings,
-        levels: [usize; K],
+        levels: PhotonLevels<K>,
         space: Space,
     ) -> Result<Self, RenderError> {
         let options = settings.options.photon;
         // Before there are films: a look at where points are takes memory of its own.
-        let mut targets = Targets::new(stage, options, levels, space);
+        let mut targets = Targets::new(stage, options, &levels, space);
         targets.assign(stage);
         let quantum = stage.quantum();
         let films = (1..K).map(|_| Film::with_layout(&settings.layout(), quantum));
@@ -103,18 +103,18 @@ impl<const K: usize> PhotonChains<K> {
         // Only the share of visible paths is the same in all iterations; of what moves that is not either: each instant
         // has its own, and the mean picture is not that of the mean share.
         let progressive = options.normalisation == Normalisation::Progressive
-            && levels.get(1) == Some(&1)
+            && levels.0.get(1) == Some(&PhotonTargetKind::Visibility)
             && !stage.moves();
         let adaptation = AcceptanceAdaptation::new(Power::new(FIRST_STEP))
             .with_target(options.acceptance)
             .with_gain(LEARNING.0, LEARNING.1)
             .in_logarithms();
         let mut chains = Self {
-            levels: PhotonLevels(levels),
+            levels,
             options,
             ladders: Vec::new(),
             // until it is known how much is visible
-            periods: Periods::new(options.pace, levels, 0.0),
+            periods: Periods::new(options.pace, &levels, 0.0),
             films,
             first: mark::First::default(),
             targets,
@@ -174,7 +174,7 @@ impl<const K: usize> PhotonChains<K> {
         let levels = self.levels;
         let evaluate = |value: &mut PhotonValue, index: usize| {
             target.evaluate(&mut Independent::new(generators.at(index as u64)), value);
-            levels.0.map(|level| value.targets[level])
+            levels.densities(value)
         };
         let samples: Vec<[f64; K]> = (0..settings.options.pilot as usize)
             .into_par_iter()
@@ -188,6 +188,7 @@ impl<const K: usize> PhotonChains<K> {
             let b = pools[level].normaliser().mean();
             if b > 0.0 { b } else { least }
         });
+        // Every target but the uniform one is positive exactly where a path is visible.
         let visible = samples.iter().filter(|sample| sample[1] > 0.0).count() as f64 * least;
         let mut choice = generator(settings.seed, streams::CHOICE);
         let mutation = Power::new(FIRST_STEP);
@@ -220,7 +221,7 @@ impl<const K: usize> PhotonChains<K> {
         self.nonfinite = vec![Nonfinite::default(); ladders.len()];
         self.ladders = ladders;
         self.rough = rough;
-        self.periods = Periods::new(self.options.pace, levels.0, visible);
+        self.periods = Periods::new(self.options.pace, &levels, visible);
     }
 
     /// Sweeps that tell nothing.
@@ -356,8 +357,8 @@ impl<const K: usize> PhotonChains<K> {
     /// Targets of the points of the iteration that the stage has begun.
     fn begin(&mut self, stage: &Stage<'_>) {
         let grown = self.targets.assign(stage);
-        for (rough, level) in self.rough.iter_mut().zip(self.levels.0) {
-            *rough *= grown[level];
+        for (rough, kind) in self.rough.iter_mut().zip(self.levels.0) {
+            *rough *= grown[kind as usize];
         }
         if let Some(maps) = &mut self.maps {
             maps.begin(stage);

@@ -15,6 +15,7 @@ mod targets;
 use std::io;
 use std::sync::atomic::AtomicBool;
 
+use kaustik_estimate::{PhotonLevels, PhotonTargetKind};
 use kaustik_film::{Counters, Film, Image, Layer};
 use kaustik_path::Event;
 use kaustik_scene::Scene;
@@ -24,7 +25,8 @@ use crate::engine::{Engine, add_counters, add_nonfinite};
 use crate::independent::IndependentEngine;
 use crate::state::{Keep, Reader, StateError, Writer};
 use crate::{
-    Budget, ChainStatistics, Method, PhotonStatistics, Place, RenderError, RenderSettings,
+    Budget, ChainStatistics, LadderSize, Method, PhotonStatistics, Place, RenderError,
+    RenderSettings,
 };
 use chains::PhotonChains;
 use sppm::IndependentPhotons;
@@ -102,25 +104,34 @@ fn tracer(
         Method::PhotonImage => Space::Image,
         _ => Space::World,
     };
-    Ok(match (settings.method, settings.options.photon.levels) {
+    use PhotonTargetKind::{Full, InverseKernel, Uniform, Visibility};
+    match (settings.method, settings.options.photon.levels) {
         (Method::PhotonDensity, _) => {
             let space = Space::Densities(density::pilot(scene, settings));
-            Box::new(PhotonChains::new(stage, settings, [0, 2], space)?)
+            chains(stage, settings, [Uniform, InverseKernel], space)
         }
-        (Method::PhotonVisibility, _) => {
-            Box::new(PhotonChains::new(stage, settings, [0, 1], space)?)
+        (Method::PhotonVisibility, _) => chains(stage, settings, [Uniform, Visibility], space),
+        (Method::PhotonSpatial | Method::PhotonImage, LadderSize::Two) => {
+            chains(stage, settings, [Uniform, Full], space)
         }
-        (Method::PhotonSpatial | Method::PhotonImage, 2) => {
-            Box::new(PhotonChains::new(stage, settings, [0, 3], space)?)
+        (Method::PhotonSpatial | Method::PhotonImage, LadderSize::Three) => {
+            chains(stage, settings, [Uniform, InverseKernel, Full], space)
         }
-        (Method::PhotonSpatial | Method::PhotonImage, 3) => {
-            Box::new(PhotonChains::new(stage, settings, [0, 2, 3], space)?)
+        (Method::PhotonSpatial | Method::PhotonImage, LadderSize::Four) => {
+            chains(stage, settings, PhotonTargetKind::ALL, space)
         }
-        (Method::PhotonSpatial | Method::PhotonImage, _) => {
-            Box::new(PhotonChains::new(stage, settings, [0, 1, 2, 3], space)?)
-        }
-        _ => Box::new(IndependentPhotons::new(stage, settings)?),
-    })
+        _ => Ok(Box::new(IndependentPhotons::new(stage, settings)?)),
+    }
+}
+
+fn chains<const K: usize>(
+    stage: &Stage<'_>,
+    settings: &RenderSettings,
+    levels: [PhotonTargetKind; K],
+    space: Space,
+) -> Result<Box<dyn Tracer>, RenderError> {
+    let chains = PhotonChains::new(stage, settings, PhotonLevels(levels), space)?;
+    Ok(Box::new(chains))
 }
 
 impl<'a> PhotonEngine<'a> {

@@ -279,7 +279,7 @@ impl<'a> Stage<'a> {
         (0..count).map(|index| self.scene.at(time(index))).collect()
     }
 
-    /// That of this number, again and again.
+    /// One of the instants, each as often as the others, by a hash of `number`.
     fn in_turn<'s>(&'s self, instants: &'s [Scene], number: u64) -> &'s Scene {
         // The number's own bits would go with columns of the picture.
         let turn = mix(number) % INSTANTS;

@@ -1,6 +1,9 @@
 //! What chains follow: the targets of measurement points, and the regions that they go by.
 
-use kaustik_estimate::{DensityTarget, Learnt, Place, Refinement, RegionSums, Regions, inverse};
+use kaustik_estimate::{
+    DensityTarget, Learnt, PhotonLevels, PhotonTargetKind, Place, Refinement, RegionSums, Regions,
+    inverse,
+};
 use kaustik_path::{Disc, MeasurementPoint};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -9,8 +12,6 @@ use super::stage::Stage;
 use crate::photon_options::{PhotonOptions, TargetFunction};
 use crate::state::StateError;
 
-/// Names of the four targets of G sec. 4.4.
-const NAMES: [&str; 4] = ["uniform", "visibility", "inverse-kernel", "full"];
 /// Camera walks a pixel before the first iteration, which the tree is made from (G sec. 4.2).
 const PILOT_PASSES: u64 = 4;
 /// Regions smaller than this share of all that is seen part surfaces by where they face.
@@ -58,11 +59,11 @@ impl<const K: usize> Targets<K> {
     pub(super) fn new(
         stage: &Stage<'_>,
         options: PhotonOptions,
-        levels: [usize; K],
+        levels: &PhotonLevels<K>,
         space: Space,
     ) -> Self {
-        let wanted =
-            levels.contains(&3) && options.target_function != TargetFunction::InverseKernel;
+        let wanted = levels.has(PhotonTargetKind::Full)
+            && options.target_function != TargetFunction::InverseKernel;
         let normals = if options.orientation {
             0.5 * ORIENTED * stage.reach()
         } else {
@@ -88,7 +89,7 @@ impl<const K: usize> Targets<K> {
         Self {
             space,
             normals,
-            plain: levels.iter().all(|&level| level < 2),
+            plain: !levels.0.iter().any(|kind| kind.asks_of_points()),
             regions,
             refinement: options.refinement,
             sums,
@@ -99,10 +100,10 @@ impl<const K: usize> Targets<K> {
 
     /// For the iteration that the stage has begun (G Eq. 11). Returns by how much each of the four targets has grown in
     /// the mean over the points.
-    pub(super) fn assign(&mut self, stage: &Stage<'_>) -> [f64; 4] {
+    pub(super) fn assign(&mut self, stage: &Stage<'_>) -> [f64; PhotonTargetKind::COUNT] {
         self.of_points.clear();
         if self.plain {
-            return [1.0; 4];
+            return [1.0; PhotonTargetKind::COUNT];
         }
         let (discs, points) = (stage.map().points.discs(), stage.map().points.points());
         let largest = discs.iter().map(Disc::area).fold(0.0, f64::max);
@@ -250,11 +251,11 @@ impl<const K: usize> Targets<K> {
         }
     }
 
-    /// The name of one of the four targets.
-    pub(super) fn name(&self, level: usize) -> &'static str {
-        match (level, &self.space) {
-            (2, Space::Densities(_)) => "density",
-            _ => NAMES[level],
+    /// The name of a target.
+    pub(super) fn name(&self, kind: PhotonTargetKind) -> &'static str {
+        match (kind, &self.space) {
+            (PhotonTargetKind::InverseKernel, Space::Densities(_)) => "density",
+            _ => kind.name(),
         }
     }
 

@@ -24,11 +24,14 @@ use crate::streams;
 const FEWEST: f64 = 2.0;
 const MOST: f64 = 64.0;
 
-/// How many samples a sweep pay. With `r` the effective share of independent samples for a replica (their mean
-/// squared over the mean of squares), such a sample knows its pixel's light up to a relative variance of about
-/// `1/r - 1`; a visit by a chain, up to 1 and more, as visits come by chance: from `r` = 1/2 on even samples are the
-/// better ones, and only what the chains may yet find speaks for going on with them. The replica that is hardest to sample
-/// decides: its light is what they are there for. Measured: `docs/papers/relt.md`.
+/// How many even samples a sweep are worth their cost.
+///
+/// With `r` the effective share of independent samples for a replica (their mean squared over
+/// the mean of squares), an even sample estimates its pixel with a relative variance of about
+/// `1/r - 1`. A visit of a chain has 1 or more, because visits meet a pixel by chance. So from
+/// `r` = 1/2 on even samples are the better ones, and chains go on only for what they may yet
+/// find. The replica that is hardest to sample decides, since its light is what chains are for.
+/// Measured: `docs/papers/relt.md`.
 pub(super) fn samples_a_sweep<const K: usize>(started: &Started) -> u32 {
     let particles = started.particles.max(1) as f64;
     let shares = started
@@ -55,7 +58,7 @@ pub(super) struct Even {
     /// Cell at place 0, and from one place to the next.
     first: u64,
     stride: u64,
-    /// Parts that it has come to: so often have the cells of this one been visited.
+    /// Complete passes over the cells of its part.
     pass: u64,
     seed: u64,
     generators: SampleGenerators,

@@ -55,7 +55,7 @@ impl Counted<'_> {
 }
 
 impl Past {
-    /// Of so many stages.
+    /// What was measured in each stage so far.
     pub(super) fn stages(&self) -> &[StageStatistics] {
         &self.stages
     }

@@ -1,5 +1,7 @@
 //! How often each chain of a ladder takes a step.
 
+use kaustik_estimate::{PhotonLevels, PhotonTargetKind};
+
 use crate::photon_options::Pace;
 
 /// Share of uniform light paths from which on a scene is seen well enough for them to do nearly all of the work.
@@ -15,15 +17,15 @@ pub(super) struct Periods<const K: usize>([u64; K]);
 
 impl<const K: usize> Periods<K> {
     /// Of a ladder of some of the four chains, where such a share of uniform light paths is visible.
-    pub(super) fn new(pace: Pace, levels: [usize; K], visible: f64) -> Self {
+    pub(super) fn new(pace: Pace, levels: &PhotonLevels<K>, visible: f64) -> Self {
         let all = match pace {
             Pace::Periods(all) => all,
             // what stands beside the paper's chains steps as it was published
-            Pace::Auto if !levels.contains(&3) => [1; 4],
+            Pace::Auto if !levels.has(PhotonTargetKind::Full) => [1; 4],
             Pace::Auto if visible > WELL_SEEN => OPEN,
             Pace::Auto => OCCLUDED,
         };
-        Self(levels.map(|level| u64::from(all[level])))
+        Self((levels.0).map(|kind| u64::from(all[kind as usize])))
     }
 
     #[cfg(test)]
@@ -95,11 +97,15 @@ mod tests {
     #[test]
     fn a_ladder_has_the_periods_of_its_levels() {
         let pace = Pace::Periods([8, 4, 2, 1]);
-        assert_eq!(Periods::new(pace, [0, 2, 3], 0.0), Periods::of([8, 2, 1]));
-        let auto = |visible| Periods::new(Pace::Auto, [0, 1, 2, 3], visible);
+        use PhotonTargetKind::{Full, InverseKernel, Uniform, Visibility};
+        let three = PhotonLevels([Uniform, InverseKernel, Full]);
+        assert_eq!(Periods::new(pace, &three, 0.0), Periods::of([8, 2, 1]));
+        let four = PhotonLevels(PhotonTargetKind::ALL);
+        let auto = |visible| Periods::new(Pace::Auto, &four, visible);
         assert_eq!(auto(0.9), Periods::of([1, 64, 64, 64]));
         assert_eq!(auto(0.01), Periods::of([1, 2, 2, 1]));
-        assert_eq!(Periods::new(Pace::Auto, [0, 1], 0.01), Periods::of([1, 1]));
+        let two = PhotonLevels([Uniform, Visibility]);
+        assert_eq!(Periods::new(Pace::Auto, &two, 0.01), Periods::of([1, 1]));
     }
 
     #[test]
