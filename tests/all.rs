@@ -44,6 +44,8 @@ mod extremes;
 mod faults;
 /// Pictures known in closed form.
 mod furnace;
+/// Long paths between glossy surfaces.
+mod glossy;
 /// Faults at the system's calls.
 mod injected;
 /// The command and its states: signals, kills, disks that are full.

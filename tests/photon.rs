@@ -3,7 +3,7 @@
 use kaustik::estimate::Combine;
 use kaustik::film::Image;
 use kaustik::scene::Scene;
-use kaustik::{Budget, Control, Method, RenderSettings, RenderStatistics, render};
+use kaustik::{Budget, Control, LadderSize, Method, RenderSettings, RenderStatistics, render};
 
 use crate::support::{means, picture, scene, settings, tile_means};
 
@@ -129,14 +129,14 @@ fn photon_methods_agree_with_each_other() {
     let scene = scene("ring-and-sphere?light=0.8", SIDE);
     let independent = picture(&scene, &photons(Method::Sppm, 16, 60_000));
     let chains = [
-        (Method::PhotonVisibility, 2, Combine::Balance),
-        (Method::PhotonVisibility, 2, Combine::Average),
-        (Method::PhotonSpatial, 4, Combine::Balance),
-        (Method::PhotonSpatial, 4, Combine::Average),
-        (Method::PhotonSpatial, 3, Combine::Balance),
-        (Method::PhotonSpatial, 2, Combine::Balance),
-        (Method::PhotonImage, 4, Combine::Balance),
-        (Method::PhotonDensity, 2, Combine::Balance),
+        (Method::PhotonVisibility, LadderSize::Two, Combine::Balance),
+        (Method::PhotonVisibility, LadderSize::Two, Combine::Average),
+        (Method::PhotonSpatial, LadderSize::Four, Combine::Balance),
+        (Method::PhotonSpatial, LadderSize::Four, Combine::Average),
+        (Method::PhotonSpatial, LadderSize::Three, Combine::Balance),
+        (Method::PhotonSpatial, LadderSize::Two, Combine::Balance),
+        (Method::PhotonImage, LadderSize::Four, Combine::Balance),
+        (Method::PhotonDensity, LadderSize::Two, Combine::Balance),
     ];
     for (method, levels, combine) in chains {
         let mut settings = photons(method, 16, 60_000);
@@ -147,7 +147,7 @@ fn photon_methods_agree_with_each_other() {
         let bias = luminance(means(&image)) / luminance(means(&independent)) - 1.0;
         assert!(
             error < 0.05 && bias.abs() < 0.015,
-            "{method}, {levels} levels, {combine:?}: {error}, {bias}"
+            "{method}, {levels:?} levels, {combine:?}: {error}, {bias}"
         );
     }
 }

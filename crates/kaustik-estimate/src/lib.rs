@@ -24,6 +24,7 @@ mod replica_set;
 mod replicas;
 mod scalar;
 mod shares;
+mod specular_split;
 mod target;
 
 pub use density_target::DensityTarget;
@@ -37,7 +38,8 @@ pub use raster_map::RasterMap;
 pub use region_sums::{RegionSums, Witnesses};
 pub use regions::{LeafTally, Learnt, Place, Refinement, Regions, inverse};
 pub use replica_set::{ClassWeights, ReplicaSet, ReplicaSetError};
-pub use replicas::{ReplicaDeposit, ReplicaFamily, ReplicaWeights, light};
+pub use replicas::{ReplicaDeposit, ReplicaFamily, ReplicaWeights};
 pub use scalar::{Contribution, MappedContribution, ScalarContribution};
 pub use shares::Shares;
+pub use specular_split::SpecularSplit;
 pub use target::{CountedTarget, PathTarget};

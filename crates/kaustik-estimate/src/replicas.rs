@@ -4,7 +4,7 @@ use kaustik_film::Film;
 use kaustik_mcmc::{Family, Recorder, Visit};
 use kaustik_path::{Class, Contributions, ScalarTarget};
 
-use crate::{ClassWeights, ReplicaSet, Scale, Shares};
+use crate::{ClassWeights, ReplicaSet, Scale, Shares, SpecularSplit};
 
 /// The densities of K replicas: `q_0 = 1`, `q_k = sum of d_{k,n} L_n` (RELT eq. 19, which counts
 /// from 1).
@@ -135,11 +135,11 @@ impl<const K: usize> ReplicaWeights<K> {
     /// specular light and of all other. They add up to the whole, but for specular light where a specific
     /// replica's density is zero, which cannot be.
     #[inline]
-    pub fn share(&self, densities: &[f64; K], [specular, other]: [f64; 2]) -> [f64; K] {
+    pub fn share(&self, densities: &[f64; K], light: SpecularSplit) -> [f64; K] {
         let common = if self.shared == K {
-            specular + other
+            light.whole()
         } else {
-            other
+            light.other
         };
         let mut terms = [0.0; K];
         let mut sum = 0.0;
@@ -151,7 +151,7 @@ impl<const K: usize> ReplicaWeights<K> {
             *term *= common / sum;
         }
         if self.shared < K {
-            terms[K - 1] = specular;
+            terms[K - 1] = light.specular;
         }
         terms
     }
@@ -162,18 +162,6 @@ impl<const K: usize> ReplicaWeights<K> {
     pub fn specific_factor(&self, densities: &[f64; K]) -> f64 {
         1.0 / (densities[K - 1] * self.inverse[K - 1])
     }
-}
-
-/// Scalar (X + Y + Z) of the implicit specular light of a value and of all its other light.
-#[inline]
-pub fn light(value: &Contributions) -> [f64; 2] {
-    let classes = value.by_class(ScalarTarget::Xyz);
-    let specular = classes[Class::L0 as usize];
-    let mut other = 0.0;
-    for class in Class::ALL.into_iter().filter(|class| *class != Class::L0) {
-        other += classes[class as usize];
-    }
-    [specular, other]
 }
 
 /// Takes the visits of ladders of K replicas: one film each.
@@ -206,18 +194,18 @@ impl<const K: usize> Recorder<Contributions, K> for ReplicaDeposit<'_, K> {
         if visit.independent <= 0.0 && visit.value.splats().is_empty() {
             return;
         }
-        let [specular, other] = light(visit.value);
+        let light = SpecularSplit::of(visit.value, ScalarTarget::Xyz);
+        let whole = light.whole();
         if visit.independent > 0.0 {
-            let parts = self.weights.share(visit.densities, [specular, other]);
+            let parts = self.weights.share(visit.densities, light);
             self.shares.sample(parts);
         }
-        if visit.weight <= 0.0 || visit.density() <= 0.0 || specular + other <= 0.0 {
+        if visit.weight <= 0.0 || visit.density() <= 0.0 || whole <= 0.0 {
             return;
         }
         let roughly = self.weights.roughly(visit.densities);
         let sojourn = visit.weight * self.each[visit.level];
         self.shares.visit(visit.level, sojourn, &roughly);
-        let whole = specular + other;
         let film = &self.films[visit.level];
         let weights = &self.weights;
         if visit.level < weights.shared {
@@ -225,14 +213,15 @@ impl<const K: usize> Recorder<Contributions, K> for ReplicaDeposit<'_, K> {
             if weights.shared == K {
                 self.scale.splat(film, visit.value, weight);
                 self.shares.hold(visit.level, weight * whole, whole);
-            } else if other > 0.0 {
+            } else if light.other > 0.0 {
                 (self.scale).splat_classes(film, visit.value, weight, |class| class != Class::L0);
-                self.shares.hold(visit.level, weight * other, whole);
+                self.shares.hold(visit.level, weight * light.other, whole);
             }
-        } else if specular > 0.0 {
+        } else if light.specular > 0.0 {
             let weight = sojourn * weights.specific_factor(visit.densities);
             (self.scale).splat_classes(film, visit.value, weight, |class| class == Class::L0);
-            self.shares.hold(visit.level, weight * specular, whole);
+            self.shares
+                .hold(visit.level, weight * light.specular, whole);
         }
     }
 }

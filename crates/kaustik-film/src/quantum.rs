@@ -22,6 +22,12 @@ impl Quantum {
     /// all normal `f64` values.
     const RANGE: (i32, i32) = (-1000, 900);
 
+    /// As [`from_mean`](Self::from_mean), for pixels whose X + Y + Z is `sum` in the mean.
+    #[must_use]
+    pub fn from_sum_of_xyz(sum: f64) -> Self {
+        Self::from_mean(sum / 3.0)
+    }
+
     /// The power of two nearest (in ratio) to `mean` x 2^-32. [`Quantum::FALLBACK`] if the mean is zero,
     /// negative or not finite, because then the pilot has nothing to say.
     #[must_use]

@@ -77,12 +77,16 @@ fn main() -> std::io::Result<()> {
     let statistics = ladder.statistics();
     println!(
         "exchanges rejected, level by level: {:.2?}",
-        &statistics.local_barriers()[..LEVELS - 1]
+        statistics
+            .local_barriers()
+            .iter()
+            .flatten()
+            .collect::<Vec<_>>()
     );
     println!(
         "{} round trips in {SWEEPS} sweeps; with these rejections at most {:.0}",
         statistics.round_trips,
-        statistics.ideal_round_trip_rate() * SWEEPS as f64
+        statistics.ideal_round_trip_rate().unwrap_or_default() * SWEEPS as f64
     );
     ladder.flush(&mut |_: Visit<'_, Place, LEVELS>| {});
     let b = ladder.stepping_stone().normalisers(1.0).estimates()[LEVELS - 1];

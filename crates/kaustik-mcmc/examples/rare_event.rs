@@ -85,7 +85,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     println!(
         "{} round trips of the ladder; rejection rates of neighbours add up to {:.2}",
         statistics.round_trips,
-        statistics.barrier()
+        statistics.barrier().unwrap_or_default()
     );
     let path = std::env::args_os().nth(1).map_or_else(
         || std::env::temp_dir().join("rare_event.svg"),

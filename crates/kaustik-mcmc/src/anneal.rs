@@ -51,6 +51,10 @@ use crate::{
 /// ladder.sweep(&kernels, &bump, &mut rng, &mut Ignore);
 /// # Ok::<(), kaustik_mcmc::Extinct>(())
 /// ```
+///
+/// # Panics
+///
+/// If the population has been taken to a level before: its weights would be multiplied once more.
 pub fn anneal<S, V, N, F, D, R, const K: usize>(
     population: &mut Population<S, V, K>,
     moves: usize,
@@ -67,6 +71,11 @@ where
     D: Draws + ?Sized,
     R: Recorder<V, K> + ?Sized,
 {
+    assert!(
+        population.level().is_none(),
+        "the population is at level {:?} already",
+        population.level()
+    );
     let mut stages = [None; K];
     let mut starts = from_fn(|_| None);
     let mut extinct = None;
@@ -132,7 +141,10 @@ impl<S, V: Default, const K: usize> Annealed<S, V, K> {
     /// # Errors
     ///
     /// If some level has no start.
-    pub fn into_ladder(self, family: &impl Family<V, K>) -> Result<Ladder<S, V, K>, Extinct> {
+    pub fn into_ladder(
+        self,
+        family: &(impl Family<V, K> + ?Sized),
+    ) -> Result<Ladder<S, V, K>, Extinct> {
         if let Some(extinct) = self.extinct {
             return Err(extinct);
         }

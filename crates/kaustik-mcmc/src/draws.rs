@@ -22,6 +22,36 @@ pub trait Draws {
     fn index(&mut self, weights: &[f64]) -> usize;
 }
 
+/// Draws by reference: what stands in for them where something takes its source by value, such as
+/// [`Independent::new`](crate::Independent::new) within a kernel that was itself lent a `&mut D`.
+///
+/// ```
+/// use kaustik_mcmc::{ByRef, Draws, Independent, Target};
+///
+/// /// A fresh sample of the uniform law, whatever gives the numbers.
+/// fn sample<T: Target, D: Draws + ?Sized>(target: &T, value: &mut T::Value, draws: &mut D) {
+///     target.evaluate(&mut Independent::new(ByRef(draws)), value);
+/// }
+/// ```
+#[derive(Debug)]
+pub struct ByRef<'a, D: ?Sized>(pub &'a mut D);
+
+impl<D: Draws + ?Sized> Draws for ByRef<'_, D> {
+    #[inline]
+    fn uniform(&mut self) -> f64 {
+        self.0.uniform()
+    }
+
+    #[inline]
+    fn bernoulli(&mut self, p: f64) -> bool {
+        self.0.bernoulli(p)
+    }
+
+    fn index(&mut self, weights: &[f64]) -> usize {
+        self.0.index(weights)
+    }
+}
+
 /// 2^-53: uniform numbers are its multiples, so that 1 is never reached.
 const ULP: f64 = 1.0 / (1u64 << 53) as f64;
 

@@ -31,7 +31,9 @@ pub trait Kernel<S> {
         let _ = state;
     }
 
-    /// The proposal never was: `state` must describe the current value again, exactly.
+    /// The proposal never was: `state` must describe the current value again, exactly. (What a state
+    /// has beside that, such as the direction of a lifted walk, may change, if the joint law is kept:
+    /// [`assert_stationary`](crate::testing::assert_stationary) on the whole state tells.)
     fn reject(&self, state: &mut S) {
         let _ = state;
     }
@@ -73,7 +75,8 @@ pub trait Kernel<S> {
     }
 }
 
-/// A reference to a kernel is one: K levels may share it.
+/// A reference to a kernel is one: K levels may share it. (Families and recorders have no such
+/// rule, as closures are families and recorders: pass these by reference.)
 impl<S, N: Kernel<S>> Kernel<S> for &N {
     type Value = N::Value;
 

@@ -96,7 +96,7 @@ impl<S, V: Default, const K: usize> Ladder<S, V, K> {
     ///
     /// A start of density zero at its level is left at the first opportunity, by a step or
     /// an exchange of two ([`Schedule::Permutation`] waits until every level has a state that is not dark there).
-    pub fn new(starts: [(S, V); K], family: &impl Family<V, K>) -> Self {
+    pub fn new(starts: [(S, V); K], family: &(impl Family<V, K> + ?Sized)) -> Self {
         let mut level = 0..;
         let replicas = starts.map(|(state, value)| {
             Metropolis::at(state, value, family, level.next().unwrap_or_default())
@@ -387,7 +387,7 @@ impl<M: Mutation, V: Default, const K: usize> Ladder<Point<M>, V, K> {
     pub fn start<T, F, D>(target: &T, family: &F, mutations: [M; K], draws: &mut D) -> Self
     where
         T: Target<Value = V>,
-        F: Family<V, K>,
+        F: Family<V, K> + ?Sized,
         D: Draws + ?Sized,
     {
         let mut level = 0..;

@@ -46,20 +46,26 @@ impl<const K: usize> LadderStatistics<K> {
     }
 
     /// The local barriers: mean rejection probability r of the exchange of levels k and
-    /// k + 1 at `[k]`, in [0, 1]; 0 for a pair that was never tried, and at `[K-1]`.
-    pub fn local_barriers(&self) -> [f64; K] {
-        std::array::from_fn(|k| match self.swaps[k].get(k + 1) {
-            Some(swap) if swap.proposed > 0 => 1.0 - swap.rate(),
-            _ => 0.0,
+    /// k + 1 at `[k]`, in [0, 1]; `None` for a pair that was never tried, and at `[K-1]`.
+    pub fn local_barriers(&self) -> [Option<f64>; K] {
+        std::array::from_fn(|k| {
+            let swap = self.swaps[k].get(k + 1)?;
+            (swap.proposed > 0).then(|| 1.0 - swap.rate())
         })
     }
 
     /// The communication barrier Λ: the sum of the rejection rates along the line of
     /// levels. It hardly depends on how many levels there are (Syed et al. 2021, sec. 4):
-    /// K - 1 at most, and near it where there are too few levels: about 2 Λ of them are best. Pairs that were never tried
-    /// count as if they always exchanged, so that it makes sense of schedules that try neighbours.
-    pub fn barrier(&self) -> f64 {
-        self.local_barriers().iter().sum()
+    /// K - 1 at most, and near it where there are too few levels: about 2 Λ of them are best.
+    /// `None` where the schedule does not try all neighbours by themselves
+    /// ([`Off`](crate::Schedule::Off), [`Permutation`](crate::Schedule::Permutation)).
+    pub fn barrier(&self) -> Option<f64> {
+        self.along_the_line(|r| r)
+    }
+
+    fn along_the_line(&self, of: impl Fn(f64) -> f64) -> Option<f64> {
+        let pairs = &self.local_barriers()[..K - 1];
+        pairs.iter().map(|r| r.map(&of)).sum()
     }
 
     /// Round trips a round of exchanges.
@@ -74,10 +80,10 @@ impl<const K: usize> LadderStatistics<K> {
     /// [alternating](crate::Schedule::Alternating) exchanges along a line would have with
     /// these rejection rates, if steps made states independent of their past (Syed et al.
     /// 2021, sec. 3). A measured rate far below it says that steps mix badly; a low ideal,
-    /// that levels are too far apart.
-    pub fn ideal_round_trip_rate(&self) -> f64 {
-        let odds: f64 = self.local_barriers().iter().map(|r| r / (1.0 - r)).sum();
-        1.0 / (2.0 + 2.0 * odds)
+    /// that levels are too far apart. `None` as of [`barrier`](Self::barrier).
+    pub fn ideal_round_trip_rate(&self) -> Option<f64> {
+        let odds = self.along_the_line(|r| r / (1.0 - r))?;
+        Some(1.0 / (2.0 + 2.0 * odds))
     }
 
     /// Adds another ladder's statistics.
@@ -114,12 +120,16 @@ mod tests {
         let mut both = statistics.clone();
         both.merge(&statistics);
         for s in [&statistics, &both] {
-            assert!((s.barrier() - 0.75).abs() < 1e-15);
-            assert!(
-                (s.ideal_round_trip_rate() - 1.0 / (2.0 + 2.0 * (1.0 / 3.0 + 1.0))).abs() < 1e-15
-            );
+            let (barrier, ideal) = (s.barrier().unwrap(), s.ideal_round_trip_rate().unwrap());
+            assert!((barrier - 0.75).abs() < 1e-15);
+            assert!((ideal - 1.0 / (2.0 + 2.0 * (1.0 / 3.0 + 1.0))).abs() < 1e-15);
             assert!((s.round_trip_rate() - 0.2).abs() < 1e-15);
         }
         assert_eq!(both.swap(2, 0).proposed, 2);
+        let untried = LadderStatistics::<3>::new();
+        assert_eq!(
+            (untried.barrier(), untried.ideal_round_trip_rate()),
+            (None, None)
+        );
     }
 }

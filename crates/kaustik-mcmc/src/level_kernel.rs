@@ -10,7 +10,8 @@ use crate::{Draws, Kernel, Move, Mutation, Point, PointKernel, Target};
 ///
 /// Steps themselves go by the point's own mutation: `mutation` says nothing until a point enters. A chain that has not
 /// come from another level is to be started with the same one; and of several of these in one
-/// [`Mixture`](crate::Mixture) over the same points, the last to be entered decides the sizes of all.
+/// [`Mixture`](crate::Mixture) over the same points, the last to be entered decides the sizes of all:
+/// take [`SizedKernel`](crate::SizedKernel)s there.
 #[derive(Clone, Debug)]
 pub struct LevelKernel<T, M> {
     /// How points propose.
@@ -55,6 +56,14 @@ impl<T: Target, M: Mutation + Clone> Kernel<Point<M>> for LevelKernel<T, M> {
     }
 
     fn exchange<D: Draws + ?Sized>(&self, a: &mut Point<M>, b: &mut Point<M>, draws: &mut D) {
-        a.exchange(b, draws);
+        self.kernel.exchange(a, b, draws);
+    }
+
+    fn accept_move(&self, point: &mut Point<M>, proposal: &Move) {
+        self.kernel.accept_move(point, proposal);
+    }
+
+    fn reject_move(&self, point: &mut Point<M>, proposal: &Move) {
+        self.kernel.reject_move(point, proposal);
     }
 }

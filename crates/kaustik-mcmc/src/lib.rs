@@ -73,8 +73,9 @@
 //! | [`Point`] | lazily made coordinates with their clock (Kelemen sec. 4 and 6) |
 //! | [`Mutation`] | how one coordinate takes a small step: [`Exponential`], [`Uniform`], [`WrappedNormal`], [`WrappedCauchy`], [`Power`]; [`PerCoordinate`] |
 //! | [`Proposal`] | a guard: a point one step on, until decided; dropped, it never was |
-//! | [`Kernel`] | how a chain proposes, for any state: [`PointKernel`] for points |
+//! | [`Kernel`] | how a chain proposes, for any state: [`PointKernel`] for points, [`LevelKernel`] and [`SizedKernel`] with step sizes of their own |
 //! | [`Mixture`] | several kernels in one, by fixed chances or by [`Suitability`] |
+//! | [`Scouting`] | proposals that are looked at before they are paid for: [`Metropolis::scout`] |
 //! | [`SecondStage`] | a second try after a rejected large step: [`Metropolis::step_delayed`] |
 //! | [`Metropolis`] | a chain: current value, the decision, what is yet to be reported |
 //! | [`Ladder`] | chains at all levels that exchange states: by a [`Schedule`], on a [`SwapGraph`] |
@@ -85,6 +86,8 @@
 //! | [`Stratification`] | a pool whose samples share the cube among them |
 //! | [`Redistribution`], [`Redistributor`], [`Deposit`] | many short chains from Monte Carlo samples |
 //! | [`AcceptanceAdaptation`], [`JumpAdaptation`], [`DiminishingAdaptation`] | step sizes that learn, between rounds |
+//! | [`Mean`], [`Estimate`] | a running mean with its standard error; a number with its own |
+//! | [`IndexProcess`] | which replica was where: lineages, round trips |
 //! | [`Autocorrelation`], [`Halves`], [`split_r_hat`], [`Jumps`] | how far a chain's estimates can be trusted |
 //! | [`Draws`] | every decision: a generator, or the [enumerator](testing::Enumerator) |
 //! | [`testing`] | feature: how to prove a kernel of your own right |
@@ -180,6 +183,7 @@ mod schedule;
 mod scout;
 #[cfg(feature = "serde")]
 mod serial;
+mod sized_kernel;
 mod sobol;
 mod statistics;
 mod stepping_stone;
@@ -196,7 +200,7 @@ pub use anneal::{Annealed, anneal};
 pub use decide::{acceptance, decide, exchange_acceptance};
 pub use delayed_rejection::{SecondStage, second_acceptance};
 pub use diagnostics::{Autocorrelation, Halves, Jumps, r_hat, rank_split_r_hat, split_r_hat};
-pub use draws::Draws;
+pub use draws::{ByRef, Draws};
 pub use family::{Family, checked_densities};
 pub use generator::{SampleGenerators, generator, sample_generator};
 pub use independent::Independent;
@@ -223,6 +227,7 @@ pub use redistribute::{
 pub use resample::Resampling;
 pub use schedule::Schedule;
 pub use scout::{Region, Scouted, Scouting};
+pub use sized_kernel::SizedKernel;
 pub use statistics::{Acceptance, Statistics};
 pub use stepping_stone::SteppingStone;
 pub use stratified::{Stratification, Stratified};

@@ -66,7 +66,7 @@ impl<S, V: Default, const K: usize> Metropolis<S, V, K> {
     /// # Panics
     ///
     /// If `level` is K or more.
-    pub fn at(state: S, value: V, family: &impl Family<V, K>, level: usize) -> Self {
+    pub fn at(state: S, value: V, family: &(impl Family<V, K> + ?Sized), level: usize) -> Self {
         assert!(level < K, "level {level} of a family of {K}");
         let mut chain = Self {
             level,
@@ -309,7 +309,7 @@ impl<M: Mutation, V: Default, const K: usize> Metropolis<Point<M>, V, K> {
     pub fn start<T, F, D>(target: &T, family: &F, level: usize, mutation: M, draws: &mut D) -> Self
     where
         T: Target<Value = V>,
-        F: Family<V, K>,
+        F: Family<V, K> + ?Sized,
         D: Draws + ?Sized,
     {
         let mut point = Point::new(mutation);
@@ -335,7 +335,7 @@ impl<M: Mutation, V: Default, const K: usize> Metropolis<Point<M>, V, K> {
     ) -> Result<Self, StartError>
     where
         T: Target<Value = V>,
-        F: Family<V, K>,
+        F: Family<V, K> + ?Sized,
         D: Draws + ?Sized,
     {
         let chain = Self::start(target, family, level, mutation, draws);
@@ -360,7 +360,7 @@ impl<M: Mutation, V: Default, const K: usize> Metropolis<Point<M>, V, K> {
     ) -> Result<Self, StartError>
     where
         T: Target<Value = V>,
-        F: Family<V, K>,
+        F: Family<V, K> + ?Sized,
     {
         let mut recording = Recording::new(source);
         let mut value = V::default();

@@ -21,6 +21,9 @@ use crate::{Draws, Kernel, Move};
 /// so that estimators which need it constant (Kelemen's combination) do not apply, and no
 /// proposal counts as independent; expected values apply.
 ///
+/// Over points, all components move by the point's one mutation, unless they are
+/// [`SizedKernel`](crate::SizedKernel)s.
+///
 /// Weights need not sum to one; a weight of zero forbids. Where no kernel suits, the step
 /// leads nowhere; weights that are NaN, infinite or negative count as a defect.
 ///

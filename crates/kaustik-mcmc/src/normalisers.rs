@@ -88,7 +88,15 @@ impl<const K: usize> RoughNormalisers<K> {
 
     /// From elsewhere: any positive numbers keep an estimator unbiased, good ones make it
     /// efficient. Zero is a level that is not used. Their errors are not known.
+    ///
+    /// # Panics
+    ///
+    /// If a number is negative, infinite or NaN.
     pub fn guess(values: [f64; K]) -> Self {
+        assert!(
+            values.iter().all(|b| b.is_finite() && *b >= 0.0),
+            "no normalisers: {values:?}"
+        );
         let standard_error = f64::INFINITY;
         Self {
             estimates: values.map(|value| Estimate {

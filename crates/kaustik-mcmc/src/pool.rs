@@ -60,7 +60,12 @@ impl Pool {
 
     /// Chooses a sample with probability proportional to its density, independently of
     /// other choices. `None` if the pool has seen nothing: no sample, or all of density
-    /// zero. (Such a pool stands for an estimate of zero.)
+    /// zero.
+    ///
+    /// Such a pool estimates b as zero, so what a chain's visits stand for is zero as well. But
+    /// independent proposals of a chain are samples of their own: a program that uses them (film
+    /// L of the [estimators](crate#estimating)) is to run its chain all the same, from any state, with b = 0 for
+    /// what scales with b; ending here would bias it.
     pub fn choose<D: Draws + ?Sized>(&self, draws: &mut D) -> Option<Start> {
         if !self.densities.iter().any(|&density| density > 0.0) {
             return None;

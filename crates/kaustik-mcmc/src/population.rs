@@ -141,7 +141,7 @@ impl<S, V: Default, const K: usize> Population<S, V, K> {
     /// defective count as samples of density zero.
     pub fn from_samples(
         samples: impl IntoIterator<Item = (S, V)>,
-        family: &impl Family<V, K>,
+        family: &(impl Family<V, K> + ?Sized),
         resampling: Resampling,
     ) -> Self {
         let chain = |(state, value)| Metropolis::at(state, value, family, 0);
@@ -150,7 +150,7 @@ impl<S, V: Default, const K: usize> Population<S, V, K> {
 
     fn of(
         particles: Vec<Metropolis<S, V, K>>,
-        family: &impl Family<V, K>,
+        family: &(impl Family<V, K> + ?Sized),
         resampling: Resampling,
     ) -> Self {
         const { assert!(K > 0, "a family has a level") };
@@ -183,7 +183,7 @@ impl<M: Mutation + Clone, V: Default, const K: usize> Population<Point<M>, V, K>
     ) -> Self
     where
         T: Target<Value = V>,
-        F: Family<V, K>,
+        F: Family<V, K> + ?Sized,
         D: Draws + ?Sized,
     {
         let start = |_| Metropolis::start(target, family, 0, mutation.clone(), draws);

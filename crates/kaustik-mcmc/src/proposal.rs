@@ -81,8 +81,12 @@ impl<'a, M: Mutation, D: Draws + ?Sized> Proposal<'a, M, D> {
         self.draws
     }
 
-    /// Ends the borrow without deciding: the point's owner will commit or roll back.
-    pub(crate) fn leave_open(mut self) {
+    /// Ends the borrow without deciding: for a [`Kernel`](crate::Kernel) of one's own on points, whose
+    /// `accept` then calls [`Point::commit`] and whose `reject` calls [`Point::roll_back`], as
+    /// [`PointKernel`](crate::PointKernel)'s do.
+    ///
+    /// Whatever else is asked of the point before that rejects the proposal.
+    pub fn leave_open(mut self) {
         self.open = false;
     }
 }

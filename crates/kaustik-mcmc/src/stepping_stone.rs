@@ -23,8 +23,9 @@ const BATCHES: usize = 64;
 ///
 /// # What is assumed
 ///
-/// The levels' supports are nested: q_k is zero wherever q_j is. The constant of level 0 is
-/// known; 1 if it is the uniform law on the cube. Then the estimate is consistent. It is not
+/// The levels' supports are nested: q_k is zero wherever q_j is ([`defects`](Self::defects) counts
+/// visits that say otherwise; [`discrepancies`](RunningNormalisers::discrepancies) show what no chain
+/// has come to). The constant of level 0 is known; 1 if it is the uniform law on the cube. Then the estimate is consistent. It is not
 /// unbiased in short runs, since the factors of the product are correlated by exchanges and
 /// ratios may be heavy-tailed (+9 % after 50 sweeps on a toy with four replicas, nothing to be seen
 /// after 5000). The unbiased alternative, noisier for narrow levels, is the mean
@@ -260,7 +261,9 @@ impl<const K: usize> SteppingStone<K> {
         from_fn(|k| if k == 0 { 1.0 } else { moments.ratio(k) })
     }
 
-    /// How many ratios were not finite (a density too small to divide by) and left out.
+    /// How many ratios were not finite (a density too small to divide by) and left out, and how many
+    /// visits fell where the density of the level below is zero. One of the latter is proof that
+    /// the supports are not nested: then all constants from there up are too small.
     pub fn defects(&self) -> u64 {
         self.defects
     }
@@ -332,6 +335,8 @@ impl<V, const K: usize> Recorder<V, K> for SteppingStone<K> {
         if visit.weight <= 0.0 {
             return;
         }
+        let below = self.below[visit.level];
+        self.defects += u64::from(visit.densities[below] <= 0.0);
         let inverse = visit.weight / visit.density();
         for k in 1..K {
             if self.below[k] == visit.level {

@@ -1,6 +1,7 @@
 //! Independent samples that share the cube among them.
 
 use kaustik_pss::{Coordinates, Stream};
+use rand_pcg::Pcg64Dxsm;
 
 use crate::sobol::{DIMENSIONS, Sobol};
 use crate::{Draws, SampleGenerators};
@@ -96,7 +97,7 @@ impl Stratification {
     /// coordinate, exactly one number in each of 2^k equal intervals. The scrambling is
     /// nested and uniform (Owen 1995), by a hash of the digits above (Laine and Karras 2011,
     /// Burley 2020), over all 53 digits: averaged over seeds each number is uniform.
-    pub fn at(&self, step: u64) -> Stratified<'_, impl Draws> {
+    pub fn at(&self, step: u64) -> Stratified<'_, Pcg64Dxsm> {
         Stratified {
             plan: self,
             step,

@@ -2,14 +2,10 @@
 
 use std::ops::RangeInclusive;
 
-use kaustik_geometry::Ray;
 use kaustik_mcmc::Draws;
-use kaustik_scene::EmitterPoint;
 use kaustik_spectrum::Wavelengths;
 
 use crate::factor::{Factor, factor};
-use crate::vertex::Place;
-use crate::walk::Way;
 use crate::{Path, PathSpace};
 
 /// Deletes a part of the path and makes it anew, longer or shorter, by walks from both its ends. Moves
@@ -175,8 +171,8 @@ impl BidirectionalMutation<'_> {
         let by_light = ((added as f64 * draws.uniform()) as usize).min(added - 1);
         self.keep(x, y, cut, new);
         if cut == Cut::whole(x, aperture) {
-            y.wavelength = draws.uniform();
-            y.wavelengths = Wavelengths::sample(y.wavelength, space.settings.wavelengths);
+            y.wavelength_u = draws.uniform();
+            y.wavelengths = Wavelengths::sample(y.wavelength_u, space.settings.wavelengths);
             y.time = space.draw_time(draws);
         }
         // What is kept of the path stands where it stood: only a whole path has another time.
@@ -253,99 +249,6 @@ fn choose<D: Draws + ?Sized>(path: &Path, aperture: bool, sum: f64, draws: &mut 
         rest -= weight;
     }
     last
-}
-
-impl PathSpace<'_> {
-    /// Makes vertices `part`, the first `by_light` of them by a walk with the light, the others by one from
-    /// the eye, and joins the two. `false` if that fails, or no light passes.
-    pub(crate) fn generate<D: Draws + ?Sized>(
-        &self,
-        y: &mut Path,
-        part: std::ops::Range<usize>,
-        by_light: usize,
-        draws: &mut D,
-    ) -> bool {
-        let joint = part.start + by_light;
-        if part.end == y.len() && joint == part.end {
-            return false; // no walk is stopped by the lens
-        }
-        for i in part.start..joint {
-            let made = match i {
-                0 => self.begin_at_light(y, draws),
-                _ => self.scatter(y, i - 1, Way::ToEye, draws),
-            };
-            if !made {
-                return false;
-            }
-        }
-        for i in (joint..part.end).rev() {
-            let made = match y.len() - 1 - i {
-                0 => self.begin_at_lens(y, draws),
-                1 => self.leave_lens(y, draws),
-                _ => self.scatter(y, i + 1, Way::ToLight, draws),
-            };
-            if !made {
-                return false;
-            }
-        }
-        match joint {
-            0 => self.refresh(y, 0),
-            _ => self.join(y, joint - 1),
-        }
-    }
-
-    /// Vertex 0 by emission sampling.
-    pub(crate) fn begin_at_light<D: Draws + ?Sized>(&self, y: &mut Path, draws: &mut D) -> bool {
-        let vertex = y.at_mut(0);
-        let draw = |_| draws.uniform();
-        let Some(point) = self.scene.sample_emitter_point(draw, &mut vertex.vertex) else {
-            return false;
-        };
-        vertex.place = Place::Emitter(point);
-        vertex.specular = false;
-        vertex.dispersive = false;
-        vertex.opacity = match point {
-            EmitterPoint::Surface if self.scene.has_alpha() => {
-                f64::from(self.scene.opacity(&vertex.vertex))
-            }
-            _ => 1.0,
-        };
-        true
-    }
-
-    /// The last vertex by a fresh point of the lens.
-    pub(crate) fn begin_at_lens<D: Draws + ?Sized>(&self, y: &mut Path, draws: &mut D) -> bool {
-        let lens = y.at_mut(y.len() - 1);
-        lens.place = Place::Lens;
-        lens.specular = false;
-        let u = [draws.uniform(), draws.uniform()];
-        let ray = self.scene.camera().sample_ray(glam::DVec2::splat(0.5), u);
-        lens.vertex.position = ray.origin;
-        true
-    }
-
-    /// From the lens through a fresh raster point to the next vertex.
-    pub(crate) fn leave_lens<D: Draws + ?Sized>(&self, y: &mut Path, draws: &mut D) -> bool {
-        let (min, max) = (self.settings.window_min, self.settings.window_max);
-        let u = glam::DVec2::new(draws.uniform(), draws.uniform());
-        self.look_through(y, min + u * (max - min), draws)
-    }
-
-    /// From the lens through a raster point to the next vertex.
-    pub(crate) fn look_through<D: Draws + ?Sized>(
-        &self,
-        y: &mut Path,
-        raster: glam::DVec2,
-        draws: &mut D,
-    ) -> bool {
-        let n = y.len();
-        let lens = y.at_mut(n - 1);
-        let ray = self.scene.camera().ray_from(lens.vertex.position, raster);
-        lens.vertex.position = ray.origin;
-        lens.toward_light = ray.direction;
-        let ray = Ray::new(ray.origin.as_vec3(), ray.direction.as_vec3());
-        self.refresh(y, n - 1) && self.step_to_light(y, n - 2, &ray, draws)
-    }
 }
 
 #[cfg(test)]

@@ -6,7 +6,8 @@ use kaustik_scene::EmitterPoint;
 use crate::vertex::{PathVertex, Place};
 use crate::{Path, PathSpace};
 
-/// Below it a product is scaled up: single precision ends at 1e-38.
+/// Below it a product is scaled up, above its inverse down: single precision ends at 1e-38 and
+/// 3e38, and a glossy scattering alone may bring 1e5.
 const SMALL: f32 = 1e-12;
 
 impl PathSpace<'_> {
@@ -88,6 +89,11 @@ impl PathSpace<'_> {
             if value.max() < SMALL {
                 value *= 1.0 / SMALL;
                 scale *= f64::from(SMALL);
+            }
+            // A lamp may be as bright as numbers go. What is infinite stays so, and is counted.
+            while value.max() > 1.0 / SMALL && value.max().is_finite() {
+                value *= SMALL;
+                scale *= 1.0 / f64::from(SMALL);
             }
         }
         let xyz = if dispersive {

@@ -48,8 +48,8 @@ impl EveryPerturbation<'_> {
             return None;
         }
         let step = Uniform::new(self.fraction);
-        y.wavelength = step.mutate(x.wavelength, draws);
-        y.wavelengths = Wavelengths::sample(y.wavelength, self.space.settings.wavelengths);
+        y.wavelength_u = step.mutate(x.wavelength_u, draws);
+        y.wavelengths = Wavelengths::sample(y.wavelength_u, self.space.settings.wavelengths);
         y.time = x.time;
         if self.space.scene.moves() {
             y.time = step.mutate(x.time, draws);

@@ -2,8 +2,9 @@
 
 use glam::DVec3;
 use kaustik_scene::EmitterPoint;
+use kaustik_spectrum::{Spectrum, Wavelengths};
 
-use crate::vertex::{Edge, Place};
+use crate::vertex::{Edge, PathVertex, Place};
 use crate::{Path, PathSpace};
 
 impl PathSpace<'_> {
@@ -59,24 +60,34 @@ impl PathSpace<'_> {
     fn see(&self, path: &mut Path, i: usize) -> bool {
         let wavelengths = path.wavelengths;
         let (light, eye) = path.pair(i);
-        let interior = self.interior_between(light, eye);
         let passed = self.passed(light, eye);
-        let endless = self.is_endless(light);
-        let distance = if eye.place == Place::Lens && !endless {
+        light.edge = Edge {
+            squared: light.edge.squared,
+            passed,
+            absorption: self.absorption_between(light, eye, &wavelengths),
+        };
+        passed > 0.0
+    }
+
+    /// Share of light left by what fills the edge between two neighbours; all of it where it comes
+    /// from infinitely far away.
+    pub(crate) fn absorption_between(
+        &self,
+        light: &PathVertex,
+        eye: &PathVertex,
+        wavelengths: &Wavelengths,
+    ) -> Spectrum {
+        if self.is_endless(light) {
+            return Spectrum::ONE;
+        }
+        // The square that an edge to the lens keeps is that of its geometry term: 1 for parallel rays.
+        let distance = if eye.place == Place::Lens {
             (light.vertex.position - eye.vertex.position).length()
         } else {
             light.edge.squared.sqrt()
         };
-        light.edge = Edge {
-            squared: light.edge.squared,
-            passed,
-            absorption: if endless {
-                kaustik_spectrum::Spectrum::ONE
-            } else {
-                self.scene.absorption(&interior, &wavelengths, distance)
-            },
-        };
-        passed > 0.0
+        let interior = self.interior_between(light, eye);
+        (self.scene).absorption(&interior, wavelengths, distance)
     }
 
     /// Does the edge from here to the eye come from infinitely far away?

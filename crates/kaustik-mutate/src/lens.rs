@@ -2,7 +2,6 @@
 
 use glam::DVec2;
 use kaustik_bsdf::{Lobe, Mode};
-use kaustik_geometry::Ray;
 use kaustik_mcmc::Draws;
 
 use crate::density::geometry_to_light;
@@ -90,12 +89,7 @@ impl<'a> LensPerturbation<'a> {
         if !space.serves(raster) {
             return None;
         }
-        let lens = y.at_mut(n - 1);
-        let ray = space.scene.camera().ray_from(lens.vertex.position, raster);
-        lens.vertex.position = ray.origin;
-        lens.toward_light = ray.direction;
-        let ray = Ray::new(ray.origin.as_vec3(), ray.direction.as_vec3());
-        if !(space.refresh(y, n - 1) && space.step_to_light(y, n - 2, &ray, draws)) {
+        if !space.look_through(y, raster, draws) {
             return None;
         }
         for i in (part.last + 1..n - 1).rev() {

@@ -53,6 +53,7 @@ mod density;
 mod evaluate;
 mod every;
 mod factor;
+mod generate;
 mod jitter;
 mod join;
 mod kernel;

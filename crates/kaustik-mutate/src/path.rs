@@ -17,7 +17,7 @@ pub struct Path {
     slots: Vec<PathVertex>,
     len: usize,
     /// The number in [0, 1) that the wavelengths are made of.
-    pub(crate) wavelength: f64,
+    pub(crate) wavelength_u: f64,
     pub(crate) wavelengths: Wavelengths,
     /// From 0, when the shutter opens, to 1: vertices lie where surfaces are then. 0 where nothing moves.
     pub(crate) time: f64,
@@ -51,7 +51,7 @@ impl Default for Path {
         Self {
             slots: Vec::new(),
             len: 0,
-            wavelength: 0.5,
+            wavelength_u: 0.5,
             wavelengths: Wavelengths::sample(0.5, WavelengthSampling::Hero),
             time: 0.0,
             raster: DVec2::ZERO,
@@ -84,8 +84,8 @@ impl Path {
 
     /// The number in [0, 1) that the wavelengths are made of.
     #[inline]
-    pub fn wavelength(&self) -> f64 {
-        self.wavelength
+    pub fn wavelength_u(&self) -> f64 {
+        self.wavelength_u
     }
 
     /// The instant at which light takes this path, in [0, 1): a share of the time for which the shutter is open. 0 where
@@ -167,7 +167,7 @@ impl Path {
     #[inline]
     pub(crate) fn tune(&mut self, other: &Self) {
         self.time = other.time;
-        self.wavelength = other.wavelength;
+        self.wavelength_u = other.wavelength_u;
         self.wavelengths = other.wavelengths;
     }
 }

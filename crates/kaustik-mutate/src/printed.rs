@@ -29,4 +29,12 @@ impl Kernel<()> for RuleFive<'_> {
         }
         proposal
     }
+
+    fn accept_move(&self, state: &mut (), proposal: &Move) {
+        self.0.accept_move(state, proposal);
+    }
+
+    fn reject_move(&self, state: &mut (), proposal: &Move) {
+        self.0.reject_move(state, proposal);
+    }
 }

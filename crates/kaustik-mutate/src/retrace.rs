@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use glam::{DVec2, DVec3};
 use kaustik_bsdf::{Lobe, Mode};
-use kaustik_geometry::{Ray, World};
+use kaustik_geometry::World;
 use kaustik_mcmc::{Draws, Mutation, Uniform};
 use kaustik_scene::EmitterPoint;
 
@@ -70,13 +70,13 @@ impl Retrace<'_> {
         Some(spread * (density(self.from, x, last) / density(space, y, last)))
     }
 
-    fn step<D: Draws + ?Sized>(&self, at: f64, draws: &mut D) -> f64 {
+    fn coordinate<D: Draws + ?Sized>(&self, at: f64, draws: &mut D) -> f64 {
         self.step.map_or(at, |step| step.mutate(at, draws))
     }
 
     /// Both numbers of a pair in the unit square.
     fn pair<D: Draws + ?Sized>(&self, at: DVec2, draws: &mut D) -> DVec2 {
-        DVec2::new(self.step(at.x, draws), self.step(at.y, draws))
+        DVec2::new(self.coordinate(at.x, draws), self.coordinate(at.y, draws))
     }
 
     /// Another point of the lens, another raster point, and the ray through both.
@@ -85,7 +85,7 @@ impl Retrace<'_> {
         let camera = space.scene.camera();
         y.copy(n - 1, x, n - 1..n);
         let lens = y.at_mut(n - 1);
-        if self.is_later() {
+        if self.is_at_another_time() {
             let before = self.from.scene.camera();
             lens.vertex.position = camera.carried(before, lens.vertex.position);
         }
@@ -96,15 +96,13 @@ impl Retrace<'_> {
         }
         let (min, max) = (space.settings.window_min, space.settings.window_max);
         let raster = match self.step {
-            Some(_) => min + self.pair((x.raster - min) / (max - min), draws) * (max - min),
+            Some(_) => {
+                let at = (x.raster - min) / (max - min);
+                space.settings.raster(self.pair(at, draws))
+            }
             None => x.raster,
         };
-        let ray = camera.ray_from(lens.vertex.position, raster);
-        lens.vertex.position = ray.origin;
-        lens.toward_light = ray.direction;
-        let ray = Ray::new(ray.origin.as_vec3(), ray.direction.as_vec3());
-        let made = space.refresh(y, n - 1) && space.step_to_light(y, n - 2, &ray, draws);
-        made.then_some(())
+        space.look_through(y, raster, draws).then_some(())
     }
 
     /// Scatters as the other vertex does, or near to it.
@@ -164,7 +162,7 @@ impl Retrace<'_> {
             to = 1.0 - to;
         }
         let mut grown = 1.0;
-        if self.is_later() {
+        if self.is_at_another_time() {
             let area = |world: &World| world.triangle_area(instance, primitive);
             grown = factor(Factor::Growth, area(world) / area(before));
             // Of no area there is no normal; NaN is none either.
@@ -182,8 +180,8 @@ impl Retrace<'_> {
         grown
     }
 
-    /// Is the new path of another time?
-    fn is_later(&self) -> bool {
+    /// Is the new path at another time?
+    fn is_at_another_time(&self) -> bool {
         !std::ptr::eq(self.from.scene, self.to.scene)
     }
 }

@@ -1,5 +1,7 @@
 //! Starts of chains: independent paths by walks from both sides.
 
+use std::ops::RangeInclusive;
+
 use kaustik_bsdf::Lobe;
 use kaustik_mcmc::Draws;
 use kaustik_path::Role;
@@ -24,14 +26,14 @@ pub struct Seeds<'a> {
     eye: Path,
     joined: Path,
     /// Chance with which the walk from the light made so many vertices.
-    light_odds: Vec<f64>,
-    eye_odds: Vec<f64>,
+    light_survival: Vec<f64>,
+    eye_survival: Vec<f64>,
 }
 
 /// Walks of fewer vertices always go on.
-const FIRST: usize = 4;
-/// Largest probability of going on.
-const MOST: f64 = 0.95;
+const FIRST_ROULETTE: usize = 4;
+/// Least and largest probability of going on.
+const SURVIVAL: RangeInclusive<f64> = 0.05..=0.95;
 
 impl<'a> Seeds<'a> {
     /// In a scene; holds the memory of the walks.
@@ -41,18 +43,18 @@ impl<'a> Seeds<'a> {
             light: Path::default(),
             eye: Path::default(),
             joined: Path::default(),
-            light_odds: Vec::new(),
-            eye_odds: Vec::new(),
+            light_survival: Vec::new(),
+            eye_survival: Vec::new(),
         }
     }
 
     /// Makes a sample, all of it at one time, and writes one of its paths into `path`; returns the sum of the weighted densities of
     /// all. 0 if there is none. A path whose density is not a number makes the result not a number.
     pub fn sample<D: Draws + ?Sized>(&mut self, path: &mut Path, draws: &mut D) -> f64 {
-        let wavelength = draws.uniform();
+        let wavelength_u = draws.uniform();
         for walk in [&mut self.light, &mut self.eye] {
-            walk.wavelength = wavelength;
-            walk.wavelengths = Wavelengths::sample(wavelength, self.space.settings.wavelengths);
+            walk.wavelength_u = wavelength_u;
+            walk.wavelengths = Wavelengths::sample(wavelength_u, self.space.settings.wavelengths);
         }
         let time = self.space.draw_time(draws);
         (self.light.time, self.eye.time) = (time, time);
@@ -72,13 +74,13 @@ impl<'a> Seeds<'a> {
         self.walk_from_light(space, draws);
         let escaped = self.walk_from_eye(space, draws);
         let mut sum = 0.0;
-        for t in 1..=self.eye_odds.len() {
-            let ends = (t > 1 && self.emits(space, t)) || (escaped && t == self.eye_odds.len());
+        for t in 1..=self.eye_survival.len() {
+            let ends = (t > 1 && self.emits(space, t)) || (escaped && t == self.eye_survival.len());
             if ends {
                 self.add(space, [0, t], &mut sum, path, draws);
             }
-            if !(escaped && t == self.eye_odds.len()) {
-                for s in 1..=self.light_odds.len() {
+            if !(escaped && t == self.eye_survival.len()) {
+                for s in 1..=self.light_survival.len() {
                     self.add(space, [s, t], &mut sum, path, draws);
                 }
             }
@@ -92,22 +94,22 @@ impl<'a> Seeds<'a> {
 
     fn walk_from_light<D: Draws + ?Sized>(&mut self, space: &PathSpace<'_>, draws: &mut D) {
         let most = self.most();
-        self.light_odds.clear();
+        self.light_survival.clear();
         self.light.resize(most + 2);
         if !space.begin_at_light(&mut self.light, draws) {
             return;
         }
-        let mut odds = 1.0;
-        self.light_odds.push(odds);
+        let mut survived = 1.0;
+        self.light_survival.push(survived);
         for i in 1..most {
             let Some(survival) = survives(&self.light, i - 1, i, draws) else {
                 return;
             };
-            odds *= survival;
+            survived *= survival;
             if !space.scatter(&mut self.light, i - 1, Way::ToEye, draws) {
                 return;
             }
-            self.light_odds.push(odds);
+            self.light_survival.push(survived);
         }
     }
 
@@ -115,17 +117,17 @@ impl<'a> Seeds<'a> {
     fn walk_from_eye<D: Draws + ?Sized>(&mut self, space: &PathSpace<'_>, draws: &mut D) -> bool {
         // Slot 0 stays free: what is written there is an emitter, and here it is not known yet.
         let last = self.most() + 1;
-        self.eye_odds.clear();
+        self.eye_survival.clear();
         self.eye.resize(last + 1);
         space.begin_at_lens(&mut self.eye, draws);
-        let mut odds = 1.0;
-        self.eye_odds.push(odds);
+        let mut survived = 1.0;
+        self.eye_survival.push(survived);
         for i in (1..last).rev() {
             let vertices = last - i;
             let Some(survival) = survives(&self.eye, i + 1, vertices, draws) else {
                 return false;
             };
-            odds *= survival;
+            survived *= survival;
             let made = match vertices {
                 1 => space.leave_lens(&mut self.eye, draws),
                 _ => space.scatter(&mut self.eye, i + 1, Way::ToLight, draws),
@@ -133,7 +135,7 @@ impl<'a> Seeds<'a> {
             if !made {
                 return false;
             }
-            self.eye_odds.push(odds);
+            self.eye_survival.push(survived);
             if self.eye.at(i).is_environment() {
                 return true;
             }
@@ -180,8 +182,9 @@ impl<'a> Seeds<'a> {
         if !(lit && space.evaluate(joined)) {
             return;
         }
-        let odds = self.eye_odds[t - 1] * s.checked_sub(1).map_or(1.0, |s| self.light_odds[s]);
-        let weight = joined.density / (space.all_ways(joined, 0, n) * odds);
+        let survived =
+            self.eye_survival[t - 1] * s.checked_sub(1).map_or(1.0, |s| self.light_survival[s]);
+        let weight = joined.density / (space.all_ways(joined, 0, n) * survived);
         if !weight.is_finite() {
             space.tell(joined, Role::Sampled(weight));
         }
@@ -201,10 +204,10 @@ pub(crate) fn survives<D: Draws + ?Sized>(
     draws: &mut D,
 ) -> Option<f64> {
     let vertex = walk.at(i);
-    if vertices < FIRST || vertex.place != Place::Surface {
+    if vertices < FIRST_ROULETTE || vertex.place != Place::Surface {
         return Some(1.0);
     }
     let albedo = f64::from(vertex.bsdf.albedo(glam::DVec3::Z).max());
-    let survival = albedo.clamp(0.05, MOST);
+    let survival = albedo.clamp(*SURVIVAL.start(), *SURVIVAL.end());
     (draws.index(&[survival, 1.0 - survival]) == 0).then_some(survival)
 }

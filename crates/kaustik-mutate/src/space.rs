@@ -54,13 +54,13 @@ impl PathSpace<'_> {
     /// Density of a raster point: uniform over the window.
     #[inline]
     pub(crate) fn raster_pdf(&self) -> f64 {
-        1.0 / self.settings.window_area()
+        self.settings.raster_pdf()
     }
 
     /// Does the window hold this raster point?
     #[inline]
     pub(crate) fn serves(&self, raster: DVec2) -> bool {
-        raster.cmpge(self.settings.window_min).all() && raster.cmplt(self.settings.window_max).all()
+        self.settings.serves(raster)
     }
 
     /// Has the lens area, so that a path may be given another point of it?

@@ -32,7 +32,7 @@ impl Tracer {
 
     /// Traces a sample through a raster point (the unit square over the whole image) and tells `found` of each of its
     /// paths, with the weighted density: that of a raster point uniform over the window. Weights are
-    /// positive; what is not a number is told as it is. `wavelength`: the number in [0, 1) that
+    /// positive; what is not a number is told as it is. `wavelength_u`: the number in [0, 1) that
     /// the wavelengths are made of. Without `next_event` emitters are found by running into them.
     ///
     /// Tells nothing of paths of fewer than `min_edges`. Where something moves the first number that is drawn is the time
@@ -40,14 +40,14 @@ impl Tracer {
     pub fn sample<D: Draws + ?Sized>(
         &mut self,
         space: &PathSpace<'_>,
-        (raster, wavelength): (DVec2, f64),
+        (raster, wavelength_u): (DVec2, f64),
         next_event: bool,
         draws: &mut D,
         found: &mut impl FnMut(&Path, f64),
     ) {
         self.walk.time = space.draw_time(draws);
         space.at(self.walk.time, |space| {
-            self.trace(space, (raster, wavelength), next_event, draws, found);
+            self.trace(space, (raster, wavelength_u), next_event, draws, found);
         });
     }
 
@@ -55,24 +55,24 @@ impl Tracer {
     fn trace<D: Draws + ?Sized>(
         &mut self,
         space: &PathSpace<'_>,
-        (raster, wavelength): (DVec2, f64),
+        (raster, wavelength_u): (DVec2, f64),
         next_event: bool,
         draws: &mut D,
         found: &mut impl FnMut(&Path, f64),
     ) {
         let last = space.settings.max_edges as usize + 1;
-        self.walk.wavelength = wavelength;
-        self.walk.wavelengths = Wavelengths::sample(wavelength, space.settings.wavelengths);
+        self.walk.wavelength_u = wavelength_u;
+        self.walk.wavelengths = Wavelengths::sample(wavelength_u, space.settings.wavelengths);
         // Slot 0 stays free: what is written there is an emitter, and here it is not known yet.
         self.walk.resize(last + 1);
         space.begin_at_lens(&mut self.walk, draws);
-        let mut odds = 1.0;
+        let mut survived = 1.0;
         for i in (1..last).rev() {
             let vertices = last - i;
             let Some(survival) = survives(&self.walk, i + 1, vertices, draws) else {
                 return;
             };
-            odds *= survival;
+            survived *= survival;
             let made = match vertices {
                 1 => space.look_through(&mut self.walk, raster, draws),
                 _ => space.scatter(&mut self.walk, i + 1, Way::ToLight, draws),
@@ -83,14 +83,14 @@ impl Tracer {
             let vertex = self.walk.at(i);
             let escaped = vertex.is_environment();
             if (escaped || space.scene.is_emitter(&vertex.vertex)) && self.hit(space, vertices) {
-                self.tell(space, (odds, next_event), found);
+                self.tell(space, (survived, next_event), found);
             }
             if escaped {
                 return;
             }
             let joins = next_event && i > 1 && self.walk.at(i).bsdf.is_connectable();
             if joins && self.join(space, vertices, draws) {
-                self.tell(space, (odds, next_event), found);
+                self.tell(space, (survived, next_event), found);
             }
         }
     }
@@ -130,12 +130,12 @@ impl Tracer {
     fn tell(
         &self,
         space: &PathSpace<'_>,
-        (odds, next_event): (f64, bool),
+        (survived, next_event): (f64, bool),
         found: &mut impl FnMut(&Path, f64),
     ) {
         let path = &self.path;
         if path.edges() >= space.settings.min_edges as usize {
-            let weight = path.density() / (traced(space, path, next_event) * odds);
+            let weight = path.density() / (traced(space, path, next_event) * survived);
             found(path, weight);
         }
     }

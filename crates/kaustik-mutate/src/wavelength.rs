@@ -1,8 +1,7 @@
 use kaustik_bsdf::{Lobe, Mode};
 use kaustik_mcmc::Draws;
-use kaustik_spectrum::{Spectrum, Wavelengths};
+use kaustik_spectrum::Wavelengths;
 
-use crate::vertex::Place;
 use crate::{Path, PathSpace};
 
 /// Draws the wavelengths anew and keeps the vertices: no ray is traced. Symmetric.
@@ -41,8 +40,8 @@ impl WavelengthMutation<'_> {
         y.raster = x.raster;
         y.importance = x.importance;
         y.time = x.time;
-        y.wavelength = draws.uniform();
-        y.wavelengths = Wavelengths::sample(y.wavelength, space.settings.wavelengths);
+        y.wavelength_u = draws.uniform();
+        y.wavelengths = Wavelengths::sample(y.wavelength_u, space.settings.wavelengths);
         let wavelengths = y.wavelengths;
         for i in 1..n - 1 {
             let vertex = y.at_mut(i);
@@ -71,21 +70,7 @@ impl WavelengthMutation<'_> {
     /// Absorption along the edge of vertex `i`.
     fn tint(&self, y: &mut Path, i: usize) {
         let wavelengths = y.wavelengths;
-        let space = self.space;
         let (light, eye) = y.pair(i);
-        if space.is_endless(light) {
-            return;
-        }
-        let interior = space.interior_between(light, eye);
-        light.edge.absorption = if interior.is_vacuum() {
-            Spectrum::ONE
-        } else {
-            let distance = if eye.place == Place::Lens {
-                (light.vertex.position - eye.vertex.position).length()
-            } else {
-                light.edge.squared.sqrt()
-            };
-            space.scene.absorption(&interior, &wavelengths, distance)
-        };
+        light.edge.absorption = (self.space).absorption_between(light, eye, &wavelengths);
     }
 }

@@ -47,16 +47,22 @@ impl Default for BuilderSettings {
 }
 
 impl BuilderSettings {
-    /// The raster point of two coordinates.
+    /// The raster point of two coordinates in [0, 1): uniform over the window.
     #[inline]
-    pub(crate) fn raster(&self, u: DVec2) -> DVec2 {
+    pub fn raster(&self, u: DVec2) -> DVec2 {
         self.window_min + u * (self.window_max - self.window_min)
     }
 
     /// Does the window hold this raster point?
     #[inline]
-    pub(crate) fn serves(&self, raster: DVec2) -> bool {
+    pub fn serves(&self, raster: DVec2) -> bool {
         raster.cmpge(self.window_min).all() && raster.cmplt(self.window_max).all()
+    }
+
+    /// Density of a raster point that is uniform over the window.
+    #[inline]
+    pub fn raster_pdf(&self) -> f64 {
+        1.0 / self.window_area()
     }
 
     /// Area of the window; the whole image has 1.

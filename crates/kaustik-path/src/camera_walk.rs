@@ -2,7 +2,6 @@
 
 use glam::DVec2;
 use kaustik_bsdf::Mode;
-use kaustik_geometry::Ray;
 use kaustik_pss::{Coordinates, Stream};
 use kaustik_scene::Scene;
 use kaustik_spectrum::{Spectrum, Wavelengths};
@@ -51,7 +50,7 @@ pub(crate) fn start<'w>(
     let walk = Walk {
         mode: Mode::Radiance,
         wavelengths,
-        ray: Ray::new(ray.origin.as_vec3(), ray.direction.as_vec3()),
+        ray: ray.ray(),
         direction: ray.direction,
         interior: scene.camera_interior(),
         throughput: Spectrum::ONE,

@@ -4,14 +4,12 @@ use kaustik_bsdf::{Bsdf, Lobe};
 use kaustik_pss::Coordinates;
 use kaustik_scene::{Scene, Vertex};
 
+use crate::bidirectional::ONWARD;
 use crate::contributions::Gathered;
 use crate::next_event::{Shares, next_event};
 use crate::unidirectional::{Origin, emission, escape};
 use crate::walk::{Scatter, Walk};
 use crate::{BuilderSettings, Contributions, PathBuilder, camera_walk};
-
-/// Least and largest probability that a walk goes on from a vertex where it could be joined.
-const ONWARD: (f64, f64) = (0.3, 0.8);
 
 /// One path a point: the walk stops by roulette, and where it stops it is joined to an emitter. An
 /// emitter that the walk runs into counts as well; the two techniques are weighted with their
@@ -85,5 +83,5 @@ fn onward(scatter: &Scatter<'_>) -> f64 {
     if !scatter.bsdf.is_connectable() {
         return 1.0;
     }
-    f64::from(scatter.bsdf.albedo(scatter.wo).mean()).clamp(ONWARD.0, ONWARD.1)
+    f64::from(scatter.bsdf.albedo(scatter.wo).mean()).clamp(*ONWARD.start(), *ONWARD.end())
 }

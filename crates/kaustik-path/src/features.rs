@@ -1,7 +1,6 @@
 //! What a pixel shows first: for denoisers, for a look at the scene.
 
 use glam::{DVec2, Vec3};
-use kaustik_geometry::Ray;
 use kaustik_scene::{Scene, Vertex};
 use kaustik_spectrum::{Illuminant, Rgb, WavelengthSampling, Wavelengths};
 
@@ -23,7 +22,7 @@ pub fn features(scene: &Scene, raster: DVec2, wavelength: f64) -> Features {
     let wavelengths = Wavelengths::sample(wavelength, WavelengthSampling::Hero);
     let ray = scene.camera().sample_ray(raster, [0.5; 2]);
     let mut interior = scene.camera_interior();
-    let traced = Ray::new(ray.origin.as_vec3(), ray.direction.as_vec3());
+    let traced = ray.ray();
     let mut vertex = Vertex::default();
     let segment = scene.advance(&traced, &mut interior, &wavelengths, || 0.5, &mut vertex);
     let Some(segment) = segment else {

@@ -53,7 +53,7 @@ impl LightTracing {
 
     /// A splat's scale: the raster is drawn from a window of this area by the other builders.
     fn scale(&self) -> f64 {
-        1.0 / self.settings.window_area()
+        self.settings.raster_pdf()
     }
 
     fn follow(

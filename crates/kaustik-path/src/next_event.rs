@@ -59,17 +59,16 @@ pub(crate) fn next_event(
     if value.is_zero() {
         return;
     }
-    if !sample.delta {
-        value *= power_heuristic(pdf, density * shares.scattering);
-    }
+    let weight = match sample.delta {
+        true => 1.0, // nothing else finds it
+        false => power_heuristic(pdf, density * shares.scattering),
+    };
+    value *= weight;
     note(|| Event::Join {
         s: 1,
         t: walk.edges + 1,
         points: end(&sample).map(|end| [vertex.position, end]),
-        weight: match sample.delta {
-            true => 1.0,
-            false => f64::from(power_heuristic(pdf, density * shares.scattering)),
-        },
+        weight: f64::from(weight),
         value,
     });
     let shadow = Shadow {

@@ -20,7 +20,7 @@ use crate::relt::start::{
     MOVES, Mutation, Started, State, for_so_many_replicas, kernel, kernels, mutation,
     replica_builder, samples, start,
 };
-use crate::relt::{known, layer};
+use crate::relt::{finite, full_replica, layer};
 use crate::{
     Budget, ChainStatistics, Place, RenderError, RenderSettings, ReplicaLevel, ReplicaStatistics,
     Steps,
@@ -123,7 +123,7 @@ impl<'a, const K: usize> AnnealingEngine<'a, K> {
             family: ReplicaFamily::new(&set, options.target),
             weights: ReplicaWeights::new(rough.map(|b| b.value), options.beta, specific),
             rough,
-            film: Film::with_layout(&layout, Quantum::from_mean(started.mean / 3.0))?,
+            film: Film::with_layout(&layout, Quantum::from_sum_of_xyz(started.mean))?,
             besides: Besides::of_lamps(Lamps::new(scene, settings)?),
             scale: settings.scale(),
             area: layout.extended_bounds().area(),
@@ -393,7 +393,7 @@ impl<const K: usize> Engine for AnnealingEngine<'_, K> {
             normalisation: told.light.mean(),
             normalisation_error: told.light.standard_error(),
             metered: 0.0,
-            b0: self.rough[1.min(K - 1)].value,
+            b0: self.rough[full_replica::<K>()].value,
             longest_stay: 0,
             defects: 0,
         })
@@ -404,15 +404,15 @@ impl<const K: usize> Engine for AnnealingEngine<'_, K> {
         let level = |(k, level): (usize, &Level)| ReplicaLevel {
             weights: self.set.rows()[k],
             rough: self.rough[k].value,
-            rough_error: known(self.rough[k].standard_error),
+            rough_error: finite(self.rough[k].standard_error),
             normalisation: level.normaliser.mean(),
-            normalisation_error: known(level.normaliser.standard_error()),
+            normalisation_error: finite(level.normaliser.standard_error()),
             independent: level.independent.mean(),
-            independent_error: known(level.independent.standard_error()),
+            independent_error: finite(level.independent.standard_error()),
             // both are unbiased, and made of the same samples
             discrepancy: None,
             share: level.share.mean(),
-            share_error: known(level.share.standard_error()),
+            share_error: finite(level.share.standard_error()),
             scale: 1.0,
             effective_at_once: self.effective[k][0],
             effective_annealed: self.effective[k][1],

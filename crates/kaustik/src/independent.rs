@@ -160,7 +160,7 @@ impl<'a> IndependentEngine<'a> {
         Ok(Self {
             scene,
             builder,
-            film: Film::with_layout(&layout, Quantum::from_mean(mean / 3.0))?,
+            film: Film::with_layout(&layout, Quantum::from_sum_of_xyz(mean))?,
             streams: settings.ladder_range().map(stream).collect(),
             seed: settings.seed,
             scale: settings.scale(),

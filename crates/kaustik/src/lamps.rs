@@ -98,7 +98,7 @@ impl<'a> Lamps<'a> {
         };
         let seen = direct.look();
         let mean = seen.iter().sum::<f64>() / (cells.count() * LOOK) as f64;
-        direct.film = Film::with_layout(&layout, Quantum::from_mean(mean / 3.0))?;
+        direct.film = Film::with_layout(&layout, Quantum::from_sum_of_xyz(mean))?;
         direct.often = direct.closely(&seen);
         direct.keep_up(0);
         direct.lit = direct.film.sums().any(|sum| sum != 0);

@@ -34,8 +34,10 @@ const JOINED: u64 = 6;
 /// Scouts a pass, for each cell in the mean, that look at Dirac surfaces.
 const SCOUTS: u64 = 16;
 /// Scouts a pass, for each cell, that look for what comes to the camera from a surface that is none of these first: a millionth of
-/// such light in `ring-and-sphere`, a twentieth in `mirror-statue`. The second where they stand beside scouts of a method's own.
-const OTHERS: [u64; 2] = [2, 8];
+/// such light in `ring-and-sphere`, a twentieth in `mirror-statue`.
+const OTHERS: u64 = 2;
+/// The same where they stand beside scouts of the method's own.
+const OTHERS_BESIDE_SCOUTS: u64 = 8;
 /// Passes that tell how well the meter knows the light, and are no part of what it says of it.
 const TRIALS: Range<u64> = (1 << 40)..(1 << 40) + 4;
 /// A meter whose estimate would have less than this weight beside the method's own is not run.
@@ -158,8 +160,8 @@ impl<'a> Meter<'a> {
             return None;
         }
         let (target, joined, others) = match settings.method {
-            Method::Relt => (ScalarTarget::Xyz, 0, OTHERS[1]),
-            _ => (settings.options.target, JOINED, OTHERS[0]),
+            Method::Relt => (ScalarTarget::Xyz, 0, OTHERS_BESIDE_SCOUTS),
+            _ => (settings.options.target, JOINED, OTHERS),
         };
         let samples = |stream| Samples::new(scene, settings, target, stream);
         let look = Look::new(&samples(streams::METER_LOOK))?;

@@ -120,7 +120,7 @@ impl<'a> MltEngine<'a> {
         let b = pool.normaliser().mean();
         Ok(Self {
             chains: pool::start_chains(&space, &map, &pool, settings),
-            film: Film::with_layout(&settings.layout(), Quantum::from_mean(b / 3.0))?,
+            film: Film::with_layout(&settings.layout(), Quantum::from_sum_of_xyz(b))?,
             besides,
             pool: *pool.normaliser(),
             space,

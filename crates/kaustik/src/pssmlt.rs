@@ -136,7 +136,7 @@ impl<'a, F: Family<Contributions, 1> + Send + Sync> PssmltEngine<'a, F> {
         .unwrap_or(0.0);
         let chains = start_chains(target, &family, &pool, settings)?;
         let layout = settings.layout();
-        let quantum = Quantum::from_mean(b0 / 3.0);
+        let quantum = Quantum::from_sum_of_xyz(b0);
         let large_film = match options.mis {
             Mis::Split => Some(Film::with_layout(&layout, quantum)?),
             Mis::Printed | Mis::Off => None,

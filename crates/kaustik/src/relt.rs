@@ -34,7 +34,7 @@ use scouts::{Looks, scouting};
 use start::{Started, for_so_many_replicas, kernels, replica_builder, start};
 
 /// Paths of a sweep, about: a look at the stop flag comes as often as elsewhere.
-const SWEEP: u64 = 16;
+const PATHS_A_SWEEP: u64 = 16;
 /// Sweeps of a ladder between two changes of its step sizes. Rounds of 16 were seen to bias a chain by
 /// 20 %, rounds of 1,000 within its error.
 const ADAPTATION_ROUND: u64 = 1_000;
@@ -109,7 +109,7 @@ impl<'a, const K: usize> ReltEngine<'a, K> {
         // Without its replica, implicit specular light goes back to the others.
         let specific = set.is_specific() && K == set.count();
         let layout = settings.layout();
-        let quantum = Quantum::from_mean(started.mean / 3.0);
+        let quantum = Quantum::from_sum_of_xyz(started.mean);
         let mut films = Vec::with_capacity(K);
         for _ in 0..K {
             films.push(Film::with_layout(&layout, quantum)?);
@@ -191,7 +191,7 @@ impl<'a, const K: usize> ReltEngine<'a, K> {
         let kernels = kernels::<K>(target, &self.set, self.options.steps);
         let mut deposit = self.deposit(run.shares);
         for done in 0..sweeps {
-            if done % (STRIDE / SWEEP) == 0 && is_stopped(stop) {
+            if done % (STRIDE / PATHS_A_SWEEP) == 0 && is_stopped(stop) {
                 break;
             }
             for (level, kernel) in kernels.iter().enumerate() {
@@ -289,7 +289,7 @@ impl<'a, const K: usize> ReltEngine<'a, K> {
     fn brightness(&self) -> Estimate {
         let (shares, sweeps) = (self.shares(), self.sweeps());
         let value = shares.light(sweeps, &self.scales());
-        let full = 1.min(K - 1);
+        let full = full_replica::<K>();
         let relative = match self.options.normaliser {
             Normaliser::Running => {
                 return Estimate {
@@ -383,7 +383,7 @@ impl<const K: usize> Engine for ReltEngine<'_, K> {
             ..ChainStatistics::new(
                 &all,
                 [b.value, b.standard_error],
-                self.rough[1.min(K - 1)].value,
+                self.rough[full_replica::<K>()].value,
             )
         })
     }
@@ -413,14 +413,14 @@ impl<const K: usize> Engine for ReltEngine<'_, K> {
             ReplicaLevel {
                 weights: self.set.rows()[k],
                 rough: self.rough[k].value,
-                rough_error: known(self.rough[k].standard_error),
+                rough_error: finite(self.rough[k].standard_error),
                 normalisation: running.values()[k],
-                normalisation_error: known(running.estimates()[k].standard_error),
+                normalisation_error: finite(running.estimates()[k].standard_error),
                 independent: uniform.independent[k].mean(),
-                independent_error: known(uniform.independent[k].standard_error()),
-                discrepancy: known(apart[k]),
+                independent_error: finite(uniform.independent[k].standard_error()),
+                discrepancy: finite(apart[k]),
                 share: shares.part(k).value,
-                share_error: known(shares.part(k).standard_error),
+                share_error: finite(shares.part(k).standard_error),
                 scale: scales[k],
                 acceptance: moves.rate(),
                 effective_at_once: self.effective[k][0],
@@ -482,7 +482,13 @@ pub(crate) fn layer(name: &str, part: (&Film, f64)) -> Result<Layer, RenderError
     Ok(Layer::new(name, channels.collect()))
 }
 
+/// The full replica, to whose normaliser others are compared: the one after the uniform replica,
+/// unless annealing reached none but that.
+pub(crate) const fn full_replica<const K: usize>() -> usize {
+    if K > 1 { 1 } else { 0 }
+}
+
 /// JSON knows neither infinity nor NaN.
-pub(crate) fn known(x: f64) -> Option<f64> {
+pub(crate) fn finite(x: f64) -> Option<f64> {
     x.is_finite().then_some(x)
 }

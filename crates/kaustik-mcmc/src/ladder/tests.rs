@@ -351,9 +351,9 @@ fn the_round_trip_rate_is_the_ideal_one() {
         }
         let statistics = ladder.statistics();
         assert!(statistics.restarts.abs_diff(statistics.round_trips) <= K as u64);
-        let barrier = statistics.barrier();
+        let barrier = statistics.barrier().expect("neighbours are tried");
         assert!(barrier > 0.3 && barrier < 3.0, "{barrier}");
-        statistics.round_trip_rate() / statistics.ideal_round_trip_rate()
+        statistics.round_trip_rate() / statistics.ideal_round_trip_rate().expect("likewise")
     };
     let alternating = rate(Schedule::Alternating);
     assert!((0.97..1.03).contains(&alternating), "{alternating}");

@@ -246,8 +246,9 @@ impl<M: Mutation> Point<M> {
         self.clock.time as u64
     }
 
-    /// Makes the open proposal the current state.
-    pub(crate) fn commit(&mut self) {
+    /// Makes a proposal that was [left open](Proposal::leave_open) the current state. To be called
+    /// once after it; of a point without an open proposal it would count a step that was not taken.
+    pub fn commit(&mut self) {
         if self.clock.large {
             self.clock.large_time = self.clock.time;
         }
@@ -255,8 +256,9 @@ impl<M: Mutation> Point<M> {
         self.undo.clear();
     }
 
-    /// Restores every coordinate that the open proposal read, if there is one.
-    pub(crate) fn roll_back(&mut self) {
+    /// Restores every coordinate that a proposal which was [left open](Proposal::leave_open) has read,
+    /// to the bit. Without one nothing changes.
+    pub fn roll_back(&mut self) {
         restore(&mut self.streams, &self.undo);
         self.undo.clear();
     }

@@ -84,6 +84,15 @@ impl<M: Mutation> Mutation for OnGrid<M> {
         let to = self.mutation.mutate_at(stream, index, x, draws);
         middle(self.cells, to)
     }
+
+    /// That of the mutation itself: one that is too small is a fault to be found.
+    fn mixed_after(&self) -> u64 {
+        self.mutation.mixed_after()
+    }
+
+    fn mixed_after_at(&self, stream: Stream, index: u32) -> u64 {
+        self.mutation.mixed_after_at(stream, index)
+    }
 }
 
 /// Finitely many points of the cube: some coordinates, each in the middle of one of so
@@ -172,7 +181,7 @@ impl Grid {
     ) -> Metropolis<Point<M>, T::Value, K>
     where
         T: Target,
-        F: Family<T::Value, K>,
+        F: Family<T::Value, K> + ?Sized,
         M: Mutation,
     {
         let mut value = T::Value::default();
@@ -195,7 +204,7 @@ impl Grid {
     pub fn densities<T, F, const K: usize>(&self, target: &T, family: &F, level: usize) -> Vec<f64>
     where
         T: Target,
-        F: Family<T::Value, K>,
+        F: Family<T::Value, K> + ?Sized,
     {
         let mut value = T::Value::default();
         let mut density = |state| {
@@ -219,7 +228,7 @@ impl Grid {
     ) -> TransitionMatrix
     where
         T: Target<Value: Clone>,
-        F: Family<T::Value, K>,
+        F: Family<T::Value, K> + ?Sized,
         M: Mutation + Clone,
     {
         let start = |state| self.chain(state, target, family, level, mutation.clone());

@@ -120,9 +120,18 @@
 //! # 8. Test the test
 //!
 //! Break the kernel where it is most likely to be wrong (the ratio upside down, a selection
-//! probability left out, a rejected state not taken back, 2 % in an exponent), see the
-//! test fail, and keep that as a test. Mind that a kernel which never moves is in perfect
-//! balance.
+//! probability left out, a rejected state not taken back, an exponent that is off), see the
+//! test fail, and keep that as a test. Enumeration finds any fault that is larger than
+//! rounding. A test by samples needs them in proportion to the inverse square of the fault: where
+//! 20,000 starts find 10 % in an exponent, 2 % take some 400,000 (set [`PairedTest::starts`],
+//! [`RankTest::chains`]). Mind that a kernel which never moves is in perfect balance, and one
+//! that never joins two states too: see that the matrix connects them.
+//!
+//! Two promises that none of these tests see: that a [move](crate::Move) which says it is
+//! [independent](crate::Move::independent) is a sample of the uniform law (check the mean of
+//! [`Statistics::independent`](crate::Statistics::independent) against a known integral), and
+//! balance between states that are both a millionth of the whole and less likely: defects are relative to
+//! all mass, so give [small targets](strategies) their own test.
 
 mod asserts;
 mod chance;

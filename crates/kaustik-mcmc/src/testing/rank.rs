@@ -28,12 +28,12 @@ pub struct RankTest {
 }
 
 impl Default for RankTest {
-    /// 2,000 chains of 10 states, a step from each to the next.
+    /// 20,000 chains of 10 states, five steps from each to the next.
     fn default() -> Self {
         Self {
             length: 10,
-            thin: 1,
-            chains: 2_000,
+            thin: 5,
+            chains: 20_000,
             seed: 1,
         }
     }

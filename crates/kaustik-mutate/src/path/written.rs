@@ -16,7 +16,7 @@ use crate::vertex::{Edge, PathVertex, Place};
 /// A [`Path`] that needs no scene: to be kept, and to become a path again by [`PathSpace::read`].
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct WrittenPath {
-    wavelength: f64,
+    wavelength_u: f64,
     time: f64,
     raster: [f64; 2],
     importance: f64,
@@ -62,7 +62,7 @@ impl Path {
     /// What is to be kept of it.
     pub fn written(&self) -> WrittenPath {
         WrittenPath {
-            wavelength: self.wavelength,
+            wavelength_u: self.wavelength_u,
             time: self.time,
             raster: self.raster.to_array(),
             importance: self.importance,
@@ -93,11 +93,11 @@ impl PathSpace<'_> {
 
     /// In a scene that stands at the path's time.
     fn read_here(&self, written: &WrittenPath) -> Option<Path> {
-        let u = written.wavelength;
+        let u = written.wavelength_u;
         let mut path = Path {
             slots: Vec::with_capacity(written.vertices.len()),
             len: written.vertices.len(),
-            wavelength: u,
+            wavelength_u: u,
             wavelengths: Wavelengths::sample(u, self.settings.wavelengths),
             time: written.time,
             raster: DVec2::from(written.raster),

@@ -131,7 +131,7 @@ fn strings(path: &Path) -> [f64; 20] {
         is(n == 3 && specular == 1),
         is(n == 4 && specular == 2),
         is(n >= 5 && specular >= 2 && !at(n - 1)),
-        path.wavelength(),
+        path.wavelength_u(),
     ]
 }
 

@@ -49,7 +49,7 @@ pub(super) fn functions(path: &Path) -> [f64; H] {
         first[2],
         last[0],
         last[2],
-        path.wavelength(),
+        path.wavelength_u(),
         red + 0.5 * green,
         blue,
         first[0] * last[0],

@@ -1,3 +1,5 @@
+use std::ops::RangeInclusive;
+
 use glam::DVec3;
 use kaustik_bsdf::{Bsdf, Lobe};
 
@@ -15,7 +17,7 @@ pub enum Form {
 }
 
 /// Least and largest probability that a walk of the simple form goes on where it could be joined.
-const ONWARD: (f64, f64) = (0.3, 0.8);
+pub(crate) const ONWARD: RangeInclusive<f64> = 0.3..=0.8;
 /// The same at the emitter: as often next event as a walk.
 const EMITTER_ONWARD: f64 = 0.5;
 /// At the lens: mostly a walk, because what a camera sees first is best found from it.
@@ -35,6 +37,12 @@ impl Onward {
     const ALWAYS: Self = Self {
         onward: 1.0,
         stop: 1.0,
+    };
+
+    /// A vertex that cannot be joined: the walk always goes on.
+    pub(crate) const UNJOINED: Self = Self {
+        onward: 1.0,
+        stop: 0.0,
     };
 
     fn with(onward: f64) -> Self {
@@ -79,12 +87,9 @@ impl Form {
             Self::Full if bsdf.is_connectable() => Onward::ALWAYS,
             Self::Simple if bsdf.is_connectable() => {
                 let albedo = f64::from(bsdf.albedo(DVec3::Z).mean());
-                Onward::with(albedo.clamp(ONWARD.0, ONWARD.1))
+                Onward::with(albedo.clamp(*ONWARD.start(), *ONWARD.end()))
             }
-            _ => Onward {
-                onward: 1.0,
-                stop: 0.0,
-            },
+            _ => Onward::UNJOINED,
         }
     }
 }

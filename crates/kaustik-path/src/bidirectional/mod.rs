@@ -22,6 +22,7 @@ use kaustik_scene::Scene;
 use kaustik_spectrum::Wavelengths;
 
 pub use form::Form;
+pub(crate) use form::ONWARD;
 pub use heuristic::Heuristic;
 pub use multiplexed::Multiplexed;
 pub use techniques::{Technique, TechniqueShares, Techniques};
@@ -92,7 +93,7 @@ impl Bidirectional {
             builder: self,
             scene,
             wavelengths: &wavelengths,
-            raster_pdf: 1.0 / self.settings.window_area(),
+            raster_pdf: self.settings.raster_pdf(),
             roulette: true,
         };
         match self.form {

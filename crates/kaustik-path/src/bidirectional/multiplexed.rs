@@ -81,7 +81,7 @@ impl Multiplexed {
             builder: &self.paths,
             scene,
             wavelengths: &wavelengths,
-            raster_pdf: 1.0 / self.paths.settings.window_area(),
+            raster_pdf: self.paths.settings.raster_pdf(),
             roulette: false,
         };
         job.one(&technique, u, out, workspace, witness);

@@ -44,10 +44,7 @@ impl Default for PathVertex {
             throughput: Spectrum::ZERO,
             interior: Interior::VACUUM,
             running: Running::default(),
-            onward: Onward {
-                onward: 1.0,
-                stop: 0.0,
-            },
+            onward: Onward::UNJOINED,
             edges: 0,
             dispersive: false,
             connectable: false,

@@ -23,6 +23,7 @@ mod perspective;
 mod pose;
 
 use glam::{Affine3A, DVec2, DVec3};
+use kaustik_geometry::Ray;
 
 use crate::description::{CameraDescription, Projection};
 use orthographic::Orthographic;
@@ -67,6 +68,14 @@ pub struct CameraRay {
     pub origin: DVec3,
     /// Unit, into the scene.
     pub direction: DVec3,
+}
+
+impl CameraRay {
+    /// What is traced, in single precision.
+    #[inline]
+    pub fn ray(&self) -> Ray {
+        Ray::new(self.origin.as_vec3(), self.direction.as_vec3())
+    }
 }
 
 /// A point of the lens that sees a given point of the scene: the last edge of a light path

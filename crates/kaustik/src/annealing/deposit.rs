@@ -1,6 +1,6 @@
 //! What a visit of an annealed particle adds to the film.
 
-use kaustik_estimate::{ReplicaWeights, Scale, light};
+use kaustik_estimate::{ReplicaWeights, ScalarTarget, Scale, SpecularSplit};
 use kaustik_film::Film;
 use kaustik_mcmc::{Mean, Recorder, Visit};
 use kaustik_path::{Class, Contributions};
@@ -83,20 +83,20 @@ impl<const K: usize> Recorder<Contributions, K> for AnnealedDeposit<'_, K> {
             return;
         }
         let weights = &self.weights;
-        let [specular, other] = light(visit.value);
+        let light = SpecularSplit::of(visit.value, ScalarTarget::Xyz);
         let (film, scale) = (self.film, self.scale);
         if visit.level >= weights.shared() {
             let weight = weight * weights.specific_factor(visit.densities);
             scale.splat_classes(film, visit.value, weight, |class| class == Class::L0);
-            self.gathered.light += weight * specular;
+            self.gathered.light += weight * light.specular;
         } else {
             let weight = weight * weights.factor(visit.level, visit.densities);
             if weights.shared() == K {
                 scale.splat(film, visit.value, weight);
-                self.gathered.light += weight * (specular + other);
+                self.gathered.light += weight * light.whole();
             } else {
                 scale.splat_classes(film, visit.value, weight, |class| class != Class::L0);
-                self.gathered.light += weight * other;
+                self.gathered.light += weight * light.other;
             }
         }
     }

@@ -48,7 +48,7 @@ impl Films {
     /// `mean`: light of a sample.
     pub(crate) fn new(settings: &RenderSettings, mean: f64) -> Result<Self, RenderError> {
         let options = &settings.options;
-        let film = || Film::with_layout(&settings.layout(), Quantum::from_mean(mean / 3.0));
+        let film = || Film::with_layout(&settings.layout(), Quantum::from_sum_of_xyz(mean));
         let allowed = |kappa| film().map(|film| (film, kappa));
         Ok(Self {
             picture: film()?,

@@ -33,15 +33,14 @@ impl<'a> Starter<'a> {
     /// both sides choose for themselves. Tells `found` of its paths and their weights.
     pub(crate) fn sample<D: Draws>(
         &mut self,
-        (at, wavelength): (DVec2, f64),
+        (at, wavelength_u): (DVec2, f64),
         draws: &mut D,
         found: &mut impl FnMut(&Path, f64),
     ) {
         let settings = &self.space.settings;
         match &mut self.seeds {
             None => {
-                let raster = settings.window_min + at * (settings.window_max - settings.window_min);
-                let start = (raster, wavelength);
+                let start = (settings.raster(at), wavelength_u);
                 (self.tracer).sample(self.space, start, self.next_event, draws, found);
             }
             Some(seeds) => {
@@ -73,9 +72,9 @@ pub(crate) fn pilot(
     let sample = |starter: &mut Starter<'_>, index: usize| {
         let mut draws = generators.at(index as u64);
         let at = DVec2::new(draws.uniform(), draws.uniform());
-        let wavelength = draws.uniform();
+        let wavelength_u = draws.uniform();
         let mut light = [0.0; 2];
-        starter.sample((at, wavelength), &mut draws, &mut |path, weight| {
+        starter.sample((at, wavelength_u), &mut draws, &mut |path, weight| {
             if weight.is_finite() {
                 light[1] += weight;
                 if is_spread(perturbations, options, path) {

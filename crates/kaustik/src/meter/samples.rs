@@ -1,9 +1,9 @@
 //! Samples of the light of a cell of the image, of two kinds.
 
-use kaustik_estimate::ScalarTarget;
+use kaustik_estimate::{ScalarTarget, SpecularSplit};
 use kaustik_mcmc::{Exponential, Independent, Point, SampleGenerators, Step};
 use kaustik_path::{
-    Beginning, Bidirectional, Class, Contributions, Form, PathBuilder, Sighting, sight, sight_ways,
+    Beginning, Bidirectional, Contributions, Form, PathBuilder, Sighting, sight, sight_ways,
 };
 use kaustik_pss::Coordinates;
 use kaustik_scene::Scene;
@@ -103,7 +103,7 @@ impl<'a> Samples<'a> {
         let value = &mut scratch.value;
         self.builder.build(self.scene, &mut u, value);
         scratch.nonfinite = value.nonfinite();
-        self.light(value)[1]
+        SpecularSplit::of(value, self.target).other
     }
 
     /// Looks for implicit specular light by a walk from the camera that a Dirac surface scatters first.
@@ -123,7 +123,7 @@ impl<'a> Samples<'a> {
                 };
                 builder.build(self.scene, find.u, value);
                 *nonfinite += value.nonfinite();
-                let light = self.light(value)[0];
+                let light = SpecularSplit::of(value, self.target).specular;
                 seen.light += find.weight * light;
                 seen.square += find.weight * light * light;
                 seen.finds += 1;
@@ -140,7 +140,7 @@ impl<'a> Samples<'a> {
             if sight(settings, self.scene, Beginning::Other, u) == Sighting::Light {
                 self.builder.build(self.scene, u, value);
                 *nonfinite = value.nonfinite();
-                light = self.light(value)[0];
+                light = SpecularSplit::of(value, self.target).specular;
             }
         });
         light
@@ -171,13 +171,5 @@ impl<'a> Samples<'a> {
     /// Passes are independent of each other: their spread tells their error.
     fn scramble(&self, pass: u64, cell: usize) -> u64 {
         mix(self.seed ^ mix(pass)) ^ cell as u64
-    }
-
-    /// The scalar contribution of implicit specular light, and of all other.
-    fn light(&self, value: &Contributions) -> [f64; 2] {
-        let classes = value.by_class(self.target);
-        let specular = classes[Class::L0 as usize];
-        let others = Class::ALL.into_iter().filter(|class| *class != Class::L0);
-        [specular, others.map(|class| classes[class as usize]).sum()]
     }
 }

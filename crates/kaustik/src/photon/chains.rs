@@ -34,14 +34,17 @@ use crate::{ChainStatistics, PhotonOptions, Place, RenderError, RenderSettings};
 use iteration::{Course, Iteration, Unheard};
 use periods::Periods;
 
-/// Before the first iteration step sizes learn for so many rounds of so many sweeps at most.
-const WARM_UP: (u64, u64) = (48, 64);
+/// Before the first iteration step sizes learn for so many rounds at most.
+const WARM_UP_ROUNDS: u64 = 48;
+/// Sweeps of each.
+const WARM_UP_SWEEPS: u64 = 64;
 /// It ends when every level accepts as much as it should, but for this much.
 const WARM: f64 = 0.04;
 /// Size of the first steps: between what suits a scene of which all is seen and one of which a thousandth is.
 const FIRST_STEP: f64 = 0.1;
-/// By how much step sizes learn from an iteration: gain and decay.
-const LEARNING: (f64, f64) = (1.0, 0.6);
+/// By how much step sizes learn from an iteration, and how fast that falls with their number.
+const GAIN: f64 = 1.0;
+const GAIN_DECAY: f64 = 0.6;
 /// Chains take so many steps an iteration at least, in the mean over a ladder, or there are fewer ladders: means of short chains under
 /// targets that have just changed are off, and many ladders do not mend that.
 const LEAST_STEPS: u64 = 4096;
@@ -107,7 +110,7 @@ impl<const K: usize> PhotonChains<K> {
             && !stage.moves();
         let adaptation = AcceptanceAdaptation::new(Power::new(FIRST_STEP))
             .with_target(options.acceptance)
-            .with_gain(LEARNING.0, LEARNING.1)
+            .with_gain(GAIN, GAIN_DECAY)
             .in_logarithms();
         let mut chains = Self {
             levels,
@@ -138,9 +141,9 @@ impl<const K: usize> PhotonChains<K> {
     /// knows more regions.
     fn warm_up(&mut self, stage: &Stage<'_>) {
         let wanted = self.options.acceptance;
-        for _ in 0..WARM_UP.0 {
+        for _ in 0..WARM_UP_ROUNDS {
             let before: [Acceptance; K] = std::array::from_fn(|level| self.small_steps(level));
-            self.sweep_all(stage, WARM_UP.1);
+            self.sweep_all(stage, WARM_UP_SWEEPS);
             let is_warm = |level: usize| {
                 let off = self.small_steps(level).since(&before[level]).rate() - wanted;
                 let size = self.adaptations[level].mutation().size();

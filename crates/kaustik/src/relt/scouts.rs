@@ -1,6 +1,6 @@
 //! Scouts: walks from the camera alone that look for implicit specular paths.
 
-use kaustik_estimate::{PathTarget, ReplicaFamily, ReplicaSet, light};
+use kaustik_estimate::{PathTarget, ReplicaFamily, ReplicaSet, ScalarTarget, SpecularSplit};
 use kaustik_mcmc::{
     Estimate, Exponential, Mean, Point, Region, SampleGenerators, Step, Target, checked_densities,
 };
@@ -49,7 +49,7 @@ impl Region<Contributions> for SpecularLight<'_> {
     /// The light itself, X + Y + Z.
     #[inline]
     fn measure(&self, value: &Contributions) -> f64 {
-        light(value)[0]
+        SpecularSplit::of(value, ScalarTarget::Xyz).specular
     }
 }
 

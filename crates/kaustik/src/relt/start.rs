@@ -3,7 +3,7 @@
 use std::array::from_fn;
 use std::sync::atomic::{AtomicBool, AtomicU64};
 
-use kaustik_estimate::{PathTarget, ReplicaFamily, ReplicaSet, light};
+use kaustik_estimate::{PathTarget, ReplicaFamily, ReplicaSet, ScalarTarget, SpecularSplit};
 use kaustik_mcmc::{
     Draws, Estimate, Exponential, Extinct, Family, Ignore, LevelKernel, Metropolis, Pcg64Dxsm,
     Point, Population, Resampling, SampleGenerators, checked_densities, generator,
@@ -126,7 +126,7 @@ pub(crate) struct Started {
     /// Integrals of the replicas' densities: constants of the weights.
     pub(crate) rough: Vec<Estimate>,
     /// Densities and [`light`] of the first attempt's independent samples.
-    pub(crate) pool: Vec<([f64; ReplicaSet::MOST], [f64; 2])>,
+    pub(crate) pool: Vec<([f64; ReplicaSet::MOST], SpecularSplit)>,
     /// Implicit specular light of what the first attempt's scouts found, and how many were sent.
     pub(crate) scouted: (Vec<f64>, u64),
     /// Effective numbers of particles by replica: of the first population weighed at once, and of the
@@ -284,10 +284,15 @@ impl<'a, const K: usize> Climb<'a, K> {
     /// What independent samples and scouts tell before anyone climbs.
     fn known_of(&self, samples: &[State]) -> Started {
         let pool: Vec<_> = (samples.iter())
-            .map(|(_, value)| (all_densities(&self.family, value), light(value)))
+            .map(|(_, value)| {
+                let light = SpecularSplit::of(value, ScalarTarget::Xyz);
+                (all_densities(&self.family, value), light)
+            })
             .collect();
         let scouted = self.scouts.light();
-        let light = pool.iter().flat_map(|(_, light)| light).sum::<f64>();
+        let light = (pool.iter())
+            .flat_map(|(_, light)| [light.specular, light.other])
+            .sum::<f64>();
         let mean = match &scouted {
             // Where no particle has met light, scouts may have.
             (found, sent) if light <= 0.0 => found.iter().sum::<f64>() / (*sent).max(1) as f64,
@@ -433,7 +438,7 @@ struct Elsewhere<const K: usize> {
 impl<const K: usize> Family<Contributions, K> for Elsewhere<K> {
     fn densities(&self, value: &Contributions) -> [f64; K] {
         let densities = self.all.densities(value);
-        if self.scouted && light(value)[0] > 0.0 {
+        if self.scouted && SpecularSplit::of(value, ScalarTarget::Xyz).specular > 0.0 {
             from_fn(|k| if k == 0 { densities[0] } else { 0.0 })
         } else {
             densities

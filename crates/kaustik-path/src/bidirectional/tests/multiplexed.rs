@@ -34,7 +34,7 @@ fn whole(paths: &Bidirectional, scene: &Scene, u: &mut dyn Coordinates, out: &mu
         builder: paths,
         scene,
         wavelengths: &Wavelengths::sample(first, WavelengthSampling::Hero),
-        raster_pdf: 1.0 / paths.settings.window_area(),
+        raster_pdf: paths.settings.raster_pdf(),
         roulette: false,
     };
     Workspace::with(|workspace| job.full(u, out, workspace, &mut ()));

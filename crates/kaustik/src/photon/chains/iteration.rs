@@ -14,7 +14,7 @@ use crate::control::is_stopped;
 use crate::engine::Nonfinite;
 
 /// Sweeps between two looks at the stop flag.
-const STRIDE: u64 = 32;
+const SWEEPS_TO_A_LOOK: u64 = 32;
 
 /// Sweeps that ladders of K chains take in every iteration, and how the steps of all iterations are counted: a ladder's
 /// sweeps one after the other, those that burn in included, and in each sweep one for every chain, whether it takes a step there
@@ -131,7 +131,7 @@ pub(super) struct Unheard<'a> {
 impl<const K: usize> Sweeps<K> for Unheard<'_> {
     #[inline]
     fn end(&mut self, sweep: u64) -> bool {
-        sweep.is_multiple_of(STRIDE) && is_stopped(self.stop)
+        sweep.is_multiple_of(SWEEPS_TO_A_LOOK) && is_stopped(self.stop)
     }
 
     #[inline]

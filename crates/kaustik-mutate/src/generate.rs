@@ -1,0 +1,100 @@
+//! Vertices made anew from either end of a path: what all kernels begin with.
+
+use glam::DVec2;
+use kaustik_mcmc::Draws;
+use kaustik_scene::EmitterPoint;
+
+use crate::vertex::Place;
+use crate::walk::Way;
+use crate::{Path, PathSpace};
+
+impl PathSpace<'_> {
+    /// Makes vertices `part`, the first `by_light` of them by a walk with the light, the others by one from
+    /// the eye, and joins the two. `false` if that fails, or no light passes.
+    pub(crate) fn generate<D: Draws + ?Sized>(
+        &self,
+        y: &mut Path,
+        part: std::ops::Range<usize>,
+        by_light: usize,
+        draws: &mut D,
+    ) -> bool {
+        let joint = part.start + by_light;
+        if part.end == y.len() && joint == part.end {
+            return false; // no walk is stopped by the lens
+        }
+        for i in part.start..joint {
+            let made = match i {
+                0 => self.begin_at_light(y, draws),
+                _ => self.scatter(y, i - 1, Way::ToEye, draws),
+            };
+            if !made {
+                return false;
+            }
+        }
+        for i in (joint..part.end).rev() {
+            let made = match y.len() - 1 - i {
+                0 => self.begin_at_lens(y, draws),
+                1 => self.leave_lens(y, draws),
+                _ => self.scatter(y, i + 1, Way::ToLight, draws),
+            };
+            if !made {
+                return false;
+            }
+        }
+        match joint {
+            0 => self.refresh(y, 0),
+            _ => self.join(y, joint - 1),
+        }
+    }
+
+    /// Vertex 0 by emission sampling.
+    pub(crate) fn begin_at_light<D: Draws + ?Sized>(&self, y: &mut Path, draws: &mut D) -> bool {
+        let vertex = y.at_mut(0);
+        let draw = |_| draws.uniform();
+        let Some(point) = self.scene.sample_emitter_point(draw, &mut vertex.vertex) else {
+            return false;
+        };
+        vertex.place = Place::Emitter(point);
+        vertex.specular = false;
+        vertex.dispersive = false;
+        vertex.opacity = match point {
+            EmitterPoint::Surface if self.scene.has_alpha() => {
+                f64::from(self.scene.opacity(&vertex.vertex))
+            }
+            _ => 1.0,
+        };
+        true
+    }
+
+    /// The last vertex by a fresh point of the lens.
+    pub(crate) fn begin_at_lens<D: Draws + ?Sized>(&self, y: &mut Path, draws: &mut D) -> bool {
+        let lens = y.at_mut(y.len() - 1);
+        lens.place = Place::Lens;
+        lens.specular = false;
+        let u = [draws.uniform(), draws.uniform()];
+        let ray = self.scene.camera().sample_ray(DVec2::splat(0.5), u);
+        lens.vertex.position = ray.origin;
+        true
+    }
+
+    /// From the lens through a fresh raster point to the next vertex.
+    pub(crate) fn leave_lens<D: Draws + ?Sized>(&self, y: &mut Path, draws: &mut D) -> bool {
+        let u = DVec2::new(draws.uniform(), draws.uniform());
+        self.look_through(y, self.settings.raster(u), draws)
+    }
+
+    /// From the lens, at the point where it is, through a raster point to the next vertex.
+    pub(crate) fn look_through<D: Draws + ?Sized>(
+        &self,
+        y: &mut Path,
+        raster: DVec2,
+        draws: &mut D,
+    ) -> bool {
+        let n = y.len();
+        let lens = y.at_mut(n - 1);
+        let ray = self.scene.camera().ray_from(lens.vertex.position, raster);
+        lens.vertex.position = ray.origin;
+        lens.toward_light = ray.direction;
+        self.refresh(y, n - 1) && self.step_to_light(y, n - 2, &ray.ray(), draws)
+    }
+}

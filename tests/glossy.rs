@@ -1,0 +1,128 @@
+//! Long paths between glossy surfaces: the product of their scattering goes beyond single precision.
+
+use std::sync::Arc;
+
+use glam::{Affine3A, Vec3};
+use kaustik::geometry::Mesh;
+use kaustik::scene::description::{
+    CameraDescription, InstanceDescription, MaterialDescription, Projection,
+};
+use kaustik::scene::{Description, Scene};
+use kaustik::{Control, Method, RenderSettings, Starts, render};
+
+use crate::support::{compile, means, settings};
+
+const SIDE: u32 = 8;
+
+/// The faces of a box around the origin, seen from within, `half` wide each way; the last faces down.
+fn faces(half: f32) -> [Mesh; 6] {
+    let (x, y, z) = (Vec3::X, Vec3::Y, Vec3::Z);
+    [
+        (x, y, z),
+        (-x, z, y),
+        (z, x, y),
+        (-z, y, x),
+        (-y, x, z),
+        (y, z, x),
+    ]
+    .map(|(out, a, b)| Mesh {
+        positions: vec![out - a - b, out - a + b, out + a + b, out + a - b]
+            .into_iter()
+            .map(|at| at * half)
+            .collect(),
+        indices: vec![[0, 1, 2], [0, 2, 3]],
+        ..Mesh::default()
+    })
+}
+
+/// A closed room of bright metal with narrow lobes, a lamp under its ceiling.
+fn room() -> Scene {
+    let metal = MaterialDescription {
+        metallic: 1.0,
+        roughness: 0.1,
+        base_color: [0.97, 0.97, 0.97, 1.0],
+        ..MaterialDescription::default()
+    };
+    let lamp = MaterialDescription {
+        emissive: [5.0; 3],
+        base_color: [0.0, 0.0, 0.0, 1.0],
+        double_sided: true,
+        ..MaterialDescription::default()
+    };
+    let [.., ceiling] = faces(0.4);
+    let mut description = Description::default();
+    description.cameras.push(CameraDescription {
+        name: "camera".to_owned(),
+        transform: Affine3A::from_translation(Vec3::new(0.1, -0.2, 0.9)),
+        projection: Projection::Perspective {
+            yfov: 1.2,
+            aspect_ratio: None,
+        },
+        lens: None,
+        shutter: None,
+    });
+    let walls = faces(1.0).into_iter().map(|mesh| (metal.clone(), mesh));
+    let raised = Affine3A::from_translation(Vec3::new(0.0, 0.5, 0.0));
+    for (material, mesh) in walls.chain([(lamp, ceiling)]) {
+        let index = description.meshes.len();
+        description.instances.push(InstanceDescription {
+            name: format!("instance {index}"),
+            mesh: index,
+            material: Some(index),
+            transform: if index == 6 {
+                raised
+            } else {
+                Affine3A::IDENTITY
+            },
+        });
+        description.materials.push(material);
+        description.meshes.push(Arc::new(mesh));
+    }
+    compile(&description, SIDE)
+}
+
+/// Green of the whole picture over seeds: mean and standard error. Nothing may have been left out.
+fn brightness(scene: &Scene, settings: &RenderSettings) -> (f64, f64) {
+    let found: Vec<f64> = (0..8)
+        .map(|seed| {
+            let settings = RenderSettings {
+                seed,
+                max_depth: 48,
+                ..settings.clone()
+            };
+            let rendered = render(scene, &settings, &mut Control::default()).expect("a render");
+            let left_out = rendered.statistics.nonfinite;
+            assert_eq!(left_out, 0, "{}, seed {seed}", settings.method);
+            means(&rendered.image)[1]
+        })
+        .collect();
+    let n = found.len() as f64;
+    let mean = found.iter().sum::<f64>() / n;
+    let squares: f64 = found.iter().map(|x| (x - mean).powi(2)).sum();
+    (mean, (squares / (n - 1.0) / n).sqrt())
+}
+
+/// Methods on paths multiply BSDF values, not throughputs: these have no bound, and light that overflowed was lost.
+#[test]
+#[expect(clippy::print_stdout, reason = "figures for whoever runs it")]
+fn long_glossy_paths_do_not_overflow() {
+    let scene = room();
+    let (expected, noise) = brightness(&scene, &settings(Method::Path, SIDE, 256));
+    assert!(noise < 0.02 * expected, "{noise} of {expected}");
+    let mut both = settings(Method::Erpt, SIDE, 8);
+    both.options.seeds = Starts::Bidirectional;
+    for (name, settings) in [
+        ("mlt", settings(Method::Mlt, SIDE, 128)),
+        ("erpt", settings(Method::Erpt, SIDE, 32)),
+        ("erpt from both sides", both),
+    ] {
+        let (found, error) = brightness(&scene, &settings);
+        let error = error.hypot(noise);
+        println!("{name}: {found} +- {error}, {expected}");
+        assert!(error < 0.06 * expected, "{name}: {error} of {expected}");
+        assert!(
+            (found - expected).abs() < 4.0 * error,
+            "{name}: {found} +- {error}, not {expected}"
+        );
+    }
+}
