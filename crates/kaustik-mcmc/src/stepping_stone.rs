@@ -335,8 +335,9 @@ impl<V, const K: usize> Recorder<V, K> for SteppingStone<K> {
         if visit.weight <= 0.0 {
             return;
         }
-        let below = self.below[visit.level];
-        self.defects += u64::from(visit.densities[below] <= 0.0);
+        if visit.level > 0 && visit.densities[self.below[visit.level]] <= 0.0 {
+            self.defects += 1;
+        }
         let inverse = visit.weight / visit.density();
         for k in 1..K {
             if self.below[k] == visit.level {

@@ -11,6 +11,7 @@ mod estimators;
 mod exact;
 mod hostile;
 mod interleaved;
+mod kernels;
 mod kit;
 mod law;
 mod lazy;

@@ -144,15 +144,15 @@ pub(crate) const POINT: &[Fault] = &[
     fault(
         "one step too few is replayed",
         "point/mod.rs",
-        "now.saturating_sub(coordinate.modify)",
-        "(now - 1).saturating_sub(coordinate.modify)",
+        "(clock.time - 1).saturating_sub(coordinate.modify)",
+        "(clock.time - 2).saturating_sub(coordinate.modify)",
         "lazy::lazy_is_eager_with_sleepers_of_several_ages",
     ),
     fault(
         "sleepers are drawn anew",
         "point/mod.rs",
-        "if owed > mutation.mixed_after_at(stream, index) {",
-        "if owed > 0 {",
+        "(owed <= mutation.mixed_after_at(stream, index)).then_some(owed)",
+        "(owed == 0).then_some(owed)",
         "lazy::lazy_is_eager_with_sleepers_of_several_ages",
     ),
     fault(
