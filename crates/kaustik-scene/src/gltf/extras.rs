@@ -230,7 +230,10 @@ fn lens(reader: &mut Reader<'_>, place: &Cursor<'_>) -> Result<Option<Lens>> {
     }
     Ok(Some(Lens {
         aperture: positive(&aperture)?,
-        focus: positive(&place.need("focus")?)?,
+        focus: match place.get("focus")? {
+            Some(focus) => positive(&focus)?,
+            None => return Err(place.mismatch("a \"focus\" beside the \"aperture\"")),
+        },
         blades: blades(reader, place)?,
     }))
 }
