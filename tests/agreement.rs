@@ -1,12 +1,15 @@
 //! Independent methods must agree in the mean, on every scene that they support.
 
+use std::ops::Range;
+
 use kaustik::scene::builtin;
 use kaustik::scene::description::SpectralInput;
 use kaustik::spectrum::Tabulated;
 use kaustik::{Budget, Builder, Method, Mis, Normaliser, RenderSettings};
 
 use crate::support::{
-    Verdict, agree, compile, kept_tiles_of_seeds, scene, settings, shown_by_light, tiles_of_seeds,
+    Tile, Verdict, agree, compile, kept_tiles_of_seeds, scene, settings, shown_by_light,
+    tiles_of_seeds,
 };
 
 const SIDE: u32 = 64;
@@ -95,11 +98,11 @@ fn is_wanted(method: Method) -> bool {
 fn assert_agreement(words: &str, path: u64, rivals: &[Rival], seeds: u64, effort: f64) {
     let scene = scene(words, SIDE);
     let spp = |spp: u64| ((spp as f64 * effort) as u64).max(1);
-    let tiles = |rival: &Rival| {
+    let tiles = |rival: &Rival, seeds: Range<u64>| {
         let name = format!("{words} {}", rival.name());
-        kept_tiles_of_seeds(&name, &scene, &rival.settings(), 0..seeds)
+        kept_tiles_of_seeds(&name, &scene, &rival.settings(), seeds)
     };
-    let path = tiles(&Rival::new(Method::Path, spp(path)));
+    let path = tiles(&Rival::new(Method::Path, spp(path)), 0..seeds);
     let shown = shown_by_light(&scene, SIDE);
     let rivals = rivals.iter().filter(|rival| is_wanted(rival.method));
     assert!(
@@ -114,11 +117,20 @@ fn assert_agreement(words: &str, path: u64, rivals: &[Rival], seeds: u64, effort
         let name = rival.name();
         let share = rival.share / effort.min(1.0).sqrt();
         let counts = |tile: usize| shown[tile] || rival.method != Method::Light;
-        let verdict = agree(&path, &tiles(&rival), counts, share);
-        println!(
-            "{words}: path and {name}: differ in {:?}, worst error {:.4}, above {share}: {:?}",
-            verdict.rejected, verdict.worst_error, verdict.uncertain
-        );
+        let compared = |rival: &[Tile]| {
+            let verdict = agree(&path, rival, counts, share);
+            println!(
+                "{words}: path and {name}: differ in {:?}, worst error {:.4}, above {share}: {:?}",
+                verdict.rejected, verdict.worst_error, verdict.uncertain
+            );
+            verdict
+        };
+        let mut verdict = compared(&tiles(&rival, 0..seeds));
+        if !verdict.rejected.is_empty() {
+            // One comparison of equal methods in a hundred is rejected by chance: seeds that had no part in
+            // it tell. A fault is there again.
+            verdict = compared(&tiles(&rival, seeds..2 * seeds));
+        }
         assert!(verdict.rejected.is_empty(), "{words}, {name}: {verdict:?}");
         assert!(verdict.uncertain.len() <= 3, "{words}, {name}: {verdict:?}");
     }

@@ -87,7 +87,7 @@ fn no_setting_shows_in_the_mean() {
         ("defaults", "cornell", |_| ()),
         ("wide steps", "cornell", |o| o.jitter = Jitter::Veach),
         ("wide angles", "glass-cube?light=0.8", |o| {
-            o.angles = [1e-3, 0.3]
+            o.angles = [1e-3, 0.3];
         }),
         ("a tenth of a chain", "cornell", |o| o.chains = 0.1),
         ("ten chains", "cornell", |o| o.chains = 10.0),

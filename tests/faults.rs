@@ -44,6 +44,8 @@ fn cases() -> Vec<Case> {
     let large = || room("1e30", 1e5);
     // The light of some wavelengths does.
     let bright = || room("1.5e38", 1.0);
+    // What the lamp itself emits at some wavelengths does.
+    let brightest = || room("1.9e38", 1.0);
     // What photons bring to some points does.
     let photons = || room("2.4e37", 1.0);
     let mut cases = vec![
@@ -51,12 +53,8 @@ fn cases() -> Vec<Case> {
         case("bdpt", large(), &[]),
         case("pssmlt", large(), &["pilot=2000", "builder=bidirectional"]),
         case("relt", bright(), &["direct=together"]),
-        case(
-            "mlt",
-            room("1.3e38", 1.0),
-            &["pilot=200", "direct=together"],
-        ),
-        case("erpt", bright(), &["direct=together"]),
+        // Chains of `mlt` start at sound paths, and their products are kept in range: it has lamps alone, below.
+        case("erpt", brightest(), &["direct=together"]),
         case("annealing", large(), &["particles=1000"]),
         case("sppm", photons(), &["photons=20000"]),
         case(

@@ -104,7 +104,6 @@ fn brightness(scene: &Scene, settings: &RenderSettings) -> (f64, f64) {
 
 /// Methods on paths multiply BSDF values, not throughputs: these have no bound, and light that overflowed was lost.
 #[test]
-#[expect(clippy::print_stdout, reason = "figures for whoever runs it")]
 fn long_glossy_paths_do_not_overflow() {
     let scene = room();
     let (expected, noise) = brightness(&scene, &settings(Method::Path, SIDE, 256));

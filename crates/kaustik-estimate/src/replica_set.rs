@@ -132,7 +132,7 @@ impl ReplicaSet {
     /// 1, that it stands on, if it is not the one before.
     fn add(&mut self, word: &str) -> Result<(), ReplicaSetError> {
         if self.count == Self::MOST {
-            return Err(ReplicaSetError::Count(Self::MOST + 1));
+            return Err(ReplicaSetError::Count(self.count + 1));
         }
         let (word, below) = match word.split_once('@') {
             Some((word, below)) => (word, number(below, self.count)? - 1),
@@ -292,6 +292,10 @@ impl FromStr for ReplicaSet {
             return Err(ReplicaSetError::NotUniform(first.to_owned()));
         }
         set.repeats[0] = repeats;
+        let count = text.split(';').count();
+        if count > Self::MOST {
+            return Err(ReplicaSetError::Count(count));
+        }
         for word in words {
             set.add(word)?;
         }
@@ -380,8 +384,8 @@ mod tests {
         let refused = |text: &str| text.parse::<ReplicaSet>().unwrap_err();
         assert_eq!(refused("1,0,1,1,1,1"), E::NotUniform("1,0,1,1,1,1".into()));
         assert_eq!(refused("uniform"), E::Count(1));
-        let many = format!("uniform{}", ";1,1,1,1,1,1".repeat(8));
-        assert_eq!(refused(&many), E::Count(9));
+        let many = format!("uniform{}", ";1,1,1,1,1,1".repeat(11));
+        assert_eq!(refused(&many), E::Count(12));
         for row in [
             "",
             "1,2,3",

@@ -57,8 +57,8 @@ impl<const K: usize> LadderStatistics<K> {
     /// The communication barrier Λ: the sum of the rejection rates along the line of
     /// levels. It hardly depends on how many levels there are (Syed et al. 2021, sec. 4):
     /// K - 1 at most, and near it where there are too few levels: about 2 Λ of them are best.
-    /// `None` where the schedule does not try all neighbours by themselves
-    /// ([`Off`](crate::Schedule::Off), [`Permutation`](crate::Schedule::Permutation)).
+    /// `None` where a pair of neighbours was never tried: not yet, or because schedule or graph do not try
+    /// them by themselves ([`Off`](crate::Schedule::Off), [`Permutation`](crate::Schedule::Permutation)).
     pub fn barrier(&self) -> Option<f64> {
         self.along_the_line(|r| r)
     }

@@ -8,8 +8,8 @@ use crate::{Draws, Mutation, Point, Step};
 ///
 /// Read the coordinates, evaluate what you like, and [`decide`](Self::decide). A proposal
 /// that is dropped is rejected: the point is then as if it had never been made, to the
-/// bit, in all coordinates that its state consists of. So a step cannot be decided
-/// twice, or be left open.
+/// bit, in all coordinates that its state consists of. So a step cannot be decided twice, nor
+/// be left open but by [`leave_open`](Self::leave_open), which says so.
 ///
 /// This is the whole of Kelemen's method for a program that would rather keep its own loop:
 ///
@@ -44,7 +44,7 @@ pub struct Proposal<'a, M: Mutation, D: Draws + ?Sized> {
 impl<'a, M: Mutation, D: Draws + ?Sized> Proposal<'a, M, D> {
     pub(crate) fn open(point: &'a mut Point<M>, step: Step, draws: &'a mut D) -> Self {
         point.roll_back(); // of a proposal that was forgotten (mem::forget)
-        point.clock.large = step == Step::Large;
+        (point.clock.large, point.clock.open) = (step == Step::Large, true);
         Self {
             point,
             draws,
@@ -85,7 +85,9 @@ impl<'a, M: Mutation, D: Draws + ?Sized> Proposal<'a, M, D> {
     /// `accept` then calls [`Point::commit`] and whose `reject` calls [`Point::roll_back`], as
     /// [`PointKernel`](crate::PointKernel)'s do.
     ///
-    /// Whatever else is asked of the point before that rejects the proposal.
+    /// What moves or settles the point before that ([`propose`](Point::propose),
+    /// [`current`](Point::current), [`settle`](Point::settle), [`set_mutation`](Point::set_mutation),
+    /// [`exchange`](Point::exchange), [`refresh`](Point::refresh)) rejects the proposal.
     pub fn leave_open(mut self) {
         self.open = false;
     }

@@ -91,6 +91,8 @@ pub(crate) struct Clock {
     pub(crate) large_time: i64,
     /// Whether the open proposal is a large step.
     pub(crate) large: bool,
+    /// Whether there is an open proposal.
+    pub(crate) open: bool,
 }
 
 /// One stored coordinate.
@@ -138,6 +140,7 @@ impl<M: Mutation> Point<M> {
                 time: 0,
                 large_time: 0,
                 large: true,
+                open: false,
             },
         }
     }
@@ -227,6 +230,7 @@ impl<M: Mutation> Point<M> {
             time: 0,
             large_time: 0,
             large: true,
+            open: false,
         };
     }
 
@@ -246,9 +250,13 @@ impl<M: Mutation> Point<M> {
         self.clock.time as u64
     }
 
-    /// Makes a proposal that was [left open](Proposal::leave_open) the current state. To be called
-    /// once after it; of a point without an open proposal it would count a step that was not taken.
+    /// Makes a proposal that was [left open](Proposal::leave_open) the current state. Does nothing where
+    /// there is none, or it has been rejected meanwhile: a fault of the caller (debug builds panic).
     pub fn commit(&mut self) {
+        debug_assert!(self.clock.open, "no proposal is open");
+        if !std::mem::take(&mut self.clock.open) {
+            return;
+        }
         if self.clock.large {
             self.clock.large_time = self.clock.time;
         }
@@ -259,6 +267,7 @@ impl<M: Mutation> Point<M> {
     /// Restores every coordinate that a proposal which was [left open](Proposal::leave_open) has read,
     /// to the bit. Without one nothing changes.
     pub fn roll_back(&mut self) {
+        self.clock.open = false;
         restore(&mut self.streams, &self.undo);
         self.undo.clear();
     }

@@ -73,6 +73,7 @@ impl<M> Point<M> {
                 time: 1,
                 large_time: 0,
                 large: false,
+                open: false,
             },
         }
     }

@@ -31,6 +31,7 @@ impl<M: Mutation> Point<M> {
             time: 1,
             large_time: 0,
             large: false,
+            open: false,
         };
         Seeding {
             point: self,

@@ -8,9 +8,10 @@ use crate::Mutation;
 use crate::serial::MOST;
 
 /// No state that is read may ask for more replayed steps than these, all its coordinates
-/// together: some ten seconds. A chain would have to run for hours without a large step to
-/// owe them, of a mutation that hardly moves or (with equal sizes) never mixes.
-const MOST_REPLAYED: u64 = 1 << 31;
+/// together: about a minute's work. Chains come near it only by a mutation that hardly moves or
+/// (with nearly equal sizes) never mixes, and without large steps: a hundred million accepted steps
+/// with two hundred coordinates that nothing reads.
+const MOST_REPLAYED: u64 = 1 << 34;
 
 /// What is written: the current state. Of an open proposal there is no trace.
 #[derive(Serialize)]
@@ -72,10 +73,11 @@ impl<M: Mutation> TryFrom<Read<M>> for Point<M> {
                 time,
                 large_time,
                 large: true, // each proposal says anew
+                open: false,
             },
         };
         if point.replayed() > MOST_REPLAYED {
-            return Err("a point's coordinates owe more than 2^31 steps");
+            return Err("a point's coordinates owe more than 2^34 steps");
         }
         Ok(point)
     }

@@ -232,7 +232,10 @@ fn lens(reader: &mut Reader<'_>, place: &Cursor<'_>) -> Result<Option<Lens>> {
         aperture: positive(&aperture)?,
         focus: match place.get("focus")? {
             Some(focus) => positive(&focus)?,
-            None => return Err(place.mismatch("a \"focus\" beside the \"aperture\"")),
+            None => {
+                let expected = "a \"focus\" beside the \"aperture\"";
+                return Err(place.error(ErrorKind::Value, "no \"focus\"", expected));
+            }
         },
         blades: blades(reader, place)?,
     }))

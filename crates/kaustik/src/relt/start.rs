@@ -125,7 +125,7 @@ pub(crate) struct Started {
     pub(crate) starts: Vec<Vec<State>>,
     /// Integrals of the replicas' densities: constants of the weights.
     pub(crate) rough: Vec<Estimate>,
-    /// Densities and [`light`] of the first attempt's independent samples.
+    /// Densities and [`SpecularSplit`] of the first attempt's independent samples.
     pub(crate) pool: Vec<([f64; ReplicaSet::MOST], SpecularSplit)>,
     /// Implicit specular light of what the first attempt's scouts found, and how many were sent.
     pub(crate) scouted: (Vec<f64>, u64),
