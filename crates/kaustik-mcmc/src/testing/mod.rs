@@ -131,7 +131,7 @@
 //! [independent](crate::Move::independent) is a sample of the uniform law (check the mean of
 //! [`Statistics::independent`](crate::Statistics::independent) against a known integral), and
 //! balance between states that are both a millionth of the whole and less likely: defects are relative to
-//! all mass, so give [small targets](strategies) their own test.
+//! all mass, so give small targets (`strategies` draws some) their own test.
 
 mod asserts;
 mod chance;
