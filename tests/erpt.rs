@@ -1,21 +1,19 @@
 //! Energy redistribution on paths: right in the mean whatever its constants are, and what is wrong about it is
 //! measured.
 
-use std::sync::Arc;
-
-use glam::{Affine3A, Vec3};
+use glam::Vec3;
 use kaustik::film::Image;
 use kaustik::geometry::Mesh;
-use kaustik::scene::description::{
-    CameraDescription, InstanceDescription, MaterialDescription, Projection, Specular,
-};
+use kaustik::scene::description::{MaterialDescription, Specular};
 use kaustik::scene::{Description, Scene};
 use kaustik::{
     Colours, Control, Direct, Energy, EnergyStatistics, Jitter, Method, Options, RenderSettings,
     Rendered, Starts, render,
 };
 
-use crate::support::{Runs, Verdict, agree, compile, picture, scene, settings, tiles_of_seeds};
+use crate::support::{
+    Runs, Verdict, agree, compile, describe, picture, scene, settings, tiles_of_seeds,
+};
 
 const SIDE: u32 = 16;
 
@@ -237,37 +235,19 @@ fn mirror_before_the_void() -> Description {
         base_color: [0.0, 0.0, 0.0, 1.0],
         ..dull.clone()
     };
-    let mut description = Description::default();
-    description.cameras.push(CameraDescription {
-        name: "camera".to_owned(),
-        transform: Affine3A::from_translation(Vec3::new(0.0, 1.0, 3.0)),
-        projection: Projection::Perspective {
-            yfov: FIELD,
-            aspect_ratio: None,
-        },
-        lens: None,
-        shutter: None,
-    });
     let (x, y, z) = (Vec3::X, Vec3::Y, Vec3::Z);
-    for (material, mesh) in [
-        (
-            dull,
-            rectangle(Vec3::new(0.0, 0.0, 0.25), 2.25 * z, 1.5 * x),
-        ),
-        (mirror, rectangle(Vec3::new(0.0, 1.0, -2.0), x, y)),
-        (lamp, rectangle(Vec3::new(0.0, 2.4, -0.5), 0.2 * x, 0.2 * z)),
-    ] {
-        let index = description.meshes.len();
-        description.instances.push(InstanceDescription {
-            name: format!("instance {index}"),
-            mesh: index,
-            material: Some(description.materials.len()),
-            transform: Affine3A::IDENTITY,
-        });
-        description.materials.push(material);
-        description.meshes.push(Arc::new(mesh));
-    }
-    description
+    describe(
+        Vec3::new(0.0, 1.0, 3.0),
+        FIELD,
+        [
+            (
+                dull,
+                rectangle(Vec3::new(0.0, 0.0, 0.25), 2.25 * z, 1.5 * x),
+            ),
+            (mirror, rectangle(Vec3::new(0.0, 1.0, -2.0), x, y)),
+            (lamp, rectangle(Vec3::new(0.0, 2.4, -0.5), 0.2 * x, 0.2 * z)),
+        ],
+    )
 }
 
 /// Vertical field of view of the camera, radians.

@@ -1,16 +1,12 @@
 //! Long paths between glossy surfaces: the product of their scattering goes beyond single precision.
 
-use std::sync::Arc;
-
-use glam::{Affine3A, Vec3};
+use glam::Vec3;
 use kaustik::geometry::Mesh;
-use kaustik::scene::description::{
-    CameraDescription, InstanceDescription, MaterialDescription, Projection,
-};
-use kaustik::scene::{Description, Scene};
+use kaustik::scene::Scene;
+use kaustik::scene::description::MaterialDescription;
 use kaustik::{Control, Method, RenderSettings, Starts, render};
 
-use crate::support::{compile, means, settings};
+use crate::support::{compile, describe, means, settings};
 
 const SIDE: u32 = 8;
 
@@ -49,35 +45,13 @@ fn room() -> Scene {
         double_sided: true,
         ..MaterialDescription::default()
     };
-    let [.., ceiling] = faces(0.4);
-    let mut description = Description::default();
-    description.cameras.push(CameraDescription {
-        name: "camera".to_owned(),
-        transform: Affine3A::from_translation(Vec3::new(0.1, -0.2, 0.9)),
-        projection: Projection::Perspective {
-            yfov: 1.2,
-            aspect_ratio: None,
-        },
-        lens: None,
-        shutter: None,
-    });
-    let walls = faces(1.0).into_iter().map(|mesh| (metal.clone(), mesh));
-    let raised = Affine3A::from_translation(Vec3::new(0.0, 0.5, 0.0));
-    for (material, mesh) in walls.chain([(lamp, ceiling)]) {
-        let index = description.meshes.len();
-        description.instances.push(InstanceDescription {
-            name: format!("instance {index}"),
-            mesh: index,
-            material: Some(index),
-            transform: if index == 6 {
-                raised
-            } else {
-                Affine3A::IDENTITY
-            },
-        });
-        description.materials.push(material);
-        description.meshes.push(Arc::new(mesh));
+    let [.., mut ceiling] = faces(0.4);
+    for at in &mut ceiling.positions {
+        at.y += 0.5;
     }
+    let walls = faces(1.0).into_iter().map(|mesh| (metal.clone(), mesh));
+    let things = walls.chain([(lamp, ceiling)]);
+    let description = describe(Vec3::new(0.1, -0.2, 0.9), 1.2, things);
     compile(&description, SIDE)
 }
 

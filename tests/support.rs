@@ -4,11 +4,17 @@ use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::thread;
 
+use glam::{Affine3A, Vec3};
 use kaustik::film::Image;
+use kaustik::geometry::Mesh;
 use kaustik::path::features;
+use kaustik::scene::description::{
+    CameraDescription, InstanceDescription, MaterialDescription, Projection,
+};
 use kaustik::scene::{Description, Scene, SceneOptions, builtin};
 use kaustik::{Budget, Control, Method, RenderSettings, render};
 
@@ -25,6 +31,36 @@ pub(crate) fn compile(description: &Description, side: u32) -> Scene {
         ..SceneOptions::default()
     };
     Scene::new(description, &options).expect("a sound scene")
+}
+
+/// A pinhole camera that looks down -z, and things that stand where their meshes say.
+pub(crate) fn describe(
+    eye: Vec3,
+    yfov: f32,
+    things: impl IntoIterator<Item = (MaterialDescription, Mesh)>,
+) -> Description {
+    let mut description = Description::default();
+    description.cameras.push(CameraDescription {
+        name: "camera".to_owned(),
+        transform: Affine3A::from_translation(eye),
+        projection: Projection::Perspective {
+            yfov,
+            aspect_ratio: None,
+        },
+        lens: None,
+        shutter: None,
+    });
+    for (index, (material, mesh)) in things.into_iter().enumerate() {
+        description.instances.push(InstanceDescription {
+            name: format!("instance {index}"),
+            mesh: index,
+            material: Some(index),
+            transform: Affine3A::IDENTITY,
+        });
+        description.materials.push(material);
+        description.meshes.push(Arc::new(mesh));
+    }
+    description
 }
 
 /// Settings for a small square image without feature layers.

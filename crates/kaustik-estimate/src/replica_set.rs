@@ -128,12 +128,9 @@ impl ReplicaSet {
         self.count > Self::FEWEST && rest.iter().all(|&weight| weight < specular)
     }
 
-    /// Adds a replica: six numbers, then `*N` for N steps a sweep and `@B` for the replica, counted from
+    /// Adds a replica, for which there is room: six numbers, then `*N` for N steps a sweep and `@B` for the replica, counted from
     /// 1, that it stands on, if it is not the one before.
     fn add(&mut self, word: &str) -> Result<(), ReplicaSetError> {
-        if self.count == Self::MOST {
-            return Err(ReplicaSetError::Count(self.count + 1));
-        }
         let (word, below) = match word.split_once('@') {
             Some((word, below)) => (word, number(below, self.count)? - 1),
             None => (word, self.count - 1),
