@@ -335,6 +335,25 @@ fn a_black_scene_is_no_error() {
     }
 }
 
+#[test]
+fn a_start_that_takes_most_of_the_time_is_told() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let png = path(folder.path(), "short.png");
+    let told = |method, time| {
+        let scene = "builtin:cornell";
+        let output = kaustik(&[
+            "render", scene, "--method", method, "--width", "8", "--time", time, "--png", &png,
+        ]);
+        let message = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(output.status.success(), "{message}");
+        let start = message.lines().find(|line| line.contains("the start took"));
+        start.unwrap_or_default().to_owned()
+    };
+    assert!(told("mlt", "1ms").contains("--set pilot (now 100000)"));
+    assert!(told("relt", "1ms").contains("--set particles (now 10000)"));
+    assert_eq!(told("path", "1s"), "");
+}
+
 #[cfg(unix)]
 #[test]
 fn a_signal_writes_what_there_is() {

@@ -8,8 +8,8 @@ use kaustik::film::FilmError;
 use kaustik::scene::{Scene, SceneOptions};
 use kaustik::spectrum::WavelengthSampling;
 use kaustik::{
-    Budget, Control, Options, Outcome, RenderError, RenderSettings, Rendered, Source, State,
-    render_watched, resume,
+    Budget, Control, Options, Outcome, RenderError, RenderSettings, RenderStatistics, Rendered,
+    Source, State, render_watched, resume,
 };
 
 use crate::arguments::{OutputWords, RenderWords};
@@ -149,6 +149,7 @@ fn finish(
         );
     } else {
         note_layers(words, outcome, &rendered);
+        note_start(words, settings, &statistics);
         let rendered = match checkpoints.kept() {
             Some(state) if outcome == Outcome::Stopped => soon_written(words, state, rendered),
             _ => rendered,
@@ -172,6 +173,27 @@ fn note_layers(words: &RenderWords, outcome: Outcome, rendered: &Rendered) {
         let left_out = "note: stopped: the picture is without albedo, normal and depth";
         remark(&words.outputs, left_out);
     }
+}
+
+/// Says so where the start, which `--time` does not cut short, took most of the time.
+fn note_start(words: &RenderWords, settings: &RenderSettings, statistics: &RenderStatistics) {
+    let Budget::Time(limit) = settings.budget else {
+        return;
+    };
+    let start = statistics.pilot_seconds;
+    // A resumed render has no choice: it must start as the first did.
+    if start <= limit.as_secs_f64() / 2.0 || words.resume.is_some() {
+        return;
+    }
+    let entries = settings.options.entries(settings.method);
+    let shorter = ["pilot", "particles"].map(|name| entries.iter().find(|(key, _)| *key == name));
+    let Some((key, value)) = shorter.into_iter().flatten().next() else {
+        return;
+    };
+    let note = format!(
+        "note: the start took {start:.1} s, more than half of --time; a smaller --set {key} (now {value}) makes it shorter"
+    );
+    remark(&words.outputs, &note);
 }
 
 /// More samples of pictures take more than a second to compress.
