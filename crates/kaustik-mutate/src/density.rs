@@ -3,14 +3,16 @@
 use kaustik_bsdf::{Lobe, Mode, shading};
 use kaustik_scene::{EmissionPdf, EmitterPoint};
 
+use crate::PathSpace;
 use crate::factor::{Factor, factor};
 use crate::vertex::{PathVertex, Place};
-use crate::{Path, PathSpace};
+use crate::vertices::Vertices;
+use crate::ways::{Making, Ways};
 
 /// What of a step with the light is geometry: vertex `i` from vertex `i - 1`, per solid angle of the
 /// direction taken.
 #[inline]
-pub(crate) fn geometry_to_eye(path: &Path, i: usize) -> f64 {
+pub(crate) fn geometry_to_eye(path: &impl Vertices, i: usize) -> f64 {
     let (from, to) = (path.at(i - 1), path.at(i));
     let measure = match (from.specular, to.specular) {
         (true, _) => 1.0,
@@ -25,7 +27,7 @@ pub(crate) fn geometry_to_eye(path: &Path, i: usize) -> f64 {
 
 /// What of a step against the light is geometry: vertex `i` from vertex `i + 1`.
 #[inline]
-pub(crate) fn geometry_to_light(path: &Path, i: usize) -> f64 {
+pub(crate) fn geometry_to_light(path: &impl Vertices, i: usize) -> f64 {
     let (to, from) = (path.at(i), path.at(i + 1));
     let measure = match (from.specular, to.specular) {
         (true, _) => 1.0,
@@ -66,12 +68,14 @@ impl PathSpace<'_> {
 
     /// Densities with which emission sampling makes vertex 0 and leaves it.
     #[inline]
-    pub(crate) fn emission(&self, path: &Path) -> EmissionPdf {
+    pub(crate) fn emission(&self, path: &impl Vertices) -> EmissionPdf {
         let vertex = path.at(0);
         match vertex.place {
             Place::Emitter(EmitterPoint::Punctual(index)) => {
                 let next = path.at(1).vertex.position;
-                self.scene.punctual_view(index, next, &path.wavelengths).pdf
+                self.scene
+                    .punctual_view(index, next, path.wavelengths())
+                    .pdf
             }
             Place::Emitter(EmitterPoint::Environment(toward)) => {
                 self.scene.environment_emission_pdf(toward)
@@ -82,12 +86,12 @@ impl PathSpace<'_> {
 
     /// Density with which a walk with the light makes vertex `i > 0` from the one before.
     #[inline]
-    pub(crate) fn step_to_eye_pdf(&self, path: &Path, i: usize) -> f64 {
-        if i + 1 == path.len() {
+    pub(crate) fn step_to_eye_pdf(&self, path: &impl Vertices, i: usize) -> f64 {
+        if path.at(i).place == Place::Lens {
             return 0.0; // no walk is stopped by the lens here
         }
         let from = path.at(i - 1);
-        let direction = if i == 1 {
+        let direction = if matches!(from.place, Place::Emitter(_)) {
             factor(Factor::Emission, self.emission(path).direction)
         } else if from.specular {
             let delta = from.bsdf.delta(from.wi, from.transmitted, Mode::Importance);
@@ -102,8 +106,8 @@ impl PathSpace<'_> {
 
     /// Density with which a walk from the eye makes vertex `i` from the one after it.
     #[inline]
-    pub(crate) fn step_to_light_pdf(&self, path: &Path, i: usize) -> f64 {
-        if i == 0 && !path.at(0).is_hittable() {
+    pub(crate) fn step_to_light_pdf(&self, path: &impl Vertices, i: usize) -> f64 {
+        if !path.at(i).is_hittable() {
             return 0.0;
         }
         let from = path.at(i + 1);
@@ -126,32 +130,34 @@ impl PathSpace<'_> {
     /// `i` of them by a walk with the light, the others by one from the eye, for all `i` up to their
     /// number. A way whose joining edge touches a Dirac scattering is none. At the ends of the path
     /// walks begin with a point of an emitter and of the lens.
-    pub(crate) fn all_ways(&self, path: &Path, first: usize, end: usize) -> f64 {
-        let by_eye = |i: usize| {
-            if i + 1 == path.len() {
-                self.start_at_lens()
-            } else {
-                self.step_to_light_pdf(path, i)
-            }
-        };
-        let by_light = |i: usize| match i {
+    pub(crate) fn all_ways(&self, path: &impl Vertices, first: usize, end: usize) -> f64 {
+        let none = Ways::none(joins(path, first));
+        (first..end)
+            .fold(none, |ways, i| ways.then(self.making(path, i)))
+            .sum
+    }
+
+    /// Vertex `i`, made in either way.
+    #[inline]
+    pub(crate) fn making(&self, path: &impl Vertices, i: usize) -> Making {
+        let by_light = match i {
             0 => factor(Factor::EmitterPoint, self.emission(path).position),
             _ => self.step_to_eye_pdf(path, i),
         };
-        // Horner's scheme: sum_i (L_0 .. L_{i-1}) J_i (E_i .. E_{n-1}), from the light.
-        // 1, unless a test leaves this factor out: the ways that begin at the light then count nothing.
-        let mut light = 1.0 - factor(Factor::OtherWays, 0.0);
-        let mut sum = f64::from(u8::from(joins(path, first)));
-        for i in first..end {
-            light *= by_light(i);
-            sum = sum * by_eye(i) + light * f64::from(u8::from(joins(path, i + 1)));
+        let by_eye = match path.at(i).place {
+            Place::Lens => self.start_at_lens(),
+            _ => self.step_to_light_pdf(path, i),
+        };
+        Making {
+            by_light,
+            by_eye,
+            joins: f64::from(u8::from(joins(path, i + 1))),
         }
-        sum
     }
 }
 
 /// May vertices `i - 1` and `i` have been joined? Beyond the ends of the path nothing needs to be.
 #[inline]
-fn joins(path: &Path, i: usize) -> bool {
+fn joins(path: &impl Vertices, i: usize) -> bool {
     i == 0 || i == path.len() || !(path.at(i - 1).specular || path.at(i).specular)
 }

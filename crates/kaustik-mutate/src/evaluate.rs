@@ -2,8 +2,10 @@
 
 use kaustik_bsdf::{Lobe, Mode, shading};
 use kaustik_scene::EmitterPoint;
+use kaustik_spectrum::Xyz;
 
 use crate::vertex::{PathVertex, Place};
+use crate::vertices::Vertices;
 use crate::{Path, PathSpace};
 
 /// Below it a product is scaled up, above its inverse down: single precision ends at 1e-38 and
@@ -13,19 +15,17 @@ const SMALL: f32 = 1e-12;
 impl PathSpace<'_> {
     /// Works out vertex `i` for the directions that it now has; `false` if no light passes.
     pub(crate) fn refresh(&self, path: &mut Path, i: usize) -> bool {
-        if i == 0 {
-            return self.emit(path);
+        match path.at(i).place {
+            Place::Emitter(_) => self.emit(path, i),
+            Place::Lens => self.look(path, i),
+            Place::Surface => scatter(path.at_mut(i)),
         }
-        if i + 1 == path.len() {
-            return self.look(path);
-        }
-        scatter(path.at_mut(i))
     }
 
-    /// Vertex 0 emits toward vertex 1.
-    fn emit(&self, path: &mut Path) -> bool {
+    /// Vertex `i` emits toward the next.
+    fn emit(&self, path: &mut Path, i: usize) -> bool {
         let wavelengths = path.wavelengths;
-        let (vertex, next) = path.pair(0);
+        let (vertex, next) = path.pair(i);
         vertex.cos_eye = 1.0;
         vertex.value = match vertex.place {
             Place::Emitter(EmitterPoint::Surface) => {
@@ -44,10 +44,10 @@ impl PathSpace<'_> {
         !vertex.value.is_zero()
     }
 
-    /// The lens sees along its `toward_light`.
-    fn look(&self, path: &mut Path) -> bool {
+    /// The lens, vertex `i`, sees along its `toward_light`.
+    fn look(&self, path: &mut Path, i: usize) -> bool {
         let camera = self.scene.camera();
-        let lens = path.at_mut(path.len() - 1);
+        let lens = path.at_mut(i);
         let direction = lens.toward_light;
         let parallel = camera.is_dirac_direction();
         let cos = if parallel {
@@ -71,7 +71,15 @@ impl PathSpace<'_> {
         if path.edges() < self.settings.min_edges as usize {
             return false;
         }
-        let mut scale = path.importance;
+        let (density, colour) = self.light_of(path, path.importance);
+        (path.density, path.colour) = (density, colour);
+        density > 0.0 || density.is_nan()
+    }
+
+    /// The density of a path, seen with this importance, and its colour.
+    #[inline]
+    pub(crate) fn light_of(&self, path: &impl Vertices, importance: f64) -> (f64, Xyz) {
+        let mut scale = importance;
         let mut value = path.at(0).value;
         let mut dispersive = false;
         for i in 0..path.len() - 1 {
@@ -97,22 +105,17 @@ impl PathSpace<'_> {
             }
         }
         let xyz = if dispersive {
-            path.wavelengths.hero_to_xyz(value)
+            path.wavelengths().hero_to_xyz(value)
         } else {
-            path.wavelengths.to_xyz(value)
+            path.wavelengths().to_xyz(value)
         };
         let scalar = self.target.of(xyz);
-        path.density = scalar * scale;
-        path.colour = xyz * (1.0 / scalar) as f32;
-        path.density > 0.0 || path.density.is_nan()
+        (scalar * scale, xyz * (1.0 / scalar) as f32)
     }
 }
 
 /// Scattering at a surface between its two directions.
 fn scatter(vertex: &mut PathVertex) -> bool {
-    if vertex.place != Place::Surface {
-        return false;
-    }
     vertex.wi = vertex.vertex.frame.to_local(vertex.toward_light);
     vertex.wo = vertex.vertex.frame.to_local(vertex.toward_eye);
     let PathVertex { wi, wo, ng, .. } = *vertex;

@@ -27,8 +27,8 @@ impl PathSpace<'_> {
     /// parallel rays where it sees vertex `i`.
     fn between(&self, path: &mut Path, i: usize) -> Option<(DVec3, f64)> {
         let wavelengths = path.wavelengths;
-        let last = i + 2 == path.len();
         let (light, eye) = path.pair(i);
+        let last = eye.place == Place::Lens;
         let camera = self.scene.camera();
         match light.place {
             // No walk from the eye finds such a light, and it has no size in the picture.

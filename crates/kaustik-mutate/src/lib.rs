@@ -68,8 +68,10 @@ mod time;
 mod told;
 mod tracer;
 mod vertex;
+mod vertices;
 mod walk;
 mod wavelength;
+mod ways;
 
 pub use bidirectional::BidirectionalMutation;
 pub use caustic::CausticPerturbation;

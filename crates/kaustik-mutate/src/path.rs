@@ -133,6 +133,11 @@ impl Path {
     }
 
     #[inline]
+    pub(crate) fn vertices(&self) -> &[PathVertex] {
+        &self.slots[..self.len]
+    }
+
+    #[inline]
     pub(crate) fn at(&self, i: usize) -> &PathVertex {
         &self.slots[..self.len][i]
     }

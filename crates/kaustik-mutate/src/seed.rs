@@ -6,10 +6,12 @@ use kaustik_bsdf::Lobe;
 use kaustik_mcmc::Draws;
 use kaustik_path::Role;
 use kaustik_scene::EmitterPoint;
-use kaustik_spectrum::Wavelengths;
+use kaustik_spectrum::{Wavelengths, Xyz};
 
 use crate::vertex::Place;
+use crate::vertices::Pieces;
 use crate::walk::Way;
+use crate::ways::{Ways, WaysOn};
 use crate::{Path, PathSpace};
 
 /// Independent paths: a walk from an emitter and one from the eye, joined in every way (Veach 1997 ch. 10).
@@ -24,11 +26,21 @@ pub struct Seeds<'a> {
     /// Vertices from the light are at its front, those from the eye at its end.
     light: Path,
     eye: Path,
+    /// The two vertices where the walks are joined, or the first two from the eye's side of a walk that has run
+    /// into an emitter: all that differs from the walks.
+    joint: Path,
     joined: Path,
     /// Chance with which the walk from the light made so many vertices.
     light_survival: Vec<f64>,
     eye_survival: Vec<f64>,
+    /// By the number of vertices from the light: ways to make those of them that no joint changes.
+    before: Vec<Ways>,
+    /// The same by the number of vertices from the eye.
+    after: Vec<WaysOn>,
 }
+
+/// Vertices of each walk whose densities a joint changes.
+const TOUCHED: usize = 2;
 
 /// Walks of fewer vertices always go on.
 const FIRST_ROULETTE: usize = 4;
@@ -42,9 +54,12 @@ impl<'a> Seeds<'a> {
             space,
             light: Path::default(),
             eye: Path::default(),
+            joint: Path::default(),
             joined: Path::default(),
             light_survival: Vec::new(),
             eye_survival: Vec::new(),
+            before: Vec::new(),
+            after: Vec::new(),
         }
     }
 
@@ -73,6 +88,7 @@ impl<'a> Seeds<'a> {
     ) -> f64 {
         self.walk_from_light(space, draws);
         let escaped = self.walk_from_eye(space, draws);
+        self.sum_ways(space);
         let mut sum = 0.0;
         for t in 1..=self.eye_survival.len() {
             let ends = (t > 1 && self.emits(space, t)) || (escaped && t == self.eye_survival.len());
@@ -149,6 +165,28 @@ impl<'a> Seeds<'a> {
         vertex.place == Place::Surface && space.scene.is_emitter(&vertex.vertex)
     }
 
+    /// Sums up the ways to make what each walk has, but for the vertices that a joint touches: with these
+    /// sums a path is weighted in the same time however long it is.
+    fn sum_ways(&mut self, space: &PathSpace<'_>) {
+        let (light, eye) = (&self.light, &self.eye);
+        self.before.clear();
+        self.after.clear();
+        let mut before = Ways::none(true);
+        for s in 0..=self.light_survival.len() {
+            if s > TOUCHED {
+                before = before.then(space.making(light, s - TOUCHED - 1));
+            }
+            self.before.push(before);
+        }
+        let mut after = WaysOn::NONE;
+        for t in 0..=self.eye_survival.len() {
+            if t > TOUCHED {
+                after = after.after(space.making(eye, eye.len() - (t - TOUCHED)));
+            }
+            self.after.push(after);
+        }
+    }
+
     /// Tries the path of `s` vertices from the light and `t` from the eye.
     fn add<D: Draws + ?Sized>(
         &mut self,
@@ -158,41 +196,89 @@ impl<'a> Seeds<'a> {
         path: &mut Path,
         draws: &mut D,
     ) {
-        let n = s + t;
-        if !space.lengths().contains(&(n - 1)) {
+        if !space.lengths().contains(&(s + t - 1)) || !self.join(space, [s, t]) {
             return;
         }
-        let joined = &mut self.joined;
-        joined.resize(n);
-        joined.tune(&self.eye);
-        joined.raster = self.eye.raster;
-        joined.importance = self.eye.importance;
-        joined.copy(0, &self.light, 0..s);
-        joined.copy(s, &self.eye, self.eye.len() - t..self.eye.len());
-        let lit = if s == 0 {
-            let first = joined.at_mut(0);
-            first.specular = false;
-            if first.place == Place::Surface {
-                first.place = Place::Emitter(EmitterPoint::Surface);
-            }
-            space.refresh(joined, 0)
-        } else {
-            space.join(joined, s - 1)
-        };
-        if !(lit && space.evaluate(joined)) {
+        let vertices = self.vertices([s, t]);
+        let light = space.light_of(&vertices, self.joint.importance);
+        let density = light.0;
+        if density <= 0.0 {
             return;
         }
+        let touched = s.saturating_sub(TOUCHED)..(s + TOUCHED).min(s + t);
+        let ways = touched.fold(self.before[s], |ways, i| {
+            ways.then(space.making(&vertices, i))
+        });
         let survived =
             self.eye_survival[t - 1] * s.checked_sub(1).map_or(1.0, |s| self.light_survival[s]);
-        let weight = joined.density / (space.all_ways(joined, 0, n) * survived);
-        if !weight.is_finite() {
-            space.tell(joined, Role::Sampled(weight));
-        }
+        let weight = density / (ways.through(self.after[t]) * survived);
         let before = *sum;
         *sum += weight;
-        if weight.is_finite() && draws.index(&[before, weight]) == 1 {
-            std::mem::swap(path, joined);
+        if !weight.is_finite() {
+            self.write([s, t], light);
+            space.tell(&self.joined, Role::Sampled(weight));
+        } else if draws.index(&[before, weight]) == 1 {
+            self.write([s, t], light);
+            std::mem::swap(path, &mut self.joined);
         }
+    }
+
+    /// Joins the walks after so many vertices of each; `false` if no light passes.
+    fn join(&mut self, space: &PathSpace<'_>, [s, t]: [usize; 2]) -> bool {
+        let Self {
+            light, eye, joint, ..
+        } = self;
+        joint.resize(2);
+        joint.tune(eye);
+        (joint.raster, joint.importance) = (eye.raster, eye.importance);
+        let first = eye.len() - t;
+        if s > 0 {
+            joint.copy(0, light, s - 1..s);
+            joint.copy(1, eye, first..first + 1);
+            return space.join(joint, 0);
+        }
+        joint.copy(0, eye, first..first + 2);
+        let emitter = joint.at_mut(0);
+        emitter.specular = false;
+        if emitter.place == Place::Surface {
+            emitter.place = Place::Emitter(EmitterPoint::Surface);
+        }
+        space.refresh(joint, 0)
+    }
+
+    /// The vertices of the path that was joined last, where they are.
+    fn vertices(&self, [s, t]: [usize; 2]) -> Pieces<'_> {
+        let from_light = s.saturating_sub(1);
+        let from_eye = s + t - from_light - self.joint.len();
+        let eye = self.eye.vertices();
+        Pieces {
+            vertices: [
+                &self.light.vertices()[..from_light],
+                self.joint.vertices(),
+                &eye[eye.len() - from_eye..],
+            ],
+            wavelengths: &self.joint.wavelengths,
+        }
+    }
+
+    /// Writes that path, with this density and colour, as `joined`.
+    fn write(&mut self, [s, t]: [usize; 2], (density, colour): (f64, Xyz)) {
+        let Self {
+            light,
+            eye,
+            joint,
+            joined,
+            ..
+        } = self;
+        joined.resize(s + t);
+        joined.tune(joint);
+        (joined.raster, joined.importance) = (joint.raster, joint.importance);
+        (joined.density, joined.colour) = (density, colour);
+        let from_light = s.saturating_sub(1);
+        let from_eye = from_light + joint.len();
+        joined.copy(0, light, 0..from_light);
+        joined.copy(from_light, joint, 0..joint.len());
+        joined.copy(from_eye, eye, eye.len() - (s + t - from_eye)..eye.len());
     }
 }
 
@@ -211,3 +297,6 @@ pub(crate) fn survives<D: Draws + ?Sized>(
     let survival = albedo.clamp(*SURVIVAL.start(), *SURVIVAL.end());
     (draws.index(&[survival, 1.0 - survival]) == 0).then_some(survival)
 }
+
+#[cfg(test)]
+mod tests;

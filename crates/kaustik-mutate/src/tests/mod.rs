@@ -8,7 +8,7 @@ mod kinds;
 mod printed;
 mod rules;
 mod seeds;
-mod stage;
+pub(crate) mod stage;
 mod written;
 
 use glam::DVec2;
@@ -20,7 +20,7 @@ use kaustik_scene::Scene;
 use crate::PathSpace;
 
 /// Paths of at most so many edges, through a part of the raster.
-fn space(scene: &Scene, max_edges: u32) -> PathSpace<'_> {
+pub(crate) fn space(scene: &Scene, max_edges: u32) -> PathSpace<'_> {
     PathSpace {
         scene,
         settings: BuilderSettings {

@@ -1,0 +1,72 @@
+//! Sums that are cut at a joint against those over the whole path.
+
+use kaustik_mcmc::generator;
+
+use super::{PathSpace, Seeds};
+use crate::Path;
+use crate::tests::space;
+use crate::tests::stage::scene;
+
+/// The weights of all paths of the last sample, each path put together and weighed as a whole; how many there are.
+fn weighed_as_wholes(seeds: &mut Seeds<'_>, space: &PathSpace<'_>, escaped: bool) -> (f64, usize) {
+    let (most_s, most_t) = (seeds.light_survival.len(), seeds.eye_survival.len());
+    let (mut sum, mut count) = (0.0, 0);
+    for t in 1..=most_t {
+        for s in 0..=most_s {
+            let ends = (t > 1 && seeds.emits(space, t)) || (escaped && t == most_t);
+            let tried = match s {
+                0 => ends,
+                _ => !(escaped && t == most_t),
+            };
+            if !tried || !space.lengths().contains(&(s + t - 1)) || !seeds.join(space, [s, t]) {
+                continue;
+            }
+            seeds.write([s, t], Default::default());
+            if !space.evaluate(&mut seeds.joined) {
+                continue;
+            }
+            let survived = seeds.eye_survival[t - 1]
+                * s.checked_sub(1).map_or(1.0, |s| seeds.light_survival[s]);
+            let path = &seeds.joined;
+            sum += path.density / (space.all_ways(path, 0, s + t) * survived);
+            count += 1;
+        }
+    }
+    (sum, count)
+}
+
+#[test]
+fn a_weight_is_that_of_the_whole_path() {
+    for name in [
+        "diffuse",
+        "glossy",
+        "glass",
+        "frosted",
+        "inlay",
+        "point",
+        "sun",
+        "sky",
+        "lens",
+        "orthographic",
+        "veil",
+    ] {
+        let scene = scene(name);
+        let space = space(&scene, 8);
+        let mut seeds = Seeds::new(&space);
+        let mut path = Path::default();
+        let mut rng = generator(11, 0);
+        let mut paths = 0;
+        for _ in 0..500 {
+            let sum = seeds.sample(&mut path, &mut rng);
+            let last = seeds.eye.len() - seeds.eye_survival.len();
+            let escaped = seeds.eye.at(last).is_environment();
+            let (wanted, count) = weighed_as_wholes(&mut seeds, &space, escaped);
+            assert!(
+                (sum - wanted).abs() <= 1e-9 * wanted,
+                "{name}: {sum}, {wanted}"
+            );
+            paths += count;
+        }
+        assert!(paths > 500, "{name}: {paths}");
+    }
+}
