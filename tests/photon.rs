@@ -1,11 +1,14 @@
 //! Photon methods: against path tracing as the radius shrinks, against each other at any radius.
 
+use glam::Vec3;
 use kaustik::estimate::Combine;
 use kaustik::film::Image;
+use kaustik::geometry::Mesh;
 use kaustik::scene::Scene;
+use kaustik::scene::description::{AlphaMode, MaterialDescription};
 use kaustik::{Budget, Control, LadderSize, Method, RenderSettings, RenderStatistics, render};
 
-use crate::support::{means, picture, scene, settings, tile_means};
+use crate::support::{compile, describe, means, picture, scene, settings, tile_means};
 
 const SIDE: u32 = 32;
 
@@ -148,6 +151,65 @@ fn photon_methods_agree_with_each_other() {
         assert!(
             error < 0.05 && bias.abs() < 0.015,
             "{method}, {levels:?} levels, {combine:?}: {error}, {bias}"
+        );
+    }
+}
+
+/// A square around the z axis that looks along it.
+fn screen(z: f32, half: f32) -> Mesh {
+    let corner = |x: f32, y: f32| Vec3::new(x * half, y * half, z);
+    Mesh {
+        positions: vec![
+            corner(-1.0, -1.0),
+            corner(1.0, -1.0),
+            corner(1.0, 1.0),
+            corner(-1.0, 1.0),
+        ],
+        indices: vec![[0, 1, 2], [0, 2, 3]],
+        ..Mesh::default()
+    }
+}
+
+/// A veil that a third of all rays meet, before a wall: camera and photons meet it by chance, and it counts once. (Were it
+/// counted twice, a third would be missing.)
+#[test]
+fn veils_are_as_bright_as_they_are() {
+    let paper = MaterialDescription {
+        roughness: 1.0,
+        metallic: 0.0,
+        base_color: [0.8, 0.8, 0.8, 1.0],
+        double_sided: true,
+        ..MaterialDescription::default()
+    };
+    let veil = MaterialDescription {
+        base_color: [0.8, 0.8, 0.8, 0.3],
+        alpha_mode: AlphaMode::Blend,
+        ..paper.clone()
+    };
+    let lamp = MaterialDescription {
+        emissive: [10.0; 3],
+        double_sided: true,
+        ..paper.clone()
+    };
+    let things = [
+        (paper, screen(-1.0, 2.0)),
+        (veil, screen(0.0, 2.0)),
+        (lamp, screen(4.0, 0.5)),
+    ];
+    let scene = compile(&describe(Vec3::new(0.0, 0.0, 3.0), 0.5, things), SIDE);
+    let brightness = |settings: &RenderSettings| luminance(means(&picture(&scene, settings)));
+    let truth = brightness(&settings(Method::Bdpt, SIDE, 256));
+    for method in [
+        Method::Sppm,
+        Method::PhotonVisibility,
+        Method::PhotonDensity,
+        Method::PhotonSpatial,
+        Method::PhotonImage,
+    ] {
+        let found = brightness(&photons(method, 16, 60_000));
+        assert!(
+            (found / truth - 1.0).abs() < 0.06,
+            "{method}: {found}, {truth}"
         );
     }
 }

@@ -18,7 +18,7 @@ pub struct Photon {
     /// Unit direction to where it came from (world).
     pub wi: DVec3,
     /// Flux over density, at the wavelengths of the iteration: the mean over uniform coordinates of the photons' sum
-    /// is the flux.
+    /// is the flux that arrives, what passes a surface that is partly transparent included.
     pub power: Spectrum,
     /// Edges from the light.
     pub edges: u32,
@@ -99,7 +99,7 @@ impl PhotonTracing {
                     position: vertex.surface.position,
                     normal: vertex.normal.as_vec3(),
                     wi: -walk.direction,
-                    power: walk.throughput,
+                    power: walk.throughput / staying(scene, &vertex),
                     edges: walk.edges,
                     dispersive: walk.dispersive,
                 });
@@ -108,5 +108,16 @@ impl PhotonTracing {
                 return;
             }
         }
+    }
+}
+
+/// The share of walks that come to this point and stay. The camera's walk has met the surface with that probability
+/// too, and of all light that arrives the surface scatters so much, not of the light that stays.
+#[inline]
+fn staying(scene: &Scene, vertex: &Vertex) -> f32 {
+    if scene.has_alpha() {
+        scene.opacity(vertex)
+    } else {
+        1.0
     }
 }
