@@ -21,6 +21,7 @@ pub struct Told<'a, N> {
     pub names: &'static [&'static str],
 }
 
+#[deny(clippy::missing_trait_methods)]
 impl<N: Kernel<(), Value = Path>> Kernel<()> for Told<'_, N> {
     type Value = Path;
 
