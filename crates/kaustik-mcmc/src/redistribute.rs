@@ -306,9 +306,7 @@ impl<S: Clone, V: Clone + Default> Redistributor<S, V> {
                 }
                 kernel.reject_move(state, &proposal);
             }
-            let mut stay = place.rejections;
-            self.statistics.chain.count_step(accepted, &mut stay);
-            place.rejections = stay;
+            (self.statistics.chain).count_step(accepted, &mut place.rejections);
         }
         place.leave(value, depositor);
     }
