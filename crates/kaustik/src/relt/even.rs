@@ -17,6 +17,7 @@ use kaustik_path::Contributions;
 use super::start::Started;
 use crate::RenderSettings;
 use crate::cells::Cells;
+use crate::gcd::gcd;
 use crate::stratified::{Stratified, mix};
 use crate::streams;
 
@@ -156,15 +157,9 @@ impl Even {
 /// About the golden section of `count`, without a divisor in common with it: so many steps to the side, again and again,
 /// meet every cell once before any twice, and never stay long in one part of the image.
 fn stride(count: u64) -> u64 {
-    let common = |mut a: u64, mut b: u64| {
-        while b > 0 {
-            (a, b) = (b, a % b);
-        }
-        a
-    };
     let golden = ((count as f64 * 0.618_033_988_749_895) as u64).max(1);
     (golden..)
-        .find(|&stride| common(stride, count) == 1)
+        .find(|&stride| gcd(stride, count) == 1)
         .unwrap_or(1)
 }
 

@@ -2,6 +2,7 @@
 
 use kaustik_estimate::{PhotonLevels, PhotonTargetKind};
 
+use crate::gcd::gcd;
 use crate::photon_options::Pace;
 
 /// Share of uniform light paths from which on a scene is seen well enough for them to do nearly all of the work.
@@ -67,10 +68,6 @@ impl<const K: usize> Periods<K> {
         let all = u128::from(steps) * u128::from(turn);
         all.div_ceil(u128::from(in_turn)) as u64
     }
-}
-
-fn gcd(a: u64, b: u64) -> u64 {
-    if b == 0 { a } else { gcd(b, a % b) }
 }
 
 #[cfg(test)]
