@@ -24,8 +24,8 @@ pub enum Witnesses {
     Others,
     /// The chain of visibility alone (G Eq. 6). As [`Others`](Self::Others) in ladders that have none.
     Visibility,
-    /// All chains, by the same heuristic. Within an iteration targets stand, so that the chain of the full one is as good a
-    /// witness as any; where light is seldom it is the only one that comes often.
+    /// All chains, by the same heuristic. Within an iteration targets stand, so that the chain of the full
+    /// one is as good a witness as any; where light is seldom it is the only one that comes often.
     All,
 }
 
@@ -221,8 +221,19 @@ mod tests {
     use super::*;
     use crate::Combine;
 
-    /// Paths of up to three photons that meet points of four leaves, some points again: each leaf is told of each point once,
-    /// and of each path once.
+    /// Up to three photons, each of which meets up to three of twenty points.
+    fn path(mut below: impl FnMut(f64) -> u32) -> PhotonValue {
+        let mut value = PhotonValue::default();
+        for photon in 0..=below(3.0) {
+            let first = below(17.0);
+            let met = (first..=first + below(3.0)).map(|point| Meeting { photon, point });
+            value.meetings.extend(met);
+        }
+        value
+    }
+
+    /// Paths of up to three photons that meet points of four leaves, some points again: each leaf is told of
+    /// each point once, and of each path once.
     #[test]
     fn a_path_counts_once_at_a_point_and_in_a_leaf() {
         let (points, lookup) = (MeasurementPoints::default(), Lookup::default());
@@ -245,12 +256,7 @@ mod tests {
         let mut below = |n: f64| (rng.uniform() * n) as u32;
         let mut exact = vec![LeafTally::default(); 4];
         for number in 0..500 {
-            let mut value = PhotonValue::default();
-            for photon in 0..=below(3.0) {
-                let first = below(17.0);
-                let met = (first..=first + below(3.0)).map(|point| Meeting { photon, point });
-                value.meetings.extend(met);
-            }
+            let value = path(&mut below);
             let (level, half) = (number % 2, number / 2 % 2);
             let densities = &[1.0, 1.0];
             sums.take(
