@@ -127,11 +127,12 @@ pub struct Move {
     /// there: finite, at least 0; 1 for symmetric proposals, 0 if the proposal is
     /// impossible (its value is then ignored).
     ///
-    /// Of continuous states these are densities, both in the measure of the family's own density, and with the probability
-    /// of choosing this kind of move. A map y = g(x) without a random number of its own contributes its Jacobian, |det dy/dx|.
+    /// Of continuous states these are densities, both in the measure of the family's own density, and with
+    /// the probability of choosing this kind of move. A map y = g(x) without a random number of its own
+    /// contributes its Jacobian, |det dy/dx|.
     pub ratio: f64,
-    /// Whether the proposal is a sample of the uniform law on the cube, independent of the
-    /// current state. Such samples estimate the normaliser, those of ratio 0 as zeros: an independent proposal that comes to
+    /// Whether the proposal is a sample of the uniform law on the cube, independent of the current state.
+    /// Such samples estimate the normaliser, those of ratio 0 as zeros: an independent proposal that comes to
     /// nothing must say so here too.
     pub independent: bool,
 }

@@ -255,7 +255,8 @@ impl<'a, const K: usize> ReltEngine<'a, K> {
         all
     }
 
-    /// Has it made more sweeps than its annealing had particles? Before, the rough constants are better than those of eq. 10.
+    /// Has it made more sweeps than its annealing had particles? Before, the rough constants are better than
+    /// those of eq. 10.
     fn is_past_annealing(&self) -> bool {
         self.sweeps() >= self.particles
     }

@@ -1,5 +1,5 @@
-//! Replays against renders, event by event: all that a render tells on one thread is what replays of its steps tell, bit for
-//! bit.
+//! Replays against renders, event by event: all that a render tells on one thread is what replays of its
+//! steps tell, bit for bit.
 
 use kaustik_path::{Event, Role, Side, trace};
 use kaustik_scene::Scene;
@@ -177,8 +177,9 @@ fn of_chain(events: &[Event], chain: usize) -> Vec<Event> {
     own.flatten().copied().collect()
 }
 
-/// Steps of all chains of two ladders in several iterations: the path where the chain is was told before, the one that it may go
-/// to and what falls on the image is what the render told there. A chain that rests goes nowhere.
+/// Steps of all chains of two ladders in several iterations: the path where the chain is was told before, the
+/// one that it may go to and what falls on the image is what the render told there. A chain that rests goes
+/// nowhere.
 #[test]
 fn chains_of_photons_are_retold() {
     let even = [1; 4];

@@ -13,7 +13,8 @@ use crate::relt::start::{kernel, kernels, mutation};
 use crate::{Place, RenderError};
 
 impl<const K: usize> AnnealingEngine<'_, K> {
-    /// Takes the round of a place as far as its step, and tells what happens in that: a round follows from its number alone.
+    /// Takes the round of a place as far as its step, and tells what happens in that: a round follows from
+    /// its number alone.
     ///
     /// # Errors
     /// A level that the round did not come to.
@@ -53,7 +54,8 @@ impl<const K: usize> AnnealingEngine<'_, K> {
         trace(sample).1
     }
 
-    /// The population of a step's round as it comes to the step's level, from the generators of this number for each level.
+    /// The population of a step's round as it comes to the step's level, from the generators of this number
+    /// for each level.
     fn population(
         &self,
         target: PathTarget<'_>,

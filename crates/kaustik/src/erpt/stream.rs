@@ -199,8 +199,8 @@ impl Stream {
         }
     }
 
-    /// Tells what happens in the sample of this number. How many chains it has follows from the samples of its cell before it,
-    /// with [`Energy::Passes`] from all samples before it: these are taken first.
+    /// Tells what happens in the sample of this number. How many chains it has follows from the samples of
+    /// its cell before it, with [`Energy::Passes`] from all samples before it: these are taken first.
     pub(crate) fn replay(&mut self, job: &Job<'_>, step: u64) -> Vec<Event> {
         match job.options.energy {
             Energy::Pilot => self.carry_to(job, step),

@@ -60,8 +60,8 @@ pub(super) struct PhotonChains<const K: usize> {
     adaptations: [AcceptanceAdaptation<Power>; K],
     /// Rough normalisers: those of the iteration before.
     rough: [f64; K],
-    /// XYZ of each pixel, summed over iterations. Where visibility's normaliser comes only at the end: of all chains but the
-    /// first, not yet multiplied by it.
+    /// XYZ of each pixel, summed over iterations. Where visibility's normaliser comes only at the end: of all
+    /// chains but the first, not yet multiplied by it.
     sums: Vec<[f64; 3]>,
     /// Of visibility, over iterations; `None` where each iteration has its own.
     visible: Option<Mean>,
@@ -134,8 +134,8 @@ impl<const K: usize> PhotonChains<K> {
         Ok(chains)
     }
 
-    /// Finds step sizes for the first targets. Then learning begins anew: targets get narrower with every iteration that
-    /// knows more regions.
+    /// Finds step sizes for the first targets. Then learning begins anew: targets get narrower with every
+    /// iteration that knows more regions.
     fn warm_up(&mut self, stage: &Stage<'_>) {
         let wanted = self.options.acceptance;
         for _ in 0..WARM_UP_ROUNDS {
@@ -200,8 +200,8 @@ impl<const K: usize> PhotonChains<K> {
         total
     }
 
-    /// Reads states under targets that have changed. Where other wavelengths or points have left a chain in the dark, it goes on
-    /// from where another one of its level is; of another level if there is none.
+    /// Reads states under targets that have changed. Where other wavelengths or points have left a chain in
+    /// the dark, it goes on from where another one of its level is; of another level if there is none.
     fn read_anew(&mut self, stage: &Stage<'_>) {
         let mut ladders = std::mem::take(&mut self.ladders);
         let target = self.target(stage);

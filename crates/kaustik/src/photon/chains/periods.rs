@@ -40,8 +40,8 @@ impl<const K: usize> Periods<K> {
         sweep.is_multiple_of(self.0[level])
     }
 
-    /// Are exchanges tried after it? Not where none but the first chain has gone anywhere: its next light path is as good as
-    /// this one.
+    /// Are exchanges tried after it? Not where none but the first chain has gone anywhere: its next light
+    /// path is as good as this one.
     #[inline]
     pub(super) fn exchanges(&self, sweep: u64) -> bool {
         (1..K).any(|level| self.steps(level, sweep))
