@@ -56,8 +56,8 @@ pub const TOUCH: u64 = 1 << 16;
 
 /// Splats what chains visit: on a film for each level, with weights from rough normalisers `b0`.
 ///
-/// Level `l` of `N` weighted visits becomes its share of the picture by the factor `(b_l / b0_l) / N`, once `b_l` is known
-/// (as RELT eq. 23): right for any `b0` and any `samples`, as weights made of them sum to 1.
+/// Level `l` of `N` weighted visits becomes its share of the picture by the factor `(b_l / b0_l) / N`, once
+/// `b_l` is known (as RELT eq. 23): right for any `b0` and any `samples`, as weights made of them sum to 1.
 #[derive(Debug)]
 pub struct PhotonDeposit<'a, const K: usize> {
     /// Where paths meet points.

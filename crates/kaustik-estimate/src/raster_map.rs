@@ -31,9 +31,10 @@ impl RasterMap {
         }
     }
 
-    /// Weights under which the relative error of a picture becomes even: inverse to what its pixels hold. `scalars`, one for each
-    /// pixel of the layout's window, row by row, are brought down by a Gaussian to a grid of `width` cells along the longer
-    /// side, and up again; what is below `floor` times their mean counts as that much. Of a black picture: 1 everywhere.
+    /// Weights under which the relative error of a picture becomes even: inverse to what its pixels hold.
+    /// `scalars`, one for each pixel of the layout's window, row by row, are brought down by a Gaussian to a
+    /// grid of `width` cells along the longer side, and up again; what is below `floor` times their mean
+    /// counts as that much. Of a black picture: 1 everywhere.
     ///
     /// # Panics
     ///
@@ -67,7 +68,8 @@ impl RasterMap {
         }
     }
 
-    /// The weight at a point of the image (the unit square over all of it); beyond the window that of the nearest pixel.
+    /// The weight at a point of the image (the unit square over all of it); beyond the window that of the
+    /// nearest pixel.
     #[inline]
     pub fn at(&self, [x, y]: [f64; 2]) -> f64 {
         // A float that is negative becomes 0.

@@ -24,8 +24,8 @@ pub enum Witnesses {
     Others,
     /// The chain of visibility alone (G Eq. 6). As [`Others`](Self::Others) in ladders that have none.
     Visibility,
-    /// All chains, by the same heuristic. Within an iteration targets stand, so that the chain of the full one is as good a
-    /// witness as any; where light is seldom it is the only one that comes often.
+    /// All chains, by the same heuristic. Within an iteration targets stand, so that the chain of the full
+    /// one is as good a witness as any; where light is seldom it is the only one that comes often.
     All,
 }
 
@@ -108,15 +108,11 @@ impl<const K: usize> RegionSums<K> {
         if !self.counts[level] {
             return;
         }
-        let of = |at: usize| {
-            let q = sharing.expected(visit.densities, at);
-            if self.counts[at] { q * q } else { 0.0 }
-        };
-        let share = of(level) / (0..K).map(of).sum::<f64>();
+        let share = self.share(visit, sharing);
         let omega = share * sharing.rough[level] / visit.densities[level];
+        let weight = visit.weight * omega;
         let meetings = &visit.value.meetings;
         let leaf = |meeting: &Meeting| self.leaves[meeting.point as usize];
-        let weight = visit.weight * omega;
         // Photons meet many points of one leaf in a row: what they add is added at once.
         let (mut run, mut points) = (NONE, 0_u32);
         // Where the meetings of the photon begin: it meets no point twice.
@@ -126,8 +122,10 @@ impl<const K: usize> RegionSums<K> {
                 own = at;
             }
             // A path counts once at each point, and once in each leaf.
-            let again = |other: &Meeting| other.point == meeting.point;
-            if meetings[..own].iter().any(again) {
+            if meetings[..own]
+                .iter()
+                .any(|other| other.point == meeting.point)
+            {
                 continue;
             }
             let here = leaf(meeting);
@@ -140,21 +138,21 @@ impl<const K: usize> RegionSums<K> {
             }
             points += 1;
             if let Some(typical) = self.typical {
-                let sums = &self.sums[here as usize][level];
-                let photons = visit.value.path.photons();
-                let flux = (meetings[at..].iter().filter(|other| again(other)))
-                    .map(|other| {
-                        let photon = &photons[other.photon as usize];
-                        map.points.response(meeting.point as usize, photon)
-                    })
-                    .sum::<f64>();
-                let relative = (flux / typical).clamp(0.0, MOST_FLUX);
-                add(&sums.flux, weight * relative);
-                let steps = (weight * relative * relative * SQUARE_STEP).round_ties_even() as i64;
-                sums.squared_flux.fetch_add(steps, Relaxed);
+                let flux = flux(visit.value, at, map);
+                self.sums[here as usize][level].add_flux(flux / typical, weight);
             }
         }
         self.add_points(run, level, half, weight * f64::from(points));
+    }
+
+    /// The share with which a visit counts, by the heuristic over the chains that are counted.
+    #[inline]
+    fn share(&self, visit: &Visit<'_, PhotonValue, K>, sharing: &Sharing<K>) -> f64 {
+        let of = |at: usize| {
+            let q = sharing.expected(visit.densities, at);
+            if self.counts[at] { q * q } else { 0.0 }
+        };
+        of(visit.level) / (0..K).map(of).sum::<f64>()
     }
 
     #[inline]
@@ -182,6 +180,31 @@ impl<const K: usize> RegionSums<K> {
     }
 }
 
+impl LevelSums {
+    /// Adds what a path brings to a point, relative to the typical flux.
+    #[inline]
+    fn add_flux(&self, relative: f64, weight: f64) {
+        let relative = relative.clamp(0.0, MOST_FLUX);
+        add(&self.flux, weight * relative);
+        let steps = (weight * relative * relative * SQUARE_STEP).round_ties_even() as i64;
+        self.squared_flux.fetch_add(steps, Relaxed);
+    }
+}
+
+/// What a path brings to the point of its meeting `first`, in this meeting and in all later ones.
+#[inline]
+fn flux(value: &PhotonValue, first: usize, map: &PhotonMap<'_>) -> f64 {
+    let point = value.meetings[first].point;
+    let photons = value.path.photons();
+    (value.meetings[first..].iter())
+        .filter(|meeting| meeting.point == point)
+        .map(|meeting| {
+            let photon = &photons[meeting.photon as usize];
+            map.points.response(point as usize, photon)
+        })
+        .sum()
+}
+
 #[inline]
 fn add(sum: &AtomicI64, value: f64) {
     sum.fetch_add((value * STEP).round_ties_even() as i64, Relaxed);
@@ -198,8 +221,19 @@ mod tests {
     use super::*;
     use crate::Combine;
 
-    /// Paths of up to three photons that meet points of four leaves, some points again: each leaf is told of each point once,
-    /// and of each path once.
+    /// Up to three photons, each of which meets up to three of twenty points.
+    fn path(mut below: impl FnMut(f64) -> u32) -> PhotonValue {
+        let mut value = PhotonValue::default();
+        for photon in 0..=below(3.0) {
+            let first = below(17.0);
+            let met = (first..=first + below(3.0)).map(|point| Meeting { photon, point });
+            value.meetings.extend(met);
+        }
+        value
+    }
+
+    /// Paths of up to three photons that meet points of four leaves, some points again: each leaf is told of
+    /// each point once, and of each path once.
     #[test]
     fn a_path_counts_once_at_a_point_and_in_a_leaf() {
         let (points, lookup) = (MeasurementPoints::default(), Lookup::default());
@@ -222,12 +256,7 @@ mod tests {
         let mut below = |n: f64| (rng.uniform() * n) as u32;
         let mut exact = vec![LeafTally::default(); 4];
         for number in 0..500 {
-            let mut value = PhotonValue::default();
-            for photon in 0..=below(3.0) {
-                let first = below(17.0);
-                let met = (first..=first + below(3.0)).map(|point| Meeting { photon, point });
-                value.meetings.extend(met);
-            }
+            let value = path(&mut below);
             let (level, half) = (number % 2, number / 2 % 2);
             let densities = &[1.0, 1.0];
             sums.take(

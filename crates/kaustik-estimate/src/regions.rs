@@ -65,8 +65,8 @@ struct Node {
 pub struct LeafTally {
     /// psi (G Eqs. 6 and 7) in two halves, which sum to it.
     pub psi: [f64; 2],
-    /// The same sum with the flux that a path brings to the point in the place of 1, and with its square; zero where nobody
-    /// asks.
+    /// The same sum with the flux that a path brings to the point in the place of 1, and with its square;
+    /// zero where nobody asks.
     pub flux: [f64; 2],
     /// Light paths, each with its share.
     pub paths: f64,
@@ -80,8 +80,9 @@ impl Regions {
     /// Points of a pilot that a leaf holds at least.
     pub const LEAST_POINTS: usize = 16;
 
-    /// Splits at medians along the longest side; at the middle of it where that is the normal's, whose values are few. A
-    /// wall that holds the median at the low end is parted from what is beyond it. Leaves at the border reach to infinity.
+    /// Splits at medians along the longest side; at the middle of it where that is the normal's, whose values
+    /// are few. A wall that holds the median at the low end is parted from what is beyond it. Leaves at the
+    /// border reach to infinity.
     pub fn spatial(points: &mut [Place]) -> Self {
         Self::build(points, |points| {
             if points.len() < 2 * Self::LEAST_POINTS {
@@ -97,7 +98,8 @@ impl Regions {
             let median = points[middle][axis];
             let place = match median > low {
                 true => median,
-                // Below the median there is nothing: without a step up, the same points would be split so again and again.
+                // Below the median there is nothing: without a step up, the same points would be split in
+                // this way again and again.
                 false => beyond(points, axis, low)?,
             };
             Some((axis as u8, place))
@@ -224,8 +226,8 @@ impl Regions {
         self.nodes.iter().map(of).collect()
     }
 
-    /// Takes up what regions that were built alike have learnt; `None` if they were not, or if it is no cut: a node of it
-    /// on the way from the root to each leaf, and no two.
+    /// Takes up what regions that were built alike have learnt. `None` if they were built otherwise, or if it is
+    /// no cut, which has exactly one node on the way from the root to each leaf.
     pub fn with_learnt(mut self, learnt: &[Learnt]) -> Option<Self> {
         if learnt.len() != self.nodes.len() {
             return None;
@@ -269,8 +271,9 @@ impl Regions {
     /// As [`densities`](Self::densities), without a cut: the estimate of each leaf is shrunk towards that
     /// of the region it is half of, which is shrunk likewise, up to the root.
     ///
-    /// The mean of a Poisson variable that was seen `n` times where `e` were expected, with a gamma prior that counts for `paths`
-    /// looks at the region around it: `D = D_parent (paths + n) / (paths + e)`. Where nothing was seen, `e` goes by area.
+    /// The mean of a Poisson variable that was seen `n` times where `e` were expected, with a gamma prior
+    /// that counts for `paths` looks at the region around it: `D = D_parent (paths + n) / (paths + e)`. Where
+    /// nothing was seen, `e` goes by area.
     pub fn shrunk_densities(&self, paths: u32) -> Vec<f64> {
         let prior = f64::from(paths);
         // parents come before their children
@@ -404,9 +407,9 @@ impl Node {
         }
     }
 
-    /// Photons an area and light path, under uniform sampling; `None` if nothing is known. Where fluxes are known, so many
-    /// photons of one flux as have the same relative variance: the inverse of G Eq. 3, which is that of Eq. 5 times the
-    /// mean square of the flux over the square of its mean.
+    /// Photons an area and light path, under uniform sampling; `None` if nothing is known. Where fluxes are
+    /// known, so many photons of one flux as have the same relative variance: the inverse of G Eq. 3, which
+    /// is that of Eq. 5 times the mean square of the flux over the square of its mean.
     fn density(&self) -> Option<f64> {
         let [flux, square] = self.flux;
         let delta = if square > 0.0 {

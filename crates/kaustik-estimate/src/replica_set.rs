@@ -128,8 +128,8 @@ impl ReplicaSet {
         self.count > Self::FEWEST && rest.iter().all(|&weight| weight < specular)
     }
 
-    /// Adds a replica, for which there is room: six numbers, then `*N` for N steps a sweep and `@B` for the replica, counted from
-    /// 1, that it stands on, if it is not the one before.
+    /// Adds a replica, for which there is room: six numbers, then `*N` for N steps a sweep and `@B` for the
+    /// replica, counted from 1, that it stands on, if it is not the one before.
     fn add(&mut self, word: &str) -> Result<(), ReplicaSetError> {
         let (word, below) = match word.split_once('@') {
             Some((word, below)) => (word, number(below, self.count)? - 1),
@@ -268,8 +268,8 @@ impl std::error::Error for ReplicaSetError {}
 impl FromStr for ReplicaSet {
     type Err = ReplicaSetError;
 
-    /// `paper` (with the default delta), `sides`, or `uniform;1,0,1,1,1,1;...`, each with `*N` for N steps a sweep and `@B` for the
-    /// replica that it stands on, and `uniform+N` with N scouts a sweep.
+    /// `paper` (with the default delta), `sides`, or `uniform;1,0,1,1,1,1;...`, each with `*N` for N steps a
+    /// sweep and `@B` for the replica that it stands on, and `uniform+N` with N scouts a sweep.
     fn from_str(text: &str) -> Result<Self, ReplicaSetError> {
         match text {
             "sides" => return Ok(Self::sides()),

@@ -123,10 +123,11 @@ impl<const K: usize> Shares<K> {
         self.parts[level].merge(light);
     }
 
-    /// What the replicas tell about each other: `b_k / b_hat_k` (RELT eq. 10) by Bennett's acceptance
-    /// ratio (J. Comput. Phys. 22, 1976) from each to those that stand on it. Visits count by at most their weight: RELT eq. 10
-    /// lets what the uniform replica met by chance count by its density, which may be ten thousand times the mean.
-    /// And supports need not be nested. 1 where two replicas have nothing in common yet.
+    /// What the replicas tell about each other: `b_k / b_hat_k` (RELT eq. 10) by Bennett's acceptance ratio
+    /// (J. Comput. Phys. 22, 1976) from each to those that stand on it. Visits count by at most their weight:
+    /// RELT eq. 10 lets what the uniform replica met by chance count by its density, which may be ten
+    /// thousand times the mean. And supports need not be nested. 1 where two replicas have nothing in common
+    /// yet.
     pub fn bridged(&self) -> [f64; K] {
         let mut constants = [1.0; K];
         for k in 1..K {

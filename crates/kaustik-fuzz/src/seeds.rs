@@ -11,8 +11,8 @@ use crate::picture;
 /// Between the text and the buffer of an [`assembled`] scene.
 const BETWEEN: u8 = 0;
 
-/// A scene file from a text and, after a zero byte, its buffer: a GLB whose lengths agree, so that a change of the text is
-/// not refused for its length alone. What begins as a GLB already stays as it is.
+/// A scene file from a text and, after a zero byte, its buffer: a GLB whose lengths agree, so that a change
+/// of the text is not refused for its length alone. What begins as a GLB already stays as it is.
 pub fn assembled(parts: &[u8]) -> Vec<u8> {
     if parts.starts_with(b"glTF") {
         return parts.to_vec();

@@ -183,32 +183,34 @@ fn spoil_number(json: &mut Value, random: &mut Random) {
     }
 }
 
-/// Words of the format, and what stands where something else should.
+/// Words of the format, and others that no file should have.
+const WORDS: [&str; 22] = [
+    "SCALAR",
+    "VEC2",
+    "VEC3",
+    "VEC4",
+    "MAT4",
+    "MASK",
+    "BLEND",
+    "OPAQUE",
+    "perspective",
+    "orthographic",
+    "point",
+    "spot",
+    "directional",
+    "TRIANGLES",
+    "INDICES",
+    "ATTRIBUTES",
+    "OCTAHEDRAL",
+    "QUATERNION",
+    "EXPONENTIAL",
+    "../secret",
+    "data:;base64,AAAA",
+    "",
+];
+
+/// Puts a word in the place of a text; or drops or doubles a part of any value, or puts something odd in its place.
 fn spoil_text(json: &mut Value, random: &mut Random) {
-    const WORDS: [&str; 22] = [
-        "SCALAR",
-        "VEC2",
-        "VEC3",
-        "VEC4",
-        "MAT4",
-        "MASK",
-        "BLEND",
-        "OPAQUE",
-        "perspective",
-        "orthographic",
-        "point",
-        "spot",
-        "directional",
-        "TRIANGLES",
-        "INDICES",
-        "ATTRIBUTES",
-        "OCTAHEDRAL",
-        "QUATERNION",
-        "EXPONENTIAL",
-        "../secret",
-        "data:;base64,AAAA",
-        "",
-    ];
     let everywhere = places(json, &|value| !value.is_null());
     let texts = places(json, &Value::is_string);
     let replace = random.below(3) > 0;

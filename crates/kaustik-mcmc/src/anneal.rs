@@ -8,11 +8,11 @@ use crate::{
 /// (RELT sec. 4.3, Algorithm 2; see [`Population`] for what is exact, and for doing the same
 /// in stages).
 ///
-/// At every level particles are weighed, resampled, brought under the level's kernel and (but
-/// at level 0, where they are independent samples still) moved `moves` steps by it; then one of them, chosen uniformly, becomes the start of that level's
-/// replica, and all are shown to `recorder` with weight 1 ([`Ignore`](crate::Ignore) if only
-/// the rest is wanted). Moves change variances, not expectations; without any, copies stay
-/// identical: take 2 or more.
+/// At every level particles are weighed, resampled, brought under the level's kernel and (except at level 0,
+/// where they are still independent samples) moved `moves` steps by it; then one of them, chosen uniformly,
+/// becomes the start of that level's replica, and all are shown to `recorder` with weight 1
+/// ([`Ignore`](crate::Ignore) if only the rest is wanted). Moves change variances, not expectations; without
+/// any, copies stay identical: take 2 or more.
 ///
 /// Give lazy points their step sizes level by level with [`LevelKernel`](crate::LevelKernel).
 ///

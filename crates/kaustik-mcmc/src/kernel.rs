@@ -10,8 +10,9 @@ use crate::{Draws, Mutation, Point, Step, Target};
 ///
 /// Each [`propose`](Self::propose) is followed by exactly one of [`accept_move`](Self::accept_move)
 /// and [`reject_move`](Self::reject_move), which call [`accept`](Self::accept) and [`reject`](Self::reject)
-/// unless a kernel says otherwise, as a [`Mixture`](crate::Mixture) does. So whoever wraps any kernel forwards all that it does not
-/// change itself: these two, `enter` and `exchange` as well.
+/// unless a kernel says otherwise, as a [`Mixture`](crate::Mixture) does. So whoever wraps any kernel forwards
+/// all that it does not change itself: these two, `enter` and `exchange` as well. With
+/// `#[deny(clippy::missing_trait_methods)]` on its implementation, clippy names what is not forwarded.
 pub trait Kernel<S> {
     /// What an evaluation yields.
     type Value;
@@ -77,6 +78,7 @@ pub trait Kernel<S> {
 
 /// A reference to a kernel is one: K levels may share it. (Families and recorders have no such
 /// rule, as closures are families and recorders: pass these by reference.)
+#[deny(clippy::missing_trait_methods)]
 impl<S, N: Kernel<S>> Kernel<S> for &N {
     type Value = N::Value;
 
@@ -125,11 +127,12 @@ pub struct Move {
     /// there: finite, at least 0; 1 for symmetric proposals, 0 if the proposal is
     /// impossible (its value is then ignored).
     ///
-    /// Of continuous states these are densities, both in the measure of the family's own density, and with the probability
-    /// of choosing this kind of move. A map y = g(x) without a random number of its own contributes its Jacobian, |det dy/dx|.
+    /// Of continuous states these are densities, both in the measure of the family's own density, and with
+    /// the probability of choosing this kind of move. A map y = g(x) without a random number of its own
+    /// contributes its Jacobian, |det dy/dx|.
     pub ratio: f64,
-    /// Whether the proposal is a sample of the uniform law on the cube, independent of the
-    /// current state. Such samples estimate the normaliser, those of ratio 0 as zeros: an independent proposal that comes to
+    /// Whether the proposal is a sample of the uniform law on the cube, independent of the current state.
+    /// Such samples estimate the normaliser, those of ratio 0 as zeros: an independent proposal that comes to
     /// nothing must say so here too.
     pub independent: bool,
 }

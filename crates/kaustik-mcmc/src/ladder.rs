@@ -409,8 +409,9 @@ impl<M: Mutation, V: Default, const K: usize> Ladder<Point<M>, V, K> {
         }
     }
 
-    /// Puts the chain of a level where another chain is, with the sizes of its own steps: for chains that a target which has
-    /// changed has left at density zero. What was gathered and not flushed is forgotten, statistics go on.
+    /// Puts the chain of a level where another chain is; it keeps the sizes of its own steps. For chains whose
+    /// density has become zero because the target has changed. What was gathered and not flushed is
+    /// forgotten, statistics go on.
     ///
     /// # Panics
     ///

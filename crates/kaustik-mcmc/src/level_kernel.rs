@@ -30,6 +30,7 @@ impl<T: Target, M: Mutation> LevelKernel<T, M> {
     }
 }
 
+#[deny(clippy::missing_trait_methods)]
 impl<T: Target, M: Mutation + Clone> Kernel<Point<M>> for LevelKernel<T, M> {
     type Value = T::Value;
 

@@ -20,8 +20,8 @@ impl Mean {
         Self::default()
     }
 
-    /// What so many independent numbers, at least two, would say whose mean is this and is known so well: for estimates that were made
-    /// otherwise to count beside such numbers.
+    /// As of `count` independent numbers, at least two, whose mean and its standard error are those of the
+    /// estimate: so an estimate that was made in another way counts beside such numbers.
     ///
     /// # Panics
     /// If they are fewer than two.
@@ -104,7 +104,7 @@ mod tests {
     use super::{Estimate, Mean};
 
     #[test]
-    fn of_one_two_three() {
+    fn mean_variance_and_standard_error_of_three_numbers() {
         let mean: Mean = [1.0, 2.0, 3.0].into_iter().collect();
         assert!((mean.mean() - 2.0).abs() < 1e-15 && (mean.variance() - 1.0).abs() < 1e-15);
         assert!((mean.standard_error() - f64::sqrt(1.0 / 3.0)).abs() < 1e-15);

@@ -281,8 +281,9 @@ impl<S, V, const K: usize> Population<S, V, K> {
 
     /// The relative variance of the normaliser, of weights with the given sum.
     ///
-    /// With W_e the share of family e in the weights it is 1 - correction * (1 - sum of W_e^2). For the first stage this is the sample variance
-    /// of the weights over N. (Lee and Whiteley's eq. 5, taken before the last resampling.)
+    /// With W_e the share of family e in the weights it is 1 - correction * (1 - sum of W_e^2). For the first
+    /// stage this is the sample variance of the weights over N. (Lee and Whiteley's eq. 5, taken before the
+    /// last resampling.)
     fn relative_variance(&mut self, sum: f64) -> f64 {
         let Memory {
             weights, shares, ..
@@ -345,8 +346,8 @@ impl<S, V, const K: usize> Population<S, V, K> {
     /// One step of every particle, in order, by one generator.
     ///
     /// Expected-value visits go to the recorder with their level; the same scale as of
-    /// [`visit`](Self::visit), over the number of steps, makes them unbiased. Before the first level they are a sample of the
-    /// base law, which no step may change: nothing happens.
+    /// [`visit`](Self::visit), over the number of steps, makes them unbiased. Before the first level they are
+    /// a sample of the base law, which no step may change: nothing happens.
     pub fn step<N, F, D, R>(&mut self, kernel: &N, family: &F, draws: &mut D, recorder: &mut R)
     where
         N: Kernel<S, Value = V>,

@@ -167,7 +167,7 @@ struct Place {
 }
 
 impl<S: Clone, V: Clone + Default> Redistributor<S, V> {
-    /// That has run nothing.
+    /// One that has run nothing yet.
     pub fn new() -> Self {
         Self {
             current: None,
@@ -177,7 +177,7 @@ impl<S: Clone, V: Clone + Default> Redistributor<S, V> {
         }
     }
 
-    /// As one that has these behind it: between two starts nothing else counts.
+    /// One that goes on from these statistics: between two starts nothing else counts.
     #[must_use]
     pub fn with_statistics(self, statistics: RedistributionStatistics) -> Self {
         Self { statistics, ..self }
@@ -188,9 +188,10 @@ impl<S: Clone, V: Clone + Default> Redistributor<S, V> {
         &self.statistics
     }
 
-    /// Rounds the numbers of chains of the starts that follow together, from a share in \[0, 1) that they are given first
-    /// (systematic resampling): a start has a chain wherever the running sum of mean numbers passes a whole one, so that
-    /// many starts have as many chains as they should, to one. `None`, as it is at first: each by a draw of its own.
+    /// Rounds the numbers of chains of the starts that follow together (systematic resampling). The running sum
+    /// of their mean numbers begins at this share, in \[0, 1), and a start has a chain for each whole number that
+    /// the sum reaches there: many starts together have as many chains as they should, to within one. With
+    /// `None`, as it is at first, each start is rounded by a draw of its own.
     ///
     /// If the share is uniform and independent of the starts, the number of each is right in the mean, and all is
     /// as unbiased as before. Starts of several places may take turns, each with a share of its own: see
@@ -306,9 +307,7 @@ impl<S: Clone, V: Clone + Default> Redistributor<S, V> {
                 }
                 kernel.reject_move(state, &proposal);
             }
-            let mut stay = place.rejections;
-            self.statistics.chain.count_step(accepted, &mut stay);
-            place.rejections = stay;
+            (self.statistics.chain).count_step(accepted, &mut place.rejections);
         }
         place.leave(value, depositor);
     }

@@ -34,6 +34,7 @@ pub struct SizedKernel<N, M> {
     pub mutation: M,
 }
 
+#[deny(clippy::missing_trait_methods)]
 impl<N, M> Kernel<Point<M>> for SizedKernel<N, M>
 where
     N: Kernel<Point<M>>,

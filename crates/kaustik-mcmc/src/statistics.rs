@@ -86,7 +86,8 @@ impl<const K: usize> Statistics<K> {
         }
     }
 
-    /// Small steps, from where the density was not zero. Of a [`Mixture`](crate::Mixture): those of its first component.
+    /// Small steps, from where the density was not zero. Of a [`Mixture`](crate::Mixture): those of its first
+    /// component.
     pub fn small(&self) -> &Acceptance {
         &self.moves[Move::SMALL]
     }
@@ -117,8 +118,8 @@ impl<const K: usize> Statistics<K> {
         densities
     }
 
-    /// Counts a proposal from where the density is `from`, decided with acceptance probability `a`. From density 0 all is
-    /// accepted: that tells nothing of a kind of moves, and is not counted as one.
+    /// Counts a proposal from where the density is `from`, decided with acceptance probability `a`. From
+    /// density 0 all is accepted: that tells nothing of a kind of moves, and is not counted as one.
     pub(crate) fn count(
         &mut self,
         proposal: &Move,

@@ -23,14 +23,13 @@ const BATCHES: usize = 64;
 ///
 /// # What is assumed
 ///
-/// The levels' supports are nested: q_k is zero wherever q_j is ([`defects`](Self::defects) counts
-/// visits that say otherwise; [`discrepancies`](RunningNormalisers::discrepancies) show what no chain
-/// has come to). The constant of level 0 is known; 1 if it is the uniform law on the cube. Then the estimate is consistent. It is not
-/// unbiased in short runs, since the factors of the product are correlated by exchanges and
-/// ratios may be heavy-tailed (+9 % after 50 sweeps on a toy with four replicas, nothing to be seen
-/// after 5000). The unbiased alternative, noisier for narrow levels, is the mean
-/// of q_k over the independent proposals of level 0:
-/// [`Statistics::independent`](crate::Statistics::independent).
+/// The levels' supports are nested: q_k is zero wherever q_j is ([`defects`](Self::defects) counts visits
+/// that say otherwise; [`discrepancies`](RunningNormalisers::discrepancies) show what no chain has come to).
+/// The constant of level 0 is known; 1 if it is the uniform law on the cube. Then the estimate is consistent.
+/// It is not unbiased in short runs, since the factors of the product are correlated by exchanges and ratios
+/// may be heavy-tailed (+9 % after 50 sweeps on a toy with four replicas, nothing to be seen after 5000). The
+/// unbiased alternative, noisier for narrow levels, is the mean of q_k over the independent proposals of
+/// level 0: [`Statistics::independent`](crate::Statistics::independent).
 ///
 /// # Errors
 ///

@@ -68,30 +68,9 @@ impl CausticPerturbation<'_> {
         y.tune(x);
         y.copy(pivot, x, pivot..pivot + 1);
         y.copy(n - 1, x, n - 1..n);
-        let size = if space.is_endless(x.at(pivot)) {
-            let (ray, size) = self.shift(x, sizes, draws);
-            if !space.leave_emitter(y, &ray, draws) {
-                return None;
-            }
-            size
-        } else {
-            let (direction, size) = sizes.turn(x.at(pivot).toward_eye, draws)?;
-            y.at_mut(pivot).toward_eye = direction;
-            if !self.leave(y, pivot, draws) {
-                return None;
-            }
-            size
-        };
+        let size = self.move_pivot(x, y, pivot, sizes, draws)?;
         for i in pivot + 1..n - 2 {
-            let old = x.at(i);
-            let vertex = y.at_mut(i);
-            (vertex.specular, vertex.transmitted) = (true, old.transmitted);
-            let wi = vertex.vertex.frame.to_local(vertex.toward_light);
-            let delta = (vertex.bsdf).delta(wi, vertex.transmitted, Mode::Importance)?;
-            vertex.toward_eye = vertex.vertex.frame.to_world(delta.wi);
-            if !space.follow(y, i, Way::ToEye, draws) {
-                return None;
-            }
+            self.scatter_alike(x, y, i, draws)?;
         }
         if !(y.at(n - 2).bsdf.is_connectable() && space.join(y, n - 2)) {
             return None;
@@ -108,6 +87,43 @@ impl CausticPerturbation<'_> {
             return None;
         }
         Some(back * density(x, pivot) / density(y, pivot))
+    }
+
+    /// Moves the direction at the pivot, or parallel light, and follows it to the next vertex. Returns the size of the
+    /// jitter; `None` if nothing is met there.
+    #[inline]
+    fn move_pivot<D: Draws + ?Sized>(
+        &self,
+        x: &Path,
+        y: &mut Path,
+        pivot: usize,
+        sizes: Radii,
+        draws: &mut D,
+    ) -> Option<f64> {
+        if self.space.is_endless(x.at(pivot)) {
+            let (ray, size) = self.shift(x, sizes, draws);
+            return self.space.leave_emitter(y, &ray, draws).then_some(size);
+        }
+        let (direction, size) = sizes.turn(x.at(pivot).toward_eye, draws)?;
+        y.at_mut(pivot).toward_eye = direction;
+        self.leave(y, pivot, draws).then_some(size)
+    }
+
+    /// Scatters at vertex `i` of `y` as `x` does, into a Dirac direction, and follows it to the next vertex.
+    #[inline]
+    fn scatter_alike<D: Draws + ?Sized>(
+        &self,
+        x: &Path,
+        y: &mut Path,
+        i: usize,
+        draws: &mut D,
+    ) -> Option<()> {
+        let vertex = y.at_mut(i);
+        (vertex.specular, vertex.transmitted) = (true, x.at(i).transmitted);
+        let wi = vertex.vertex.frame.to_local(vertex.toward_light);
+        let delta = (vertex.bsdf).delta(wi, vertex.transmitted, Mode::Importance)?;
+        vertex.toward_eye = vertex.vertex.frame.to_world(delta.wi);
+        (self.space.follow(y, i, Way::ToEye, draws)).then_some(())
     }
 
     /// The first ray of parallel light, moved sideways.

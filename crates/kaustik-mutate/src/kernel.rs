@@ -7,8 +7,8 @@ use crate::{
     Path, TimeMutation, WavelengthMutation,
 };
 
-/// The same for each: a method that makes the proposal and returns the ratio of its densities back and there, or nothing
-/// where there is none to be made. It sees the space at the time of the path that it starts from.
+/// The same for each: a method that makes the proposal and returns the ratio of its densities back and there,
+/// or nothing where there is none to be made. It sees the space at the time of the path that it starts from.
 macro_rules! kernels {
     ($($mutation:ident by $propose:ident,)*) => {
         $(impl Kernel<()> for $mutation<'_> {

@@ -22,11 +22,11 @@
 //! is multiplied by and `S` the factor of shading normals for particles (both: Veach 1997 ch. 5).
 //!
 //! # Time
-//! Where something moves, a path has a [time](Path::time): its vertices lie where surfaces are then, and all that is asked of it
-//! is asked of the scene at that instant ([`PathSpace::at`]). A kernel is handed the space at the time of the path
-//! that it starts from, so that one which keeps the time needs to know nothing of it. The time of a path is uniform,
-//! and its density 1: it falls out of all ratios. One that changes it evaluates each path, and the density of
-//! making it, at that path's own time.
+//! Where something moves, a path has a [time](Path::time): its vertices lie where surfaces are then, and all
+//! that is asked of it is asked of the scene at that instant ([`PathSpace::at`]). A kernel is handed the
+//! space at the time of the path that it starts from, so that one which keeps the time needs to know nothing
+//! of it. The time of a path is uniform, and its density 1: it falls out of all ratios. A kernel that changes it
+//! evaluates each path, and the density of making it, at that path's own time.
 //!
 //! # Another kernel
 //! A kernel copies what it keeps of the path, makes the rest by the steps of a walk ([`Path`] holds what each

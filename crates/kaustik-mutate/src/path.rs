@@ -88,8 +88,8 @@ impl Path {
         self.wavelength_u
     }
 
-    /// The instant at which light takes this path, in [0, 1): a share of the time for which the shutter is open. 0 where
-    /// nothing moves.
+    /// The instant at which light takes this path, in [0, 1): a share of the time for which the shutter is
+    /// open. 0 where nothing moves.
     #[inline]
     pub fn time(&self) -> f64 {
         self.time

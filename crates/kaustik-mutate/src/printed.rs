@@ -13,6 +13,7 @@ use crate::{CausticPerturbation, Path};
 #[derive(Clone, Copy, Debug)]
 pub struct RuleFive<'a>(pub CausticPerturbation<'a>);
 
+#[deny(clippy::missing_trait_methods)]
 impl Kernel<()> for RuleFive<'_> {
     type Value = Path;
 
@@ -28,6 +29,22 @@ impl Kernel<()> for RuleFive<'_> {
             proposal.ratio *= current.at(pivot).cos_eye / proposed.at(pivot).cos_eye;
         }
         proposal
+    }
+
+    fn accept(&self, state: &mut ()) {
+        self.0.accept(state);
+    }
+
+    fn reject(&self, state: &mut ()) {
+        self.0.reject(state);
+    }
+
+    fn enter<D: Draws + ?Sized>(&self, state: &mut (), draws: &mut D) {
+        self.0.enter(state, draws);
+    }
+
+    fn exchange<D: Draws + ?Sized>(&self, a: &mut (), b: &mut (), draws: &mut D) {
+        self.0.exchange(a, b, draws);
     }
 
     fn accept_move(&self, state: &mut (), proposal: &Move) {

@@ -144,9 +144,9 @@ impl Retrace<'_> {
         )
     }
 
-    /// Another point of the same triangle, wherever that is by now. A square's point beyond the diagonal stands for the one
-    /// opposite, so that steps that go round are symmetric in the triangle. Returns by how much the triangle has grown: 0
-    /// where it is gone.
+    /// Another point of the same triangle, wherever that is by now. A square's point beyond the diagonal
+    /// stands for the one opposite, so that steps that go round are symmetric in the triangle. Returns by how
+    /// much the triangle has grown: 0 where it is gone.
     fn move_emitter<D: Draws + ?Sized>(&self, emitter: &mut PathVertex, draws: &mut D) -> f64 {
         if emitter.place != Place::Emitter(EmitterPoint::Surface) {
             return 1.0;

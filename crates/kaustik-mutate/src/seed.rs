@@ -63,8 +63,9 @@ impl<'a> Seeds<'a> {
         }
     }
 
-    /// Makes a sample, all of it at one time, and writes one of its paths into `path`; returns the sum of the weighted densities of
-    /// all. 0 if there is none. A path whose density is not a number makes the result not a number.
+    /// Makes a sample, all of it at one time, and writes one of its paths into `path`; returns the sum of the
+    /// weighted densities of all. 0 if there is none. A path whose density is not a number makes the result
+    /// not a number.
     pub fn sample<D: Draws + ?Sized>(&mut self, path: &mut Path, draws: &mut D) -> f64 {
         let wavelength_u = draws.uniform();
         for walk in [&mut self.light, &mut self.eye] {

@@ -3,9 +3,10 @@ use kaustik_mcmc::Draws;
 use crate::retrace::{self, Retrace};
 use crate::{Path, PathSpace};
 
-/// Draws the time of a path anew and traces the path again: the same wavelengths, points of the image, of the lens and of
-/// the emitter, the same string of scatterings and the same directions, each as its surface sees it. Symmetric in these;
-/// what is left of the ratio is geometry, as of [`EveryPerturbation`](crate::EveryPerturbation).
+/// Draws the time of a path anew and traces the path again: the same wavelengths, points of the image, of the
+/// lens and of the emitter, the same string of scatterings and the same directions, each as its surface sees
+/// it. Symmetric in these; what is left of the ratio is geometry, as of
+/// [`EveryPerturbation`](crate::EveryPerturbation).
 ///
 /// A path that nothing moves stays what it is at any time. Without this kernel, the time of a
 /// path would change only where the whole path is made anew.

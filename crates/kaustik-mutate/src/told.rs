@@ -9,8 +9,8 @@ use kaustik_spectrum::Spectrum;
 use crate::vertex::Place;
 use crate::{Path, PathSpace};
 
-/// A kernel that tells what it proposes and what becomes of it. In a render nobody listens, and a proposal costs a few looks at
-/// one flag of the thread.
+/// A kernel that tells what it proposes and what becomes of it. In a render nobody listens, and a proposal
+/// costs a few looks at one flag of the thread.
 #[derive(Clone, Copy, Debug)]
 pub struct Told<'a, N> {
     /// Makes the proposals.
@@ -21,6 +21,7 @@ pub struct Told<'a, N> {
     pub names: &'static [&'static str],
 }
 
+#[deny(clippy::missing_trait_methods)]
 impl<N: Kernel<(), Value = Path>> Kernel<()> for Told<'_, N> {
     type Value = Path;
 

@@ -35,8 +35,8 @@ impl Tracer {
     /// positive; what is not a number is told as it is. `wavelength_u`: the number in [0, 1) that
     /// the wavelengths are made of. Without `next_event` emitters are found by running into them.
     ///
-    /// Tells nothing of paths of fewer than `min_edges`. Where something moves the first number that is drawn is the time
-    /// of all of the sample's paths.
+    /// Tells nothing of paths of fewer than `min_edges`. Where something moves the first number that is drawn
+    /// is the time of all of the sample's paths.
     pub fn sample<D: Draws + ?Sized>(
         &mut self,
         space: &PathSpace<'_>,

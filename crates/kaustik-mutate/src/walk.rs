@@ -155,7 +155,8 @@ impl PathSpace<'_> {
         f64::from(self.scene.transmittance(&self.sight(light, eye), &interior))
     }
 
-    /// The solids around the beginning of [`Self::sight`]: where interfaces are hidden, those at its other end are others.
+    /// The solids around the beginning of [`Self::sight`]: where interfaces are hidden, those at its other
+    /// end are others.
     pub(crate) fn interior_between(&self, light: &PathVertex, eye: &PathVertex) -> Interior {
         match (eye.place, light.place) {
             (Place::Lens, Place::Emitter(EmitterPoint::Environment(_))) => {

@@ -18,6 +18,7 @@ pub trait Coordinates {
     }
 }
 
+#[deny(clippy::missing_trait_methods)]
 impl<C: Coordinates + ?Sized> Coordinates for &mut C {
     fn get(&mut self, stream: Stream, index: u32) -> f64 {
         (**self).get(stream, index)
@@ -28,6 +29,7 @@ impl<C: Coordinates + ?Sized> Coordinates for &mut C {
     }
 }
 
+#[deny(clippy::missing_trait_methods)]
 impl<C: Coordinates + ?Sized> Coordinates for Box<C> {
     fn get(&mut self, stream: Stream, index: u32) -> f64 {
         (**self).get(stream, index)

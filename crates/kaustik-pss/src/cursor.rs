@@ -71,7 +71,7 @@ mod tests {
     use crate::Recorded;
 
     #[test]
-    fn counts_and_skips() {
+    fn a_cursor_reads_on_and_skips() {
         let mut point: Recorded = (0..8)
             .map(|i| (Stream::Camera, i, f64::from(i) / 8.0))
             .collect();

@@ -197,13 +197,7 @@ impl<'a, const K: usize> AnnealingEngine<'a, K> {
         let Some(samples) = self.samples(target, told(0), stop) else {
             return;
         };
-        let mut faults = Nonfinite::default();
-        for ((_, value), at) in samples.iter().zip(0..) {
-            faults.count(
-                u64::from(value.nonfinite()),
-                self.number(Step::sample(round, at)),
-            );
-        }
+        let mut faults = self.faults(round, &samples);
         let mut population =
             Population::from_samples(samples, &self.family, Resampling::Systematic);
         let mut central = generator(self.seed, told(K));
@@ -226,21 +220,9 @@ impl<'a, const K: usize> AnnealingEngine<'a, K> {
             };
             faults = faults.and(gathered.nonfinite);
             light[level] = gathered.light;
-            let levels = &mut self.told[at].levels;
-            levels[level].moves += gathered.moves;
-            levels[level].accepted += gathered.accepted;
-            for (of, mean) in levels.iter_mut().zip(&gathered.densities) {
-                of.independent.merge(mean);
-            }
+            self.told[at].gather(level, &gathered);
         }
-        let told = &mut self.told[at];
-        for (k, level) in told.levels.iter_mut().enumerate() {
-            level.normaliser.push(normalisers[k]);
-            level.share.push(light[k]);
-        }
-        told.light.push(light.iter().sum());
-        told.nonfinite = told.nonfinite.and(faults);
-        told.rounds += 1;
+        self.told[at].end_round(&normalisers, &light, faults);
     }
 
     /// A round's independent samples, from generators of this ladder; `None` if it was stopped.
@@ -253,6 +235,16 @@ impl<'a, const K: usize> AnnealingEngine<'a, K> {
         let first = mutation(&self.set, self.steps, 0);
         let count = (self.particles, stop);
         samples(target, &self.family, &first, self.seed, ladder, count)
+    }
+
+    /// What was not finite in the samples of a round.
+    fn faults(&self, round: u64, samples: &[State]) -> Nonfinite {
+        let mut faults = Nonfinite::default();
+        for ((_, value), at) in samples.iter().zip(0..) {
+            let step = self.number(Step::sample(round, at));
+            faults.count(u64::from(value.nonfinite()), step);
+        }
+        faults
     }
 
     /// The number of a step among all of its ladder.

@@ -15,9 +15,10 @@ const PLASTIC: [f64; 2] = [0.754_877_666_246_692_7, 0.569_840_290_998_053_2];
 /// One share in [0, 1) a cell of a ladder: what its samples so far were owed of a chain and did not get
 /// ([`kaustik_mcmc::Redistributor::carry`]).
 ///
-/// The samples of a cell so have as many chains as they should, to one, over all passes; and since cells near each other begin
-/// with shares far from each other, so have those of any block of cells, long before each had its own. The chains of
-/// a sample are right in the mean, as the shares are all turned by one uniform number.
+/// So the samples of a cell have as many chains as they should over all passes, to within one. And since cells
+/// near each other begin with shares far from each other, so have those of any block of cells, long before
+/// each cell has had its own. The chains of a sample are right in the mean, as the shares are all turned by one uniform
+/// number.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct Carried(Vec<f64>);
 

@@ -15,8 +15,8 @@ use crate::{
 /// A method at work: ladders that can be driven on, films that can be developed, and a state that can be kept.
 ///
 /// The picture depends on the number of steps alone, never on how they are cut into rounds. Ladders are
-/// independent of each other, but for those of photon methods and of stages: these learn from each other at the end of an
-/// iteration or a stage, and move on only when all have come there.
+/// independent of each other, but for those of photon methods and of stages: these learn from each other at
+/// the end of an iteration or a stage, and move on only when all have come there.
 pub(crate) trait Engine: Keep {
     /// Drives the ladders of this process on by as many steps as `plan` says for each, on the threads
     /// of the current pool; returns early when `stop` is raised. Returns the number of steps taken.
@@ -90,8 +90,8 @@ pub(crate) trait Engine: Keep {
     /// [has shares](crate::Method::has_shares), it must drive that ladder alone. Refuses a step that does not exist.
     fn replay(&mut self, place: Place) -> Result<Vec<Event>, RenderError>;
 
-    /// Iterations or stages of the whole render that [`replay`](Self::replay) has to run before it comes to the one of this place; `None`:
-    /// it is past it.
+    /// Iterations or stages of the whole render that [`replay`](Self::replay) has to run before it comes to
+    /// the one of this place; `None` if the engine is past it.
     fn ahead(&self, _place: Place) -> Option<u64> {
         Some(0)
     }

@@ -1,5 +1,5 @@
-//! Renders some of whose contributions are not finite: planted by a builder around the method's own, which no setting and
-//! no scene reaches.
+//! Renders some of whose contributions are not finite: planted by a builder around the method's own, which no
+//! setting and no scene reaches.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -35,8 +35,8 @@ enum Fault {
 /// One contribution of so many is picked.
 const RATE: u64 = 10_000;
 
-/// A builder of whose contributions some are spoilt. Which ones follows from the coordinates, so that an evaluation is a
-/// function of its point as ever.
+/// A builder of whose contributions some are spoilt. Which ones follows from the coordinates, so that an
+/// evaluation is a function of its point as ever.
 struct Faulty<'a> {
     inner: Box<dyn PathBuilder + 'a>,
     fault: Fault,
@@ -219,8 +219,8 @@ fn rendered(scene: &Scene, settings: &RenderSettings, fault: Fault, threads: usi
     })
 }
 
-/// The picture is the one without these contributions, bit for bit, their count is exact, and neither hangs on threads. A chain
-/// does not go where nothing else brings light: its target is what is left.
+/// The picture is the one without these contributions, bit for bit, their count is exact, and neither depends
+/// on threads. A chain does not go where nothing else brings light: its target is what is left.
 #[test]
 fn what_is_not_finite_is_as_if_it_were_not_there() {
     let scene = a_scene();
@@ -287,8 +287,8 @@ fn a_replay_finds_the_fault_where_it_was_reported() {
     }
 }
 
-/// The same of lamps beside chains: whatever the threads and however passes are cut, the same faults are counted, and the first of
-/// them are found where they were reported, and only there.
+/// The same of lamps beside chains: whatever the threads and however passes are cut, the same faults are
+/// counted, and the first of them are found where they were reported, and only there.
 #[test]
 fn faults_of_lamps_are_found() {
     const MUTATIONS: u64 = 16 * 200 * (SIDE * SIDE) as u64;

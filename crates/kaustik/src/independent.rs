@@ -250,8 +250,8 @@ fn pilot(scene: &Scene, builder: &dyn PathBuilder, settings: &RenderSettings) ->
 impl Engine for IndependentEngine<'_> {
     fn advance(&mut self, plan: &[u64], stop: Option<&AtomicBool>) -> u64 {
         let before = self.steps();
-        // A pass that is broken off leaves the picture uneven; where samples touch more than their own pixel nothing could
-        // make it even again, so that it is taken back.
+        // A pass that is broken off leaves the picture uneven; where samples touch more than their own pixel
+        // nothing could make it even again, so that it is taken back.
         let evenly = self.cells.is_some() && !self.single_pixel;
         if evenly && stop.is_some() {
             self.mark();

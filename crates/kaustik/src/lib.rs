@@ -39,6 +39,7 @@ mod error;
 #[cfg(test)]
 mod faults;
 mod features;
+mod gcd;
 mod independent;
 mod key;
 mod lamps;

@@ -6,8 +6,8 @@ use kaustik_film::{Counters, Film};
 
 use crate::state::packed::{Packed, pack};
 
-/// The sums of a film as they were, packed as in states: of a bright film some 15 bytes a pixel, of a dark one next to nothing. Its
-/// memory is used again.
+/// The sums of a film as they were, packed as in states: of a bright film some 15 bytes a pixel, of a dark
+/// one next to nothing. Its memory is used again.
 #[derive(Default)]
 pub(crate) struct FilmMark {
     packed: Vec<u8>,

@@ -1,11 +1,12 @@
 //! How bright a picture is as a whole, measured apart from the chains that make it.
 //!
-//! Chains know what is bright beside what, not how bright all of it is: that is an integral over all paths, which
-//! independent samples know. Where light runs into a small lamp by way of glass, mirrors or water, those of most
-//! methods hardly ever meet it: a share of the picture that one seed misses and another counts ten times over. So such light
-//! ([`Class::L0`](kaustik_path::Class::L0)) is looked for by scouts, walks from the camera alone, many of them and where it
-//! comes from, and all other light is measured by bidirectional samples, which meet the rest of it well. Of replicas all but the specific
-//! one know their light by samples of the uniform one: there the meter has scouts alone.
+//! Chains know what is bright beside what, not how bright all of it is: that is an integral over all paths,
+//! which independent samples know. Where light runs into a small lamp by way of glass, mirrors or water,
+//! those of most methods hardly ever meet it: a share of the picture that one seed misses and another counts
+//! ten times over. So such light ([`Class::L0`](kaustik_path::Class::L0)) is looked for by scouts, walks from
+//! the camera alone, many of them and where it comes from, and all other light is measured by bidirectional
+//! samples, which meet the rest of it well. Of replicas all but the specific one know their light by samples
+//! of the uniform one: there the meter has scouts alone.
 
 mod grid;
 mod look;
@@ -33,8 +34,8 @@ use samples::{At, Samples, Scratch, WORTH};
 const JOINED: u64 = 6;
 /// Scouts a pass, for each cell in the mean, that look at Dirac surfaces.
 const SCOUTS: u64 = 16;
-/// Scouts a pass, for each cell, that look for what comes to the camera from a surface that is none of these first: a millionth of
-/// such light in `ring-and-sphere`, a twentieth in `mirror-statue`.
+/// Scouts a pass, for each cell, that look for what comes to the camera from a surface that is none of these
+/// first: a millionth of such light in `ring-and-sphere`, a twentieth in `mirror-statue`.
 const OTHERS: u64 = 2;
 /// The same where they stand beside scouts of the method's own.
 const OTHERS_BESIDE_SCOUTS: u64 = 8;
@@ -44,8 +45,8 @@ const TRIALS: Range<u64> = (1 << 40)..(1 << 40) + 4;
 const SAY: f64 = 0.25;
 /// Passes before the first mutation.
 const FIRST: u64 = 4;
-/// The most passes: who merges shares, which have the same ones, has to take no more. In `ring-and-sphere` 15 know the light to half a
-/// percent, so many to a twentieth.
+/// The most passes: who merges shares, which have the same ones, has to take no more. In `ring-and-sphere` 15
+/// know the light to half a percent, so many to a twentieth.
 const MOST: u64 = 2048;
 /// Passes that are taken at once.
 const BLOCK: u64 = 16;
@@ -65,7 +66,8 @@ pub(crate) struct Own {
 pub(crate) struct Terms {
     /// For each cell of a pass there are so many mutations.
     pub(crate) each: u64,
-    /// The method's `b`, or what is measured in its place, over the mean of the scalar contribution of samples on the window.
+    /// The method's `b`, or what is measured in its place, over the mean of the scalar contribution of
+    /// samples on the window.
     pub(crate) unit: f64,
 }
 
@@ -126,8 +128,8 @@ fn is_wanted(scene: &Scene, settings: &RenderSettings) -> bool {
 }
 
 impl<'a> Meter<'a> {
-    /// `None` where the method's own samples measure other light, or the same well enough, or where no surface that is seen
-    /// scatters into a Dirac direction. Takes the first passes.
+    /// `None` where the method's own samples measure other light, or the same well enough, or where no
+    /// surface that is seen scatters into a Dirac direction. Takes the first passes.
     pub(crate) fn new(
         scene: &'a Scene,
         settings: &RenderSettings,
@@ -264,8 +266,8 @@ impl<'a> Meter<'a> {
         self.of_own.is_infinite()
     }
 
-    /// Of the mean of so many samples of the method's own beside so many passes: by variances known before any of them, so that it
-    /// does not depend on what they find.
+    /// Of the mean of so many samples of the method's own beside so many passes: by variances known before
+    /// any of them, so that it does not depend on what they find.
     fn weight(&self, own: f64, passes: u64) -> f64 {
         let (own, passes) = (own / self.of_own, passes as f64 / self.trials.variance());
         if own > 0.0 { own / (own + passes) } else { 0.0 }

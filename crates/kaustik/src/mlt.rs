@@ -201,8 +201,8 @@ impl<'a> MltEngine<'a> {
         }
     }
 
-    /// Adds the pool's `b` times the path's colour, whose scalar is 1, at its raster point, over the weight that its density has
-    /// there.
+    /// Adds the pool's `b` times the path's colour, whose scalar is 1, at its raster point, over the weight
+    /// that its density has there.
     fn deposit(&self, visit: &Visit<'_, Path, 1>) {
         let at = visit.value.raster() * self.size;
         let weight = visit.weight * self.pool.mean() / weight(&self.map, visit.value);

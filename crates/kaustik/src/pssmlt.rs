@@ -125,15 +125,9 @@ impl<'a, F: Family<Contributions, 1> + Send + Sync> PssmltEngine<'a, F> {
             streams::PILOT,
             0..options.pilot,
         ));
-        // Kelemen's printed weights want b itself, the split ones a constant that knows nothing of the pool; without weights of
-        // large steps it cancels.
-        let of_pool = Some(pool.normaliser().mean()).filter(|b| *b > 0.0);
-        let rough = || rough_constant(target, &family, settings);
-        let b0 = match options.mis {
-            Mis::Printed | Mis::Off => of_pool.or_else(rough),
-            Mis::Split => rough().or(of_pool),
-        }
-        .unwrap_or(0.0);
+        let b0 = constant(options.mis, &pool, || {
+            rough_constant(target, &family, settings)
+        });
         let chains = start_chains(target, &family, &pool, settings)?;
         let layout = settings.layout();
         let quantum = Quantum::from_sum_of_xyz(b0);
@@ -220,6 +214,19 @@ impl<'a, F: Family<Contributions, 1> + Send + Sync> PssmltEngine<'a, F> {
         }
         mean.into()
     }
+}
+
+/// The constant in the weights; 0 if neither the pool nor rough samples of their own saw any light.
+///
+/// Kelemen's printed weights want b itself, the split ones a constant that knows nothing of the pool; without
+/// weights of large steps it cancels.
+fn constant(mis: Mis, pool: &Pool, rough: impl Fn() -> Option<f64>) -> f64 {
+    let of_pool = Some(pool.normaliser().mean()).filter(|b| *b > 0.0);
+    match mis {
+        Mis::Printed | Mis::Off => of_pool.or_else(rough),
+        Mis::Split => rough().or(of_pool),
+    }
+    .unwrap_or(0.0)
 }
 
 impl LadderChain for Chain {

@@ -5,16 +5,16 @@ mod keep;
 mod run;
 pub(crate) mod scouts;
 pub(crate) mod start;
+mod statistics;
 
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use kaustik_estimate::{
     PathTarget, ReplicaDeposit, ReplicaFamily, ReplicaSet, ReplicaWeights, Scale, Shares,
 };
-use kaustik_film::{Counters, Film, Image, Layer, Quantum, develop};
+use kaustik_film::{Counters, Film, FilmError, Image, Layer, Layout, Quantum, develop};
 use kaustik_mcmc::{
-    Estimate, LadderStatistics, RoughNormalisers, RunningNormalisers, Schedule, Statistics,
-    SteppingStone,
+    Estimate, RoughNormalisers, RunningNormalisers, Schedule, Statistics, SteppingStone,
 };
 use kaustik_path::{Bidirectional, Event, trace};
 use kaustik_scene::Scene;
@@ -27,7 +27,7 @@ use crate::lamps::Lamps;
 use crate::meter::{Meter, Own, Terms};
 use crate::{
     ChainStatistics, EvenSamples, Normaliser, Options, Place, RenderError, RenderSettings,
-    ReplicaLevel, ReplicaStatistics, Steps,
+    ReplicaStatistics, Steps,
 };
 use run::{Run, below, pool, runs};
 use scouts::{Looks, scouting};
@@ -110,13 +110,7 @@ impl<'a, const K: usize> ReltEngine<'a, K> {
         let specific = set.is_specific() && K == set.count();
         let layout = settings.layout();
         let quantum = Quantum::from_sum_of_xyz(started.mean);
-        let mut films = Vec::with_capacity(K);
-        for _ in 0..K {
-            films.push(Film::with_layout(&layout, quantum)?);
-        }
-        let Ok(films) = <[Film; K]>::try_from(films) else {
-            unreachable!("K films were made");
-        };
+        let films = films(&layout, quantum)?;
         let even = match options.even {
             EvenSamples::Auto => even::samples_a_sweep::<K>(&started),
             EvenSamples::Count(count) => count,
@@ -127,16 +121,10 @@ impl<'a, const K: usize> ReltEngine<'a, K> {
             ReplicaWeights::new(rough.map(|b| b.value), options.beta, specific).with_counts(counts);
         let pool = pool(&weights, &set, &started);
         let scouts = scouting(&set).filter(|_| specific);
-        let cost: f64 = counts.iter().sum();
-        let own = Own {
-            variance: 0.0,
-            per_step: f64::from(scouts.unwrap_or_default()) / cost,
-        };
-        let terms = Terms {
-            each: METERED,
-            unit: 1.0,
-        };
-        let meter = scouts.and_then(|_| Meter::new(scene, settings, own, terms));
+        let meter = scouts.and_then(|scouts| {
+            let cost: f64 = counts.iter().sum();
+            meter(scene, settings, f64::from(scouts) / cost)
+        });
         Ok(Self {
             besides: Besides {
                 lamps: Lamps::new(scene, settings)?,
@@ -267,7 +255,8 @@ impl<'a, const K: usize> ReltEngine<'a, K> {
         all
     }
 
-    /// Has it made more sweeps than its annealing had particles? Before, the rough constants are better than those of eq. 10.
+    /// Has it made more sweeps than its annealing had particles? Before, the rough constants are better than
+    /// those of eq. 10.
     fn is_past_annealing(&self) -> bool {
         self.sweeps() >= self.particles
     }
@@ -389,63 +378,7 @@ impl<const K: usize> Engine for ReltEngine<'_, K> {
     }
 
     fn replica_statistics(&self) -> Option<ReplicaStatistics> {
-        let mut exchanges = LadderStatistics::new();
-        for run in &self.runs {
-            exchanges.merge(run.ladder.statistics());
-        }
-        let running = self.running();
-        let shares = self.shares();
-        let scales = self.scales();
-        let uniform = self.level(0);
-        let pairs = self.set.pairs(K);
-        let apart = running.discrepancies(&uniform.independent);
-        let level = |k: usize| {
-            let statistics = self.level(k);
-            let moves = if k == 0 {
-                statistics.large()
-            } else {
-                statistics.small()
-            };
-            let steps = self.runs.iter().map(|run| {
-                let point = run.ladder.replicas()[k].state();
-                point.mutation().sizes().1
-            });
-            ReplicaLevel {
-                weights: self.set.rows()[k],
-                rough: self.rough[k].value,
-                rough_error: finite(self.rough[k].standard_error),
-                normalisation: running.values()[k],
-                normalisation_error: finite(running.estimates()[k].standard_error),
-                independent: uniform.independent[k].mean(),
-                independent_error: finite(uniform.independent[k].standard_error()),
-                discrepancy: finite(apart[k]),
-                share: shares.part(k).value,
-                share_error: finite(shares.part(k).standard_error),
-                scale: scales[k],
-                acceptance: moves.rate(),
-                effective_at_once: self.effective[k][0],
-                effective_annealed: self.effective[k][1],
-                step: steps.sum::<f64>() / self.runs.len().max(1) as f64,
-            }
-        };
-        Some(ReplicaStatistics {
-            levels: (0..K).map(level).collect(),
-            sweeps: self.sweeps(),
-            exchange_acceptance: (pairs.iter().map(|&(a, b)| exchanges.swap(a, b).rate()))
-                .collect(),
-            pairs: pairs.iter().map(|&(a, b)| [a + 1, b + 1]).collect(),
-            even: self.sweeps() * u64::from(self.even),
-            scouts: match self.looks {
-                Some(_) => self.sweeps() * u64::from(self.set.scouts()),
-                None => 0,
-            },
-            scouts_found: self.runs.iter().map(|run| run.found).sum(),
-            scouts_followed: self.runs.iter().map(|run| run.followed).sum(),
-            round_trips: exchanges.round_trips,
-            particles: self.particles,
-            dropped: self.dropped.clone(),
-            normaliser: self.options.normaliser.name(),
-        })
+        Some(self.statistics())
     }
 
     /// All that is evaluated in the sweep of this step.
@@ -472,6 +405,29 @@ impl<const K: usize> Engine for ReltEngine<'_, K> {
     fn is_lit(&self) -> bool {
         self.lit || self.besides.is_lit()
     }
+}
+
+/// A film for each replica.
+fn films<const K: usize>(layout: &Layout, quantum: Quantum) -> Result<[Film; K], FilmError> {
+    let films = (0..K).map(|_| Film::with_layout(layout, quantum));
+    let films: Vec<Film> = films.collect::<Result<_, _>>()?;
+    let Ok(films) = films.try_into() else {
+        unreachable!("K films were made");
+    };
+    Ok(films)
+}
+
+/// What tells how much light the specific replica has, beside so many scouts for each sample of a sweep.
+fn meter<'a>(scene: &'a Scene, settings: &RenderSettings, scouts: f64) -> Option<Meter<'a>> {
+    let own = Own {
+        variance: 0.0,
+        per_step: scouts,
+    };
+    let terms = Terms {
+        each: METERED,
+        unit: 1.0,
+    };
+    Meter::new(scene, settings, own, terms)
 }
 
 /// A film as a layer.

@@ -10,19 +10,22 @@ use crate::state::take_up;
 use crate::threads::pool;
 use crate::{Place, RenderError, RenderSettings, State};
 
-/// What happened in one step of a render: of a sample or mutation all that its path builder did, of `relt` in the sweep
-/// of that step, of `erpt-pss` and `erpt` in the sample and its chains, of `sppm` in the light path (all of them count as
-/// ladder 0); of chains of photons in the step of one chain and the exchanges after it, of `annealing` in the step
-/// of one particle. Photon methods show the sample of the same place of what photons cannot carry as well, `direct=apart` the
-/// steps of that number of both parts. [`Place::LAMPS`] stands for the samples of emitters seen directly beside chains,
-/// [`Place::METER`] for those that measure the brightness.
+/// What happened in one step of a render: of a sample or mutation all that its path builder did, of `relt` in
+/// the sweep of that step, of `erpt-pss` and `erpt` in the sample and its chains, of `sppm` in the light path
+/// (all of them count as ladder 0); of chains of photons in the step of one chain and the exchanges after it,
+/// of `annealing` in the step of one particle. Photon methods show the sample of the same place of what
+/// photons cannot carry as well, `direct=apart` the steps of that number of both parts. [`Place::LAMPS`]
+/// stands for the samples of emitters seen directly beside chains, [`Place::METER`] for those that measure
+/// the brightness.
 ///
-/// The step is that of the render with these settings, to the bit, whatever its budget, threads and share of the ladders.
-/// Independent samples are made at once, and so is a round of `annealing`; a chain goes there from its start; chains of
-/// photons and stages, which learn from each other, run all iterations or stages before: see [`replay_from`].
+/// The step is that of the render with these settings, to the bit, whatever its budget, threads and share of
+/// the ladders. Independent samples are made at once, and so is a round of `annealing`; a chain goes there
+/// from its start; chains of photons and stages, which learn from each other, run all iterations or stages
+/// before: see [`replay_from`].
 ///
 /// # Errors
-/// As [`render`](fn@crate::render); a ladder that the render does not have, a level that a round of `annealing` did not come to.
+/// As [`render`](fn@crate::render); a ladder that the render does not have, a level that a round of
+/// `annealing` did not come to.
 pub fn replay(
     scene: &Scene,
     settings: &RenderSettings,
@@ -31,8 +34,9 @@ pub fn replay(
     replay_from(scene, settings, None, place, &mut |_| {})
 }
 
-/// As [`replay`], with a state that the render has left: where iterations have to be run before the step is there, those that
-/// the state has behind it are not, if it is not past the step. `ahead` is told how many have to be run, if any.
+/// As [`replay`], with a state that the render has left: where iterations have to be run before the step is
+/// there, those that the state has behind it are not, if it is not past the step. `ahead` is told how many
+/// have to be run, if any.
 ///
 /// # Errors
 /// As [`replay`]; a state of another scene, method, setting or share, or a damaged one.

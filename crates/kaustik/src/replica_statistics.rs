@@ -7,7 +7,8 @@ pub struct ReplicaStatistics {
     pub levels: Vec<ReplicaLevel>,
     /// Sweeps of all ladders.
     pub sweeps: u64,
-    /// Mean acceptance of exchanges, for each pair that exchanges ([`ReplicaSet::pairs`](crate::estimate::ReplicaSet::pairs)).
+    /// Mean acceptance of exchanges, for each pair that exchanges
+    /// ([`ReplicaSet::pairs`](crate::estimate::ReplicaSet::pairs)).
     pub exchange_acceptance: Vec<f64>,
     /// The pairs, counted from 1.
     pub pairs: Vec<[usize; 2]>,

@@ -1,5 +1,5 @@
-//! Replays against renders, event by event: all that a render tells on one thread is what replays of its steps tell, bit for
-//! bit.
+//! Replays against renders, event by event: all that a render tells on one thread is what replays of its
+//! steps tell, bit for bit.
 
 use kaustik_path::{Event, Role, Side, trace};
 use kaustik_scene::Scene;
@@ -177,8 +177,9 @@ fn of_chain(events: &[Event], chain: usize) -> Vec<Event> {
     own.flatten().copied().collect()
 }
 
-/// Steps of all chains of two ladders in several iterations: the path where the chain is was told before, the one that it may go
-/// to and what falls on the image is what the render told there. A chain that rests goes nowhere.
+/// Steps of all chains of two ladders in several iterations: the path where the chain is was told before, the
+/// one that it may go to and what falls on the image is what the render told there. A chain that rests goes
+/// nowhere.
 #[test]
 fn chains_of_photons_are_retold() {
     let even = [1; 4];
@@ -199,87 +200,136 @@ fn chains_of_photons_are_retold() {
 
 fn retell_photons(settings: &RenderSettings, periods: &[u32]) {
     const ITERATIONS: u64 = 2;
-    let (scene, method, chains) = (scene(), settings.method, periods.len());
-    let burn_in = settings.options.photon.burn_in;
-    let steps = |chain: usize, sweep: u64| {
-        let told = sweep.checked_sub(burn_in);
-        told.is_none_or(|told| told.is_multiple_of(u64::from(periods[chain])))
-    };
-    let rate: f64 = periods.iter().map(|&period| 1.0 / f64::from(period)).sum();
-    let all = (settings.options.photon.photons as f64 / rate).ceil() as u64;
-    let sweeps = [0, 1].map(|ladder| all / 2 + u64::from(ladder < all % 2) + burn_in);
-    let pool = pool(settings.threads).expect("threads");
-    let told: Vec<Vec<Event>> = pool.install(|| {
-        let mut engine = engine(&scene, settings).expect("an engine");
-        let mut told = || {
-            let events = told(engine.as_mut(), settings, 1);
-            events.into_iter().filter(|e| is_of_light(&e)).collect()
-        };
-        (0..ITERATIONS).map(|_| told()).collect()
-    });
-    // Light paths before a sweep.
-    let before = |ladder: usize, sweep: u64| {
-        let mut ladders = sweeps[..ladder].iter().copied().chain([sweep]);
-        let of = |chain| move |sweep: &u64| steps(chain, *sweep);
-        let in_all = |sweeps: u64| -> usize {
-            (0..chains)
-                .map(|chain| (0..sweeps).filter(of(chain)).count())
-                .sum()
-        };
-        // States are read anew, then ladder after ladder sweeps.
-        2 * chains + ladders.by_ref().map(in_all).sum::<usize>()
-    };
+    let (scene, method) = (scene(), settings.method);
+    let course = Course::new(settings, periods);
+    let (burn_in, [first, second]) = (course.burn_in, course.sweeps);
     let mut deposits = 0;
-    for (iteration, events) in (0..).zip(&told) {
+    for (iteration, events) in (0..).zip(&iterations(&scene, settings, ITERATIONS)) {
         let paths = cut(events, |event| matches!(event, Event::Start { .. }));
-        assert_eq!(paths.len(), before(1, sweeps[1]), "{method}");
+        assert_eq!(paths.len(), course.before(1, second), "{method}");
         for (ladder, sweep) in [
             (0, 0),
             (0, burn_in),
             (0, 77),
-            (0, sweeps[0] - 1),
+            (0, first - 1),
             (1, 1),
             (1, burn_in + 2048),
-            (1, sweeps[1] - 1),
+            (1, second - 1),
         ] {
             let what = format!("{method} {periods:?} {iteration} {ladder} {sweep}");
-            let mut next = before(ladder, sweep);
-            let shown: Vec<Shown> = (0..chains)
-                .map(|chain| {
-                    let sweep = iteration * sweeps[ladder] + sweep;
-                    let place = Place {
-                        ladder: ladder as u32,
-                        step: sweep * chains as u64 + chain as u64,
-                    };
-                    parts(&replay(&scene, settings, place).expect("events"))
-                })
-                .collect();
-            let mut rest: &[Event] = &[];
-            for (chain, shown) in shown.iter().enumerate() {
-                // Light paths that the render has told so far, without what they brought.
-                let mut known = paths[..next].iter().map(|path| walk(path));
-                assert!(
-                    known.any(|path| path == walk(&shown.current)),
-                    "{what} {chain}"
-                );
-                if !steps(chain, sweep) {
-                    assert!(shown.proposed.is_empty(), "{what} {chain}");
-                    continue;
-                }
-                assert!(rest.is_empty(), "{what} {chain}");
-                assert!(paths[next].starts_with(&shown.proposed), "{what} {chain}");
-                rest = &paths[next][shown.proposed.len()..];
-                next += 1;
-            }
-            // The exchanges, and at the end of a half what is still to be reported.
-            for (chain, shown) in shown.iter().enumerate() {
-                assert!(of_chain(rest, chain) == shown.after, "{what} {chain}");
-                let both = shown.proposed.iter().chain(&shown.after);
-                deposits += both.filter(|e| matches!(e, Event::Deposit { .. })).count();
-            }
+            let shown = course.replays(&scene, settings, ladder, iteration, sweep);
+            assert_retold(&shown, &paths, &course, (ladder, sweep), &what);
+            let told = shown.iter().flat_map(|s| s.proposed.iter().chain(&s.after));
+            deposits += told.filter(|e| matches!(e, Event::Deposit { .. })).count();
         }
     }
     assert!(deposits > 20, "{method} {periods:?}: {deposits}");
+}
+
+/// What a render tells of light paths in each of its first iterations.
+fn iterations(scene: &Scene, settings: &RenderSettings, count: u64) -> Vec<Vec<Event>> {
+    pool(settings.threads).expect("threads").install(|| {
+        let mut engine = engine(scene, settings).expect("an engine");
+        let mut told = || {
+            let events = told(engine.as_mut(), settings, 1);
+            events.into_iter().filter(|e| is_of_light(&e)).collect()
+        };
+        (0..count).map(|_| told()).collect()
+    })
+}
+
+/// When the chains of two ladders take their steps in an iteration.
+struct Course<'a> {
+    periods: &'a [u32],
+    burn_in: u64,
+    /// Of each ladder.
+    sweeps: [u64; 2],
+}
+
+impl<'a> Course<'a> {
+    fn new(settings: &RenderSettings, periods: &'a [u32]) -> Self {
+        let photon = &settings.options.photon;
+        let rate: f64 = periods.iter().map(|&period| 1.0 / f64::from(period)).sum();
+        let all = (photon.photons as f64 / rate).ceil() as u64;
+        let burn_in = photon.burn_in;
+        Self {
+            periods,
+            burn_in,
+            sweeps: [0, 1].map(|ladder| all / 2 + u64::from(ladder < all % 2) + burn_in),
+        }
+    }
+
+    /// Does a chain take a step in a sweep?
+    fn steps(&self, chain: usize, sweep: u64) -> bool {
+        let told = sweep.checked_sub(self.burn_in);
+        told.is_none_or(|told| told.is_multiple_of(u64::from(self.periods[chain])))
+    }
+
+    /// Light paths that an iteration tells before a sweep.
+    fn before(&self, ladder: usize, sweep: u64) -> usize {
+        let chains = self.periods.len();
+        let steps = |sweeps: u64| -> usize {
+            (0..chains)
+                .map(|chain| (0..sweeps).filter(|&at| self.steps(chain, at)).count())
+                .sum()
+        };
+        // States are read anew, then ladder after ladder sweeps.
+        let earlier: usize = self.sweeps[..ladder].iter().map(|&all| steps(all)).sum();
+        2 * chains + earlier + steps(sweep)
+    }
+
+    /// Replays of the steps of all chains in a sweep.
+    fn replays(
+        &self,
+        scene: &Scene,
+        settings: &RenderSettings,
+        ladder: usize,
+        iteration: u64,
+        sweep: u64,
+    ) -> Vec<Shown> {
+        let sweep = iteration * self.sweeps[ladder] + sweep;
+        let chains = self.periods.len() as u64;
+        let replay_of = |chain: u64| {
+            let place = Place {
+                ladder: ladder as u32,
+                step: sweep * chains + chain,
+            };
+            parts(&replay(scene, settings, place).expect("events"))
+        };
+        (0..chains).map(replay_of).collect()
+    }
+}
+
+/// What replays show of a sweep is what the render has told, which is cut into light paths.
+fn assert_retold(
+    shown: &[Shown],
+    paths: &[&[Event]],
+    course: &Course<'_>,
+    (ladder, sweep): (usize, u64),
+    what: &str,
+) {
+    let mut next = course.before(ladder, sweep);
+    let mut rest: &[Event] = &[];
+    for (chain, shown) in shown.iter().enumerate() {
+        // Light paths that the render has told so far, without what they brought.
+        let mut known = paths[..next].iter().map(|path| walk(path));
+        assert!(
+            known.any(|path| path == walk(&shown.current)),
+            "{what} {chain}"
+        );
+        if !course.steps(chain, sweep) {
+            assert!(shown.proposed.is_empty(), "{what} {chain}");
+            continue;
+        }
+        assert!(rest.is_empty(), "{what} {chain}");
+        assert!(paths[next].starts_with(&shown.proposed), "{what} {chain}");
+        rest = &paths[next][shown.proposed.len()..];
+        next += 1;
+    }
+    // The exchanges, and at the end of a half what is still to be reported.
+    for (chain, shown) in shown.iter().enumerate() {
+        assert!(of_chain(rest, chain) == shown.after, "{what} {chain}");
+    }
 }
 
 /// A light path without its visits.

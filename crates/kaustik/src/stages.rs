@@ -1,10 +1,10 @@
 //! Multi-stage Metropolis light transport (Hoberock and Hart 2010).
 //!
-//! A chain that follows the light of the image is where the image is bright, and leaves its dark parts noisy. Here a render is one of
-//! stages. Each follows the light times a weight on the image, inverse to the picture of the stages before it, so that every
-//! part is visited alike. Within a stage nothing learns: it is ordinary Metropolis light transport, with a pool and a
-//! normaliser of its own, and unbiased whatever the weights are. The picture is the mean of the stages' pictures, each counted with its
-//! mutations.
+//! A chain that follows the light of the image is mostly where the image is bright, and leaves its dark parts
+//! noisy. Here a render is made in stages. Each follows the light times a weight on the image, inverse to the
+//! picture of the stages before it, so that every part is visited alike. Within a stage nothing learns: it is
+//! ordinary Metropolis light transport, with a pool and a normaliser of its own, and unbiased whatever the
+//! weights are. The picture is the mean of the stages' pictures, each weighted by its number of mutations.
 
 mod keep;
 mod options;
@@ -42,8 +42,8 @@ pub use options::{StageLadder, StageOptions};
 
 /// Turns the seed of a render into those of its stages.
 const SEEDS: u64 = 0x57A6_E5ED_0F40_BE20;
-/// The relative error that the light of the image would have by the samples of any stage's pool. Where one in so many samples sees light at
-/// all, some 25 of a pool do: hardly any sees none.
+/// The relative error with which the samples of a stage's pool are to know the light of the image. Where light
+/// is so rare that few samples see any, about 25 of a pool then do (1 / 0.2^2): hardly any pool sees none.
 const CERTAIN: f64 = 0.2;
 
 /// The stage at work, and the pictures of those before it.
@@ -57,8 +57,8 @@ pub(crate) struct StagedEngine<'a> {
     engine: Box<dyn Engine + 'a>,
     /// The stage that the engine began in: its map is that of this one.
     began: usize,
-    /// The stage that ladders are in, or at the end of: later than `began` if stages were skipped because their pools were
-    /// dark.
+    /// The stage that ladders are in, or at the end of: later than `began` if stages were skipped because
+    /// their pools were dark.
     stage: usize,
     /// What is seen directly is not for the stages.
     besides: Besides<'a>,
@@ -102,7 +102,8 @@ impl<'a> StagedEngine<'a> {
         }
     }
 
-    /// Goes on to the next stage. Where its pool sees no light, or it cannot begin, the stage before goes on in its place.
+    /// Goes on to the next stage. Where its pool sees no light, or it cannot begin, the stage before goes on
+    /// in its place.
     fn turn(&mut self) {
         self.stage += 1;
         match self.next() {
@@ -180,8 +181,8 @@ fn seed(render: u64, number: usize) -> u64 {
 /// A stage that has begun, and the pictures of those before it.
 type Begun<'a> = (Box<dyn Engine + 'a>, Sums);
 
-/// Samples from which the normaliser is certain to a share of [`CERTAIN`], by what the first pool, of so many, tells. None of the stages'
-/// own samples have a say, or those that see more than usual would be preferred.
+/// How many samples know the normaliser with a relative error of [`CERTAIN`], judged by the first pool, of
+/// `samples`. No later samples have a say, or stages that happen to see more than usual would be preferred.
 fn many(first: &dyn Engine, samples: u64) -> u64 {
     let chain = first.chain_statistics();
     let error = chain.map_or(0.0, |chain| {

@@ -89,7 +89,8 @@ pub struct StageStatistics {
     pub width: u32,
     /// Its mutations.
     pub mutations: u64,
-    /// The integral of its target: the scalar contribution, in the stages after the first over what the picture so far has there.
+    /// The integral of its target: the scalar contribution, which stages after the first divide by what the
+    /// picture so far has there.
     pub normalisation: f64,
     /// Its standard error.
     pub normalisation_error: f64,

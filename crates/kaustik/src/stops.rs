@@ -125,8 +125,8 @@ fn seen(scene: &Scene, settings: &RenderSettings, engine: &mut (dyn Engine + '_)
     (bytes, bits)
 }
 
-/// Broken off after any number of looks, in the first round of work and in the second, an engine is where it was before, and
-/// goes on to where it would have come to.
+/// Broken off after any number of looks, in the first round of work and in the second, an engine is where it
+/// was before, and goes on to where it would have come to.
 #[test]
 fn what_is_broken_off_is_taken_back() {
     let scene = scene();
@@ -204,8 +204,8 @@ impl Watch for Keeper {
     }
 }
 
-/// A whole render that is broken off and resumed, once and again, has the bits of one that went through. Before either part has
-/// whole passes it has no samples.
+/// A whole render that is broken off and resumed, once and again, has the bits of one that went through.
+/// Before either part has whole passes it has no samples.
 #[test]
 fn broken_renders_go_on() {
     let scene = scene();

@@ -1,8 +1,9 @@
 //! Generators beside those of the ladders.
 //!
-//! A render's random numbers come from generators that follow from its seed and a number; ladder i has number i. What is drawn
-//! besides, before the ladders or beside them, has a number that no ladder has. Two things of one method must not share a
-//! number where one of them weighs the other: a picture would be biased by numbers that agree by construction.
+//! A render's random numbers come from generators that follow from its seed and a number; ladder i has number
+//! i. What is drawn besides, before the ladders or beside them, has a number that no ladder has. Two things
+//! of one method must not share a number where one of them weighs the other: a picture would be biased by
+//! numbers that agree by construction.
 
 /// First samples: a pilot's, a pool's.
 pub(crate) const PILOT: u64 = u64::MAX;

@@ -8,8 +8,8 @@ pub enum Refinement {
         /// Percent by which the halves of its statistics may differ.
         percent: u32,
     },
-    /// To the last of them, but each is [drawn towards](super::Regions::shrunk_densities) the one that it is part of as long as not
-    /// many more light paths than so many have touched it.
+    /// To the last of them, but each is [drawn towards](super::Regions::shrunk_densities) the one that it is
+    /// part of as long as not many more light paths than so many have touched it.
     Shrunk {
         /// Light paths that what is known of the larger region counts for.
         paths: u32,
@@ -26,13 +26,13 @@ impl Refinement {
         least: 10_000,
         percent: 5,
     };
-    /// Sooner: a target that is off by a fifth costs a tenth of the noise at most, one that knows nothing of where light is
-    /// seldom costs all.
+    /// Sooner: a target that is off by a fifth costs a tenth of the noise at most, one that knows nothing of
+    /// where light is seldom costs all.
     pub const EARLY: Self = Self::Adaptive {
         least: 200,
         percent: 30,
     };
-    /// At once. What is around a region counts for 20 light paths: those of a chain resemble each other, and tell less than as many
-    /// that were drawn apart.
+    /// At once. What is around a region counts for 20 light paths: those of a chain resemble each other, and
+    /// tell less than as many that were drawn apart.
     pub const SHRUNK: Self = Self::Shrunk { paths: 20 };
 }

@@ -32,7 +32,8 @@ fn a_tree_holds_each_point_once_and_evenly() {
     assert!((regions.leaf([1e9, -1e9, 1e9, 0.0, 0.0, 0.0]) as usize) < regions.leaves());
 }
 
-/// A room before a landscape: two thirds of the points on the wall between them, which is the low end of the longest side.
+/// A room before a landscape: two thirds of the points on the wall between them, which is the low end of the
+/// longest side.
 #[test]
 fn a_wall_is_parted_from_what_is_beyond_it() {
     let mut draws = generator(4, 0);
@@ -171,8 +172,8 @@ fn factors_stay_in_their_range() {
     assert!((inverse(1.0) - EPSILON / (1.0 + EPSILON)).abs() < 1e-15);
 }
 
-/// Two sheets in one place that face opposite ways have no region in common where regions are small, and share them where
-/// normals have no length.
+/// Two sheets in one place that face opposite ways have no region in common where regions are small, and
+/// share them where normals have no length.
 #[test]
 fn normals_part_what_places_do_not() {
     let sheets = |length: f32| -> Vec<Place> {
@@ -217,8 +218,8 @@ fn uneven_fluxes_make_a_region_thinner() {
     }
 }
 
-/// Leaves of a tree in which those that so many light paths have touched, in the mean, lie side by side: what they tell in one
-/// iteration.
+/// Leaves of a tree in which those that so many light paths have touched, in the mean, lie side by side: what
+/// they tell in one iteration.
 fn touched(regions: &Regions, mean: impl Fn(usize) -> f64, seed: u64) -> Vec<LeafTally> {
     let mut draws = generator(seed, 0);
     let tally = |leaf: usize| {
@@ -265,8 +266,8 @@ fn what_is_known_of_a_half_is_drawn_towards_the_whole() {
     }
 }
 
-/// Where few light paths have come it is nearer to the truth than leaves alone and than the cut; where many have, it is what
-/// the leaves say.
+/// Where few light paths have come it is nearer to the truth than leaves alone and than the cut; where many
+/// have, it is what the leaves say.
 #[test]
 fn shrunk_densities_are_nearer() {
     let truth = |leaf: usize| [3.0, 1.0, 6.0, 10.0][leaf / 20 % 4];

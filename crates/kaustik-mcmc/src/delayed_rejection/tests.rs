@@ -176,7 +176,7 @@ fn forgetting_the_rejected_proposal_is_caught() {
 }
 
 #[test]
-fn second_acceptance_in_numbers() {
+fn second_acceptances_are_those_worked_out_by_hand() {
     let cases = [
         ((4.0, 1.0, 2.0, 1.0), 1.0 / 3.0),
         ((4.0, 1.0, 2.0, 1.5), 0.5),

@@ -97,7 +97,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn halves_are_halves() {
+    fn two_halves_of_equal_length_are_nearly_the_whole_series() {
         for n in 2..2000u64 {
             let mut halves = Halves::new();
             (0..n).for_each(|i| halves.push(i as f64));

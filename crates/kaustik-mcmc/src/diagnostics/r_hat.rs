@@ -138,7 +138,7 @@ mod tests {
     }
 
     #[test]
-    fn by_hand() {
+    fn r_hat_and_normal_scores_are_those_worked_out_by_hand() {
         // W = 1, means 2 and 3: B/n = 1/2
         let sequences = [[1.0, 2.0, 3.0], [2.0, 3.0, 4.0]].map(|s| s.into_iter().collect());
         let expected = (2.0f64 / 3.0 + 0.5).sqrt();

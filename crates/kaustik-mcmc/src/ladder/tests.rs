@@ -167,7 +167,7 @@ proptest! {
 }
 
 #[test]
-fn four_levels_and_one() {
+fn ladders_of_four_levels_and_of_one_keep_the_product() {
     let table: Table<4> = [
         [1.0, 1.0, 0.5, 0.0],
         [1.0, 0.2, 0.1, 0.1],
@@ -459,7 +459,7 @@ fn references_to_kernels_are_kernels() {
 
 #[test]
 #[should_panic(expected = "permutations of 6 levels")]
-fn too_many_levels_to_permute() {
+fn more_levels_than_can_be_permuted_are_refused() {
     let family = |_: &usize| [1.0; 6];
     let _ = Ladder::new([((), 0); 6], &family).with_schedule(Schedule::Permutation);
 }

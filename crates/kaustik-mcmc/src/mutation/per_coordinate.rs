@@ -126,6 +126,7 @@ impl<M> TryFrom<Written<M>> for PerCoordinate<M> {
     }
 }
 
+#[deny(clippy::missing_trait_methods)]
 impl<M: Mutation> Mutation for PerCoordinate<M> {
     /// That of the coordinates of which nothing was said: a number without an address.
     fn mutate<D: Draws + ?Sized>(&self, x: f64, draws: &mut D) -> f64 {

@@ -334,8 +334,8 @@ fn catch_up<M: Mutation, D: Draws + ?Sized>(
     coordinate.modify = coordinate.modify.max(now);
 }
 
-/// How many steps bring a coordinate that was made since the last large step to the present, if they are not so many that a
-/// uniform number does (see [`Mutation::mixed_after`]).
+/// How many steps bring a coordinate that was made since the last large step up to date. `None` if they are so
+/// many that a fresh uniform number does instead (see [`Mutation::mixed_after`]).
 fn replays<M: Mutation>(
     coordinate: &Coordinate,
     (stream, index): (Stream, u32),

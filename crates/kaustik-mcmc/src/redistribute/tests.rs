@@ -105,7 +105,7 @@ fn the_mean_deposit_is_the_integrand_in_every_channel() {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(1000))]
     #[test]
-    fn whatever_the_integrand(
+    fn the_mean_deposit_is_any_integrand(
         f in prop::array::uniform4(prop::array::uniform2(
             prop_oneof![1 => Just(0.0), 3 => 0.01..1.0f64])),
         p in prop::array::uniform4(0.2..1.0f64),
@@ -390,10 +390,11 @@ fn chains_together(share: f64, weights: &[f64], unit: f64) -> Vec<u32> {
 }
 
 proptest! {
-    /// Every run of starts has as many chains as it should, to one; and each start the right number in the mean over the
-    /// share (stratified: to one part in as many shares as there are, for each of the two ends of its interval).
+    /// Every run of starts has as many chains as it should, to one; and each start the right number in the
+    /// mean over the share (stratified: to one part in as many shares as there are, for each of the two ends
+    /// of its interval).
     #[test]
-    fn starts_that_are_rounded_together(weights in prop::collection::vec(0.0..3.0f64, 1..30), unit in 0.2..5.0f64) {
+    fn starts_that_are_rounded_together_have_the_chains_due_to_them(weights in prop::collection::vec(0.0..3.0f64, 1..30), unit in 0.2..5.0f64) {
         const SHARES: usize = 200;
         let mut sums = vec![0.0; weights.len()];
         for i in 0..SHARES {

@@ -59,7 +59,8 @@ fn merging_is_one_long_run() {
     assert!(error(&short) / error(&sum) > 1.2);
 }
 
-/// Densities so small or so large that their squares are none: nothing is known of the error, and not that there is none.
+/// Densities so small or so large that their squares are none: nothing is known of the error, and not that
+/// there is none.
 #[test]
 fn an_error_that_cannot_be_computed_is_not_zero() {
     for scale in [1e-170, 1e170] {

@@ -69,6 +69,7 @@ impl<M: Mutation> OnGrid<M> {
     }
 }
 
+#[deny(clippy::missing_trait_methods)]
 impl<M: Mutation> Mutation for OnGrid<M> {
     fn mutate<D: Draws + ?Sized>(&self, x: f64, draws: &mut D) -> f64 {
         middle(self.cells, self.mutation.mutate(x, draws))

@@ -54,9 +54,9 @@
 //! assert_detailed_balance(&matrix, &pi);
 //! ```
 //!
-//! If the kernel has a state beside the value, return a number that is made of it, and assert that value and state agree: the
-//! value alone is right after one step even where a rejected state is not taken back. Two steps, enumerated together, must
-//! be the matrix [squared](TransitionMatrix::power).
+//! If the kernel has a state beside the value, return a number that is made of it, and assert that value and
+//! state agree: the value alone is right after one step even where a rejected state is not taken back. Two
+//! steps, enumerated together, must be the matrix [squared](TransitionMatrix::power).
 //!
 //! For chains on [`Point`](crate::Point)s, [`Grid`] numbers the states and
 //! [`Grid::matrix`] does the rest; [`GridStep`] is a mutation on the grid, [`OnGrid`] brings
@@ -114,8 +114,8 @@
 //! | draw from the target exactly, and the kernel is reversible | [`assert_reversible`]: exact at any length of chain (Gandy and Scott 2020) |
 //! | draw states of any known density | [`assert_invariant`]: weigh, step, compare in pairs; finds a missing factor of a ratio |
 //!
-//! And whatever the state: for an accepted x -> y, the ratio there times the ratio back is 1. (That finds a factor turned
-//! upside down, and not one left out both ways.)
+//! And whatever the state: for an accepted x -> y, the ratio there times the ratio back is 1. (That finds a
+//! factor turned upside down, and not one left out both ways.)
 //!
 //! # 8. Test the test
 //!

@@ -11,8 +11,8 @@ use crate::{Mean, Pcg64Dxsm, generator};
 /// is needed. The difference is taken *pair by pair*, so that all that the kernel leaves
 /// alone cancels; a missing factor of the acceptance ratio, or of a Jacobian, stands out.
 ///
-/// Functions share the risk of a false alarm, and what is clearly fine is not tried again: of 20 functions a z-score below about
-/// 2.7. More `starts` see smaller faults.
+/// Functions share the risk of a false alarm, and what is clearly fine is not tried again: of 20 functions a
+/// z-score below about 2.7. More `starts` see smaller faults.
 ///
 /// Take 10 to 30 functions that between them see each part of a state (positions,
 /// directions, lengths, bins). Several kernels: test each alone, for one's fault hides in

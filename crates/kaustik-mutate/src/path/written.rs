@@ -2,16 +2,16 @@
 //!
 //! Of a vertex all numbers that count are kept, to the bit; its scattering function follows from them and the scene.
 
-use glam::{DVec2, DVec3, Vec2, Vec3};
-use kaustik_bsdf::{Bsdf, Frame};
-use kaustik_geometry::Surface;
-use kaustik_scene::{EmitterPoint, Interior, Vertex};
-use kaustik_spectrum::{Spectrum, Wavelengths, Xyz};
+mod vertex;
+
+use glam::DVec2;
+use kaustik_spectrum::{Wavelengths, Xyz};
 use serde::{Deserialize, Serialize};
 
 use super::Path;
 use crate::PathSpace;
-use crate::vertex::{Edge, PathVertex, Place};
+use crate::vertex::{PathVertex, Place};
+use vertex::WrittenVertex;
 
 /// A [`Path`] that needs no scene: to be kept, and to become a path again by [`PathSpace::read`].
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -23,39 +23,6 @@ pub struct WrittenPath {
     density: f64,
     colour: [f32; 3],
     vertices: Vec<WrittenVertex>,
-}
-
-type Three = [f64; 3];
-
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-enum WrittenPlace {
-    Area,
-    Punctual(u32),
-    Environment(Three),
-    Surface,
-    Lens,
-}
-
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-struct WrittenVertex {
-    place: WrittenPlace,
-    /// Position, its error, both normals.
-    surface: [[f32; 3]; 4],
-    uv: [[f32; 2]; 2],
-    color: [f32; 4],
-    /// Position, normal, frame.
-    vertex: [Three; 5],
-    /// Instance, primitive, material.
-    indices: [u32; 3],
-    solids: Vec<u32>,
-    /// `back`, `toward_light`, `toward_eye`, `wi`, `wo`, `ng`.
-    directions: [Three; 6],
-    value: [f32; 4],
-    /// `front`, `specular`, `transmitted`, `dispersive`.
-    flags: [bool; 4],
-    /// Both cosines and the opacity.
-    factors: Three,
-    edge: ([f64; 2], [f32; 4]),
 }
 
 impl Path {
@@ -127,7 +94,7 @@ impl PathSpace<'_> {
     }
 
     fn vertex(&self, written: &WrittenVertex, wavelengths: &Wavelengths) -> Option<PathVertex> {
-        let mut vertex = written.vertex()?;
+        let mut vertex = written.without_bsdf()?;
         match vertex.place {
             Place::Emitter(point) => self
                 .scene
@@ -148,176 +115,4 @@ impl PathSpace<'_> {
         }
         Some(vertex)
     }
-}
-
-/// What counts of a vertex: slots are used again and again, and hold leftovers of other paths where their kind of vertex has
-/// no use for a number.
-fn bare(slot: &PathVertex) -> PathVertex {
-    match slot.place {
-        Place::Surface => PathVertex {
-            transmitted: slot.specular && slot.transmitted,
-            ..*slot
-        },
-        Place::Emitter(point) => PathVertex {
-            place: slot.place,
-            vertex: match point {
-                EmitterPoint::Surface => slot.vertex,
-                _ => Vertex::default(),
-            },
-            toward_eye: slot.toward_eye,
-            value: slot.value,
-            specular: slot.specular,
-            cos_eye: slot.cos_eye,
-            opacity: slot.opacity,
-            edge: slot.edge,
-            ..PathVertex::default()
-        },
-        Place::Lens => PathVertex {
-            place: slot.place,
-            vertex: Vertex {
-                position: slot.vertex.position,
-                ..Vertex::default()
-            },
-            toward_light: slot.toward_light,
-            specular: slot.specular,
-            cos_light: slot.cos_light,
-            ..PathVertex::default()
-        },
-    }
-}
-
-impl From<&PathVertex> for WrittenVertex {
-    fn from(slot: &PathVertex) -> Self {
-        let slot = bare(slot);
-        let Vertex { surface, frame, .. } = &slot.vertex;
-        Self {
-            place: match slot.place {
-                Place::Emitter(EmitterPoint::Surface) => WrittenPlace::Area,
-                Place::Emitter(EmitterPoint::Punctual(index)) => WrittenPlace::Punctual(index),
-                Place::Emitter(EmitterPoint::Environment(toward)) => {
-                    WrittenPlace::Environment(toward.to_array())
-                }
-                Place::Surface => WrittenPlace::Surface,
-                Place::Lens => WrittenPlace::Lens,
-            },
-            surface: [
-                surface.position,
-                surface.position_error,
-                surface.geometric_normal,
-                surface.shading_normal,
-            ]
-            .map(|v| v.to_array()),
-            uv: surface.uv.map(|uv| uv.to_array()),
-            color: surface.color,
-            vertex: [
-                slot.vertex.position,
-                slot.vertex.normal,
-                frame.x,
-                frame.y,
-                frame.z,
-            ]
-            .map(|v| v.to_array()),
-            indices: [
-                slot.vertex.instance,
-                slot.vertex.primitive,
-                slot.vertex.material,
-            ],
-            solids: slot.interior.solids().to_vec(),
-            directions: [
-                slot.back,
-                slot.toward_light,
-                slot.toward_eye,
-                slot.wi,
-                slot.wo,
-                slot.ng,
-            ]
-            .map(|v| v.to_array()),
-            value: lanes(slot.value),
-            flags: [
-                surface.front,
-                slot.specular,
-                slot.transmitted,
-                slot.dispersive,
-            ],
-            factors: [slot.cos_light, slot.cos_eye, slot.opacity],
-            edge: (
-                [slot.edge.squared, slot.edge.passed],
-                lanes(slot.edge.absorption),
-            ),
-        }
-    }
-}
-
-impl WrittenVertex {
-    /// Without its scattering function; `None` where numbers are no numbers, or indices no indices.
-    fn vertex(&self) -> Option<PathVertex> {
-        let numbers = self.vertex.iter().chain(&self.directions).flatten();
-        let finite = numbers.chain(&self.factors).all(|x| x.is_finite())
-            && self.surface.iter().flatten().all(|x| x.is_finite());
-        if !finite {
-            return None;
-        }
-        let [position, position_error, geometric_normal, shading_normal] =
-            self.surface.map(Vec3::from);
-        let [at, normal, x, y, z] = self.vertex.map(DVec3::from);
-        let [instance, primitive, material] = self.indices;
-        let [back, toward_light, toward_eye, wi, wo, ng] = self.directions.map(DVec3::from);
-        let [front, specular, transmitted, dispersive] = self.flags;
-        let [cos_light, cos_eye, opacity] = self.factors;
-        let ([squared, passed], absorption) = self.edge;
-        let mut interior = Interior::VACUUM;
-        self.solids.iter().for_each(|&solid| interior.enter(solid));
-        Some(PathVertex {
-            place: match self.place {
-                WrittenPlace::Area => Place::Emitter(EmitterPoint::Surface),
-                WrittenPlace::Punctual(index) => Place::Emitter(EmitterPoint::Punctual(index)),
-                WrittenPlace::Environment(toward) => {
-                    Place::Emitter(EmitterPoint::Environment(DVec3::from(toward)))
-                }
-                WrittenPlace::Surface => Place::Surface,
-                WrittenPlace::Lens => Place::Lens,
-            },
-            vertex: Vertex {
-                surface: Surface {
-                    position,
-                    position_error,
-                    geometric_normal,
-                    shading_normal,
-                    uv: self.uv.map(Vec2::from),
-                    color: self.color,
-                    front,
-                },
-                position: at,
-                normal,
-                frame: Frame { x, y, z },
-                instance,
-                primitive,
-                material,
-            },
-            bsdf: Bsdf::black(),
-            interior,
-            back,
-            toward_light,
-            toward_eye,
-            wi,
-            wo,
-            ng,
-            value: Spectrum::from_fn(|lane| self.value[lane]),
-            specular,
-            transmitted,
-            dispersive,
-            cos_light,
-            cos_eye,
-            opacity,
-            edge: Edge {
-                squared,
-                passed,
-                absorption: Spectrum::from_fn(|lane| absorption[lane]),
-            },
-        })
-    }
-}
-
-fn lanes(spectrum: Spectrum) -> [f32; Spectrum::LANES] {
-    std::array::from_fn(|lane| spectrum[lane])
 }

@@ -106,10 +106,10 @@ const FAULTS: &[(Kind, &[(Factor, &str)])] = &[
     ),
 ];
 
-/// Factors that a kernel asks for and that cancel there and back: it keeps the string of scatterings, and with
-/// it the media; or makes as many points of the lens and of the raster there as back. And one that varies too little
-/// over what `MULTICHAIN` moves in these scenes: its line of code is `LENS`'s as well, where it is found. `TIME` keeps what
-/// is seen where, and nothing moves behind a veil.
+/// Factors that a kernel asks for and that cancel there and back: it keeps the string of scatterings, and
+/// with it the media; or makes as many points of the lens and of the raster there as back. And one that
+/// varies too little over what `MULTICHAIN` moves in these scenes: its line of code is `LENS`'s as well,
+/// where it is found. `TIME` keeps what is seen where, and nothing moves behind a veil.
 const EVEN: &[(Kind, &[Factor])] = &[
     (MULTICHAIN, &[Raster]),
     (CAUSTIC, &[Index]),

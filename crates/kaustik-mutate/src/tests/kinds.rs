@@ -148,7 +148,8 @@ pub(super) const EVERY: Kind = (
     |space, x, y, rng| every(space).propose(&mut (), x, y, rng).ratio,
 );
 
-/// Kernels that look at the scene where the space stands, as it is when the shutter opens, whatever the time of the path.
+/// Kernels that look at the scene where the space stands, as it is when the shutter opens, whatever the time
+/// of the path.
 pub(super) const BLIND: [Kind; 3] = [
     ("lens, blind", LENS.1, |space, x, y, rng| {
         let made = lens(space, Run::Single).perturb(x, y, rng);

@@ -28,8 +28,8 @@ impl Step {
         Self::new(round, 0, particle, 0)
     }
 
-    /// Its number in rounds of so many particles that cost so many paths: samples, then level by level the steps of each
-    /// particle.
+    /// Its number in rounds of so many particles that cost so many paths: samples, then level by level the
+    /// steps of each particle.
     pub(super) fn number(self, particles: u64, cost: u64) -> u64 {
         let moves = MOVES as u64;
         let within = match self.level {

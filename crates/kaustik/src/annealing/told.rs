@@ -3,6 +3,7 @@
 use kaustik_mcmc::Mean;
 use serde::{Deserialize, Serialize};
 
+use super::deposit::Gathered;
 use crate::engine::Nonfinite;
 use crate::streams;
 
@@ -45,6 +46,31 @@ impl<const K: usize> Told<K> {
     pub(super) fn next(&self) -> impl Fn(usize) -> u64 + use<K> {
         let (ladder, round) = (self.ladder, self.rounds);
         move |level| streams::round(ladder, round, level)
+    }
+
+    /// Adds what particles of the next round have gathered at a level.
+    pub(super) fn gather(&mut self, level: usize, gathered: &Gathered<K>) {
+        self.levels[level].moves += gathered.moves;
+        self.levels[level].accepted += gathered.accepted;
+        for (of, mean) in self.levels.iter_mut().zip(&gathered.densities) {
+            of.independent.merge(mean);
+        }
+    }
+
+    /// Ends the next round, with `Z_k` and the light of each level.
+    pub(super) fn end_round(
+        &mut self,
+        normalisers: &[f64; K],
+        light: &[f64; K],
+        faults: Nonfinite,
+    ) {
+        for (k, level) in self.levels.iter_mut().enumerate() {
+            level.normaliser.push(normalisers[k]);
+            level.share.push(light[k]);
+        }
+        self.light.push(light.iter().sum());
+        self.nonfinite = self.nonfinite.and(faults);
+        self.rounds += 1;
     }
 
     pub(super) fn merge(&mut self, other: &Self) {

@@ -199,8 +199,8 @@ impl Stream {
         }
     }
 
-    /// Tells what happens in the sample of this number. How many chains it has follows from the samples of its cell before it,
-    /// with [`Energy::Passes`] from all samples before it: these are taken first.
+    /// Tells what happens in the sample of this number. How many chains it has follows from the samples of
+    /// its cell before it, with [`Energy::Passes`] from all samples before it: these are taken first.
     pub(crate) fn replay(&mut self, job: &Job<'_>, step: u64) -> Vec<Event> {
         match job.options.energy {
             Energy::Pilot => self.carry_to(job, step),
@@ -255,17 +255,23 @@ impl<D: Draws> Spread<'_, D> {
         if weight <= 0.0 {
             return;
         }
-        let (options, films) = (self.job.options, self.job.films);
         self.sample[1] += weight;
-        let spread = is_spread(&self.job.perturbations, options, path);
+        let spread = is_spread(&self.job.perturbations, self.job.options, path);
         if spread {
             self.sample[0] += weight;
         }
-        let Some(plan) = self.plan.filter(|_| spread) else {
-            add(&mut self.light.unperturbed, path.colour(), weight);
-            films.leave(path, weight);
-            return;
-        };
+        match self.plan.filter(|_| spread) {
+            Some(plan) => self.run_chains(plan, path, weight),
+            None => {
+                add(&mut self.light.unperturbed, path.colour(), weight);
+                self.job.films.leave(path, weight);
+            }
+        }
+    }
+
+    /// Spreads a path's weight over chains that begin there.
+    fn run_chains(&mut self, plan: &Redistribution, path: &Path, weight: f64) {
+        let (options, films) = (self.job.options, self.job.films);
         let light = &mut *self.light;
         add(&mut light.seeded, path.colour(), weight);
         let printed = options.deposit == Colours::Printed;

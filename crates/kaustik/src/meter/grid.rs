@@ -114,7 +114,7 @@ mod tests {
     }
 
     #[test]
-    fn neighbours_share() {
+    fn cells_are_blurred_over_their_neighbours() {
         let grid = grid(300, 200, 600); // three columns, two rows
         assert_eq!([grid.columns, grid.rows], [3, 2]);
         let blurred = grid.blurred(&[12.0, 0.0, 0.0, 0.0, 0.0, 6.0]);

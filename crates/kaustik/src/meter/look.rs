@@ -10,13 +10,13 @@ const EACH: u64 = 16;
 /// With fewer finds, their variance is not known well enough to go by.
 const ENOUGH: u64 = 30;
 
-/// What scouts saw that are used for nothing else, so that where one looks more closely does not depend on what is found
-/// there.
+/// What scouts saw that are used for nothing else, so that where one looks more closely does not depend on
+/// what is found there.
 pub(super) struct Look {
     /// For each cell the share of walks from the camera that a Dirac surface scatters first.
     dirac: Vec<f64>,
-    /// Mean square of implicit specular light over the image, by stretches of paths: about what it adds to the second moment of a
-    /// method's own samples. `None` where too few scouts met any.
+    /// Mean square of implicit specular light over the image, by stretches of paths: about what it adds to
+    /// the second moment of a method's own samples. `None` where too few scouts met any.
     pub(super) second_moment: Option<f64>,
     /// Paths for each scout in the image that brought any.
     found: f64,
@@ -58,7 +58,8 @@ impl Look {
         })
     }
 
-    /// How many walks from anywhere in the image know as much of what Dirac surfaces scatter first as so many in each cell.
+    /// How many walks from anywhere in the image know as much of what Dirac surfaces scatter first as so many
+    /// in each cell.
     pub(super) fn walks(&self, scouts: &[u64]) -> f64 {
         let shares = self.dirac.iter().sum::<f64>();
         let variances = self.dirac.iter().zip(scouts);

@@ -13,9 +13,9 @@ use crate::RenderSettings;
 use crate::render::builder_settings;
 use crate::stratified::{Stratified, mix};
 
-/// Ways that a scout takes from where it meets the first surface that scatters otherwise than into a Dirac direction. Error squared
-/// times time in `ring-and-sphere`, `glass-cube` and `water-cornell`: with a single one about twice as much; with 4, or with 8 of every
-/// second scout alone, not much else.
+/// Ways that a scout takes from where it meets the first surface that scatters otherwise than into a Dirac
+/// direction. Error squared times time in `ring-and-sphere`, `glass-cube` and `water-cornell`: with a single
+/// way about twice as much; with 4 ways, or with 8 for every second scout alone, about the same.
 const WAYS: u32 = 8;
 /// What so many ways know of the light is what so many scouts with a single one know: in the same scenes 5, 6 and 8.
 pub(super) const WORTH: f64 = 5.0;

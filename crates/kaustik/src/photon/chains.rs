@@ -5,6 +5,7 @@ mod keep;
 mod mark;
 mod periods;
 mod replay;
+mod start;
 mod sums;
 
 use std::io;
@@ -13,8 +14,8 @@ use std::sync::atomic::AtomicBool;
 use kaustik_estimate::{PhotonLevels, PhotonTarget, PhotonTargetKind, PhotonValue, Sharing};
 use kaustik_film::{Counters, Film, Image, Layer, Quantum};
 use kaustik_mcmc::{
-    Acceptance, AcceptanceAdaptation, Draws, Family, Ignore, Independent, Ladder, Mean, Metropolis,
-    Pcg64Dxsm, Point, PointKernel, Pool, Power, SampleGenerators, Statistics, Target, generator,
+    Acceptance, AcceptanceAdaptation, Draws, Ignore, Ladder, Mean, Pcg64Dxsm, Point, PointKernel,
+    Power, Statistics, generator,
 };
 use kaustik_path::Event;
 use kaustik_spectrum::{Rgb, Xyz};
@@ -45,10 +46,6 @@ const FIRST_STEP: f64 = 0.1;
 /// By how much step sizes learn from an iteration, and how fast that falls with their number.
 const GAIN: f64 = 1.0;
 const GAIN_DECAY: f64 = 0.6;
-/// Chains take so many steps an iteration at least, in the mean over a ladder, or there are fewer ladders: means of short chains under
-/// targets that have just changed are off, and many ladders do not mend that.
-const LEAST_STEPS: u64 = 4096;
-
 /// Ladders of K chains each: the first draws uniform light paths, the others follow targets.
 pub(super) struct PhotonChains<const K: usize> {
     levels: PhotonLevels<K>,
@@ -63,8 +60,8 @@ pub(super) struct PhotonChains<const K: usize> {
     adaptations: [AcceptanceAdaptation<Power>; K],
     /// Rough normalisers: those of the iteration before.
     rough: [f64; K],
-    /// XYZ of each pixel, summed over iterations. Where visibility's normaliser comes only at the end: of all chains but the
-    /// first, not yet multiplied by it.
+    /// XYZ of each pixel, summed over iterations. Where visibility's normaliser comes only at the end: of all
+    /// chains but the first, not yet multiplied by it.
     sums: Vec<[f64; 3]>,
     /// Of visibility, over iterations; `None` where each iteration has its own.
     visible: Option<Mean>,
@@ -137,8 +134,8 @@ impl<const K: usize> PhotonChains<K> {
         Ok(chains)
     }
 
-    /// Finds step sizes for the first targets. Then learning begins anew: targets get narrower with every iteration that
-    /// knows more regions.
+    /// Finds step sizes for the first targets. Then learning begins anew: targets get narrower with every
+    /// iteration that knows more regions.
     fn warm_up(&mut self, stage: &Stage<'_>) {
         let wanted = self.options.acceptance;
         for _ in 0..WARM_UP_ROUNDS {
@@ -168,63 +165,6 @@ impl<const K: usize> PhotonChains<K> {
             map: stage.map(),
             targets: self.targets.of_points(),
         }
-    }
-
-    /// First states from uniform light paths, in proportion to each target; rough normalisers from the same.
-    fn start(&mut self, stage: &Stage<'_>, settings: &RenderSettings) {
-        let target = self.target(stage);
-        let generators = SampleGenerators::new(settings.seed, streams::PILOT);
-        let levels = self.levels;
-        let evaluate = |value: &mut PhotonValue, index: usize| {
-            target.evaluate(&mut Independent::new(generators.at(index as u64)), value);
-            levels.densities(value)
-        };
-        let samples: Vec<[f64; K]> = (0..settings.options.pilot as usize)
-            .into_par_iter()
-            .with_min_len(256)
-            .map_init(PhotonValue::default, evaluate)
-            .collect();
-        let pools: [Pool; K] =
-            std::array::from_fn(|level| Pool::new(samples.iter().map(|sample| sample[level])));
-        let least = 1.0 / samples.len() as f64;
-        let rough = std::array::from_fn(|level| {
-            let b = pools[level].normaliser().mean();
-            if b > 0.0 { b } else { least }
-        });
-        // Every target but the uniform one is positive exactly where a path is visible.
-        let visible = samples.iter().filter(|sample| sample[1] > 0.0).count() as f64 * least;
-        let mut choice = generator(settings.seed, streams::CHOICE);
-        let mutation = Power::new(FIRST_STEP);
-        let mut ladders = Vec::new();
-        let useful = stage.photons / (K as u64 * LEAST_STEPS);
-        let count = u64::from(settings.options.ladders).min(useful).max(1);
-        for ladder in 0..count {
-            let mut draws = generator(settings.seed, ladder);
-            let mut level = 0..;
-            let starts = [(); K].map(|()| {
-                let level = level.next().unwrap_or_default();
-                let start = pools[level].choose(&mut choice);
-                let chain = match start {
-                    Some(start) => {
-                        let mut again = generators.at(start.index);
-                        Metropolis::start(&target, &levels, level, mutation, &mut again)
-                    }
-                    // Nothing visible was found: wait for it.
-                    None => Metropolis::start(&target, &levels, level, mutation, &mut draws),
-                };
-                (chain.state().clone(), chain.value().clone())
-            });
-            ladders.push(Chains {
-                ladder: Ladder::new(starts, &levels),
-                draws,
-                counts: [0.0; K],
-                found: Nonfinite::default(),
-            });
-        }
-        self.nonfinite = vec![Nonfinite::default(); ladders.len()];
-        self.ladders = ladders;
-        self.rough = rough;
-        self.periods = Periods::new(self.options.pace, &levels, visible);
     }
 
     /// Sweeps that tell nothing.
@@ -260,8 +200,8 @@ impl<const K: usize> PhotonChains<K> {
         total
     }
 
-    /// Reads states under targets that have changed. Where other wavelengths or points have left a chain in the dark, it goes on
-    /// from where another one of its level is; of another level if there is none.
+    /// Reads states under targets that have changed. Where other wavelengths or points have left a chain in
+    /// the dark, it goes on from where another one of its level is; of another level if there is none.
     fn read_anew(&mut self, stage: &Stage<'_>) {
         let mut ladders = std::mem::take(&mut self.ladders);
         let target = self.target(stage);

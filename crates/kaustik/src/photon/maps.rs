@@ -75,8 +75,8 @@ impl Maps {
         inside.then(|| ((y - crop.y0) * crop.width() + x - crop.x0) as usize)
     }
 
-    /// `target`: the full target of the last iteration's points and its two factors, means a pixel, and the number of the
-    /// region in the cut. `contributions`: visits that touched a point, an iteration and point.
+    /// `target`: the full target of the last iteration's points and its two factors, means a pixel, and the
+    /// number of the region in the cut. `contributions`: visits that touched a point, an iteration and point.
     pub(super) fn layers<const K: usize>(
         &self,
         stage: &Stage<'_>,

@@ -40,18 +40,20 @@ const SEED: u64 = 0x5E3D_0F1B_9C27_A684;
 
 /// How the light paths of an iteration are drawn, and where what they bring is kept.
 trait Tracer: Send + Sync {
-    /// Traces the light paths of the iteration that the stage has begun, with a film beside its own that nobody needs
-    /// meanwhile; it is black, and may be left as it comes. `false`: it was stopped before it had traced them all, and is as it was before.
+    /// Traces the light paths of the iteration that the stage has begun, with a film beside its own that
+    /// nobody needs meanwhile; it is black, and may be left as it comes. `false`: it was stopped before it
+    /// had traced them all, and is as it was before.
     fn trace(&mut self, stage: &Stage<'_>, spare: &mut Film, stop: Option<&AtomicBool>) -> bool;
 
-    /// The iteration of this place, where light paths follow from those of the iterations before; `None` where they follow
-    /// from their number.
+    /// The iteration of this place, where light paths follow from those of the iterations before; `None`
+    /// where they follow from their number.
     fn iteration(&self, _: &Stage<'_>, _: Place) -> Option<u64> {
         None
     }
 
-    /// Tells what happens in the light path of this place, of a tracer and a stage that have just been made, or have come to
-    /// its [iteration](Self::iteration), which the stage has begun. With a film as [`trace`](Self::trace) has it.
+    /// Tells what happens in the light path of this place, of a tracer and a stage that have just been made,
+    /// or have come to its [iteration](Self::iteration), which the stage has begun. With a film as
+    /// [`trace`](Self::trace) has it.
     fn replay(&mut self, stage: &mut Stage<'_>, spare: &mut Film, place: Place) -> Vec<Event>;
 
     /// Writes what there is between two iterations, beyond what is made anew.

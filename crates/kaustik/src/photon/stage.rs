@@ -115,8 +115,8 @@ impl<'a> Stage<'a> {
         self.scene.moves()
     }
 
-    /// Sees the scene anew: other wavelengths, another time, other points of every pixel, and smaller discs if these shrink. `false`: it was
-    /// stopped, and has no points; it must [go back](Self::go_back).
+    /// Sees the scene anew: other wavelengths, another time, other points of every pixel, and smaller discs
+    /// if these shrink. `false`: it was stopped, and has no points; it must [go back](Self::go_back).
     pub(super) fn begin(&mut self, stop: Option<&AtomicBool>) -> bool {
         let index = self.iterations;
         self.shrink(index);
@@ -166,8 +166,8 @@ impl<'a> Stage<'a> {
         (self.iterations, self.walk.radius.to_bits())
     }
 
-    /// To where it was before it began the last iteration. The next one has new points: those of the one before it are made
-    /// again only if somebody wants to see them.
+    /// To where it was before it began the last iteration. The next one has new points: those of the one
+    /// before it are made again only if somebody wants to see them.
     pub(super) fn go_back(&mut self, (iterations, radius): (u64, u64), points: bool) {
         self.walk.radius = f64::from_bits(radius);
         self.iterations = iterations;
@@ -236,8 +236,9 @@ impl<'a> Stage<'a> {
         (self.walk).trace(scene, &self.wavelengths, &mut coordinates, out);
     }
 
-    /// Points from so many walks a cell, by what `of` takes of them, for nothing but a look at where things are. Of a large
-    /// image some cells are left out, evenly. What moves is seen all along its way: walks are at instants in turn.
+    /// Points from so many walks a cell, by what `of` takes of them, for nothing but a look at where things
+    /// are. Of a large image some cells are left out, evenly. What moves is seen all along its way: walks are
+    /// at instants in turn.
     pub(super) fn pilot<T: Send + Clone>(
         &self,
         passes: u64,

@@ -143,13 +143,17 @@ impl<const K: usize> Targets<K> {
             sums.begin(leaves);
         }
         let before = self.means;
-        let count = self.of_points.len().max(1) as f64;
-        self.means = [0, 1].map(|which| {
-            let sum: f64 = self.of_points.iter().map(|of| f64::from(of[which])).sum();
-            (sum / count).max(f64::MIN_POSITIVE)
-        });
+        self.means = self.means_of_points();
         let [kernel, full] = [0, 1].map(|which| self.means[which] / before[which]);
         [1.0, 1.0, kernel, full]
+    }
+
+    fn means_of_points(&self) -> [f64; 2] {
+        let count = self.of_points.len().max(1) as f64;
+        [0, 1].map(|which| {
+            let sum: f64 = self.of_points.iter().map(|of| f64::from(of[which])).sum();
+            (sum / count).max(f64::MIN_POSITIVE)
+        })
     }
 
     /// What [`assign`](Self::assign) changes and does not make anew; with the targets of points, if these are shown.

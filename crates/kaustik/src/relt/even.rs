@@ -1,12 +1,12 @@
 //! Independent samples beside the chains, spread evenly over the image.
 //!
-//! The uniform replica is free to go anywhere, as an exchange must be able to begin anywhere; its samples, and the
-//! visits of all chains, fall on pixels by chance. Where light is easy to find, this chance is most of the
-//! noise: a pixel that is visited 48 times in place of 60 is dark by a fifth, however well each visit knows its
-//! light. So a ladder also walks over the cells of a grid, a sample in each, as `bdpt` does. These samples
-//! count in the heuristic as more of the uniform replica's, and take part in no exchange. The normaliser counts them as if
-//! they fell by chance: they know the light of the picture at least as well as such samples do, so that its stated error
-//! is rather too large for them.
+//! The uniform replica is free to go anywhere, as an exchange must be able to begin anywhere; its samples,
+//! and the visits of all chains, fall on pixels by chance. Where light is easy to find, this chance is most
+//! of the noise: a pixel that is visited 48 times in place of 60 is dark by a fifth, however well each visit
+//! knows its light. So a ladder also walks over the cells of a grid, a sample in each, as `bdpt` does. These
+//! samples count in the heuristic as more of the uniform replica's, and take part in no exchange. The
+//! normaliser counts them as if they fell by chance: they know the light of the picture at least as well as
+//! such samples do, so that its stated error is rather too large for them.
 
 use kaustik_estimate::{PathTarget, ReplicaDeposit, ReplicaFamily};
 use kaustik_mcmc::{
@@ -17,6 +17,7 @@ use kaustik_path::Contributions;
 use super::start::Started;
 use crate::RenderSettings;
 use crate::cells::Cells;
+use crate::gcd::gcd;
 use crate::stratified::{Stratified, mix};
 use crate::streams;
 
@@ -46,8 +47,9 @@ pub(super) fn samples_a_sweep<const K: usize>(started: &Started) -> u32 {
 /// The way of one ladder over the cells.
 ///
 /// All cells stand in a circle, in an order in which neighbours of the circle are far apart on the image. The
-/// ladders begin at even distances and go round. Where the first begins is a uniform random cell, so that each sample is
-/// uniform over the image by itself, and the picture right in the mean after any number of them.
+/// ladders begin at even distances and go round. Where the first begins is a uniform random cell, so that
+/// each sample is uniform over the image by itself, and the picture right in the mean after any number of
+/// them.
 pub(super) struct Even {
     cells: Cells,
     /// How many ladders share the circle, and on whose part of it this one is.
@@ -153,18 +155,12 @@ impl Even {
     }
 }
 
-/// About the golden section of `count`, without a divisor in common with it: so many steps to the side, again and again,
-/// meet every cell once before any twice, and never stay long in one part of the image.
+/// About the golden section of `count`, without a divisor in common with it: so many steps to the side, again
+/// and again, meet every cell once before any twice, and never stay long in one part of the image.
 fn stride(count: u64) -> u64 {
-    let common = |mut a: u64, mut b: u64| {
-        while b > 0 {
-            (a, b) = (b, a % b);
-        }
-        a
-    };
     let golden = ((count as f64 * 0.618_033_988_749_895) as u64).max(1);
     (golden..)
-        .find(|&stride| common(stride, count) == 1)
+        .find(|&stride| gcd(stride, count) == 1)
         .unwrap_or(1)
 }
 

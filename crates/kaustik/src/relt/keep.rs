@@ -3,7 +3,9 @@
 use std::io;
 
 use kaustik_estimate::{ReplicaFamily, ReplicaSet, Shares};
-use kaustik_mcmc::{AcceptanceAdaptation, Estimate, Ladder, Pcg64Dxsm, Point, checked_densities};
+use kaustik_mcmc::{
+    AcceptanceAdaptation, Estimate, Ladder, Metropolis, Pcg64Dxsm, Point, checked_densities,
+};
 use kaustik_path::Contributions;
 use serde::{Deserialize, Serialize};
 
@@ -124,21 +126,8 @@ impl<const K: usize> Run<K> {
             return wrong("steps have changed that never do");
         }
         for (level, replica) in ladder.replicas().iter().enumerate() {
-            let statistics = replica.statistics();
-            let moves = statistics.moves.iter().map(|kind| kind.proposed);
-            let most = moves.chain([statistics.defects]).max();
-            if statistics.steps != kept.sweeps * u64::from(set.repeats()[level])
-                || most > Some(statistics.steps)
-            {
-                return wrong("a replica has other steps than its ladder");
-            }
-            let densities = checked_densities(family, replica.value()).unwrap_or([0.0; K]);
-            if densities.map(f64::to_bits) != replica.densities().map(f64::to_bits) {
-                return wrong("a replica's density is not that of its path");
-            }
-            if *replica.state().mutation() != adaptations[level].mutation() {
-                return wrong("a replica has other steps than it has learnt");
-            }
+            let steps = kept.sweeps * u64::from(set.repeats()[level]);
+            check_replica(replica, steps, &adaptations[level], family)?;
         }
         for count in kept.scouted {
             Reader::count(count)?;
@@ -153,4 +142,28 @@ impl<const K: usize> Run<K> {
         self.shares = kept.shares;
         Ok(())
     }
+}
+
+/// Refuses a replica that cannot have come here in so many steps, with what it has learnt of their sizes.
+fn check_replica<const K: usize>(
+    replica: &Metropolis<Point<Mutation>, Contributions, K>,
+    steps: u64,
+    adaptation: &AcceptanceAdaptation<Mutation>,
+    family: &ReplicaFamily<K>,
+) -> Result<(), StateError> {
+    let wrong = |what: &str| Err(StateError::damaged(what));
+    let statistics = replica.statistics();
+    let moves = statistics.moves.iter().map(|kind| kind.proposed);
+    let most = moves.chain([statistics.defects]).max();
+    if statistics.steps != steps || most > Some(steps) {
+        return wrong("a replica has other steps than its ladder");
+    }
+    let densities = checked_densities(family, replica.value()).unwrap_or([0.0; K]);
+    if densities.map(f64::to_bits) != replica.densities().map(f64::to_bits) {
+        return wrong("a replica's density is not that of its path");
+    }
+    if *replica.state().mutation() != adaptation.mutation() {
+        return wrong("a replica has other steps than it has learnt");
+    }
+    Ok(())
 }

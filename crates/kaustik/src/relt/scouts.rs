@@ -53,7 +53,8 @@ impl Region<Contributions> for SpecularLight<'_> {
     }
 }
 
-/// What the scouts of a ladder look for: all implicit specular light, in two parts that are not looked for equally often.
+/// What the scouts of a ladder look for: all implicit specular light, in two parts that are not looked for
+/// equally often.
 #[derive(Clone, Copy)]
 pub(super) struct Looks<'a> {
     /// By way of a Dirac surface from the first, which is nearly all of it.
@@ -63,8 +64,8 @@ pub(super) struct Looks<'a> {
 }
 
 impl<'a> Looks<'a> {
-    /// One scout in so many is accompanied by one for the rest: a millionth of such light in `ring-and-sphere`, a twentieth in
-    /// `mirror-statue`.
+    /// One scout in so many is accompanied by one for the rest: a millionth of such light in
+    /// `ring-and-sphere`, a twentieth in `mirror-statue`.
     pub(super) const APART: u32 = 16;
 
     pub(super) fn new(scene: &'a Scene, settings: &RenderSettings) -> Self {
@@ -75,8 +76,8 @@ impl<'a> Looks<'a> {
         }
     }
 
-    /// Is this one, of as many as go out in a sweep, accompanied? Then by how much the light of its companion counts, so
-    /// that all companions of a sweep count as much as all others do.
+    /// Is this one, of as many as go out in a sweep, accompanied? Then by how much the light of its companion
+    /// counts, so that all companions of a sweep count as much as all others do.
     pub(super) fn companion(number: u32, count: u32) -> Option<f64> {
         let accompanied = number.is_multiple_of(Self::APART);
         accompanied.then(|| f64::from(count) / f64::from(count.div_ceil(Self::APART)))

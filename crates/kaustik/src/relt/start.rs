@@ -112,7 +112,8 @@ pub(crate) fn start(
 pub(crate) const MOVES: usize = 2;
 /// An annealing that dies is tried again so often, each time with twice the particles.
 const AGAIN: u32 = 3;
-/// Before an annealing so many scouts a particle go out, or fewer if fewer go out a sweep. These look at all beginnings.
+/// Before an annealing so many scouts a particle go out, or fewer if fewer go out a sweep. These look at all
+/// beginnings.
 const FIRST_SCOUTS: u32 = 16;
 /// Below this share of the replica before, the specific one is not worth its steps. Its whole
 /// density counts, not only what particles have seen of its light: in water under a small lamp that is nothing, and
@@ -132,7 +133,8 @@ pub(crate) struct Started {
     /// Effective numbers of particles by replica: of the first population weighed at once, and of the
     /// annealed one before it is resampled at that level.
     pub(crate) effective: Vec<[f64; 2]>,
-    /// Mean of X + Y + Z over the last attempt's samples, or over its scouts where these alone met light; 0 if nobody did.
+    /// Mean of X + Y + Z over the last attempt's samples, or over its scouts where these alone met light; 0
+    /// if nobody did.
     pub(crate) mean: f64,
     /// Particles of the last attempt.
     pub(crate) particles: u64,

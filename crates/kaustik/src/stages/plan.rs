@@ -27,8 +27,8 @@ pub(super) struct Stage {
     pub(super) end: u64,
 }
 
-/// All of them. All ladders reach the end of a stage in the same round, before any goes on: their numbers of steps differ by one
-/// at most.
+/// All of them. All ladders reach the end of a stage in the same round, before any goes on: their numbers of
+/// steps differ by one at most.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Plan {
     /// Those within the budget.
@@ -121,8 +121,8 @@ impl Plan {
         found.unwrap_or(MOST)
     }
 
-    /// Samples of a stage's pool: of the first as many as the pilot has, of each other its share of as many again, but not far
-    /// more than it has mutations, and at least so `many`.
+    /// Samples of a stage's pool. The first stage has as many as the pilot. Each other has its share of as many
+    /// again, but not far more than it has mutations, and at least `many`; never more than the pilot.
     pub(super) fn pool(&self, number: usize, many: u64) -> u64 {
         if number == 0 {
             return self.pilot;
@@ -137,8 +137,8 @@ impl Plan {
     }
 }
 
-/// Widths below half of the image's, doubling, then ten from half to all of it, with their shares of the budget. Those that
-/// rounding makes one are one.
+/// Widths below half of the image's, doubling, then ten from half to all of it, with their shares of the
+/// budget. Those that rounding makes one are one.
 fn widths(longer: u32) -> Vec<(u32, f64)> {
     let half = f64::from(longer) / 2.0;
     let powers = (0..32).map(|power| 1_u32 << power);

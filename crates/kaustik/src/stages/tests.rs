@@ -67,8 +67,8 @@ fn go(engine: &mut StagedEngine<'_>, due: &[u64]) {
     assert_eq!(engine.taken(), due);
 }
 
-/// Wherever rounds are cut, for totals that do not divide by the ladders and such as end beside the end of a stage, on any number of
-/// threads.
+/// The bits are the same wherever rounds are cut and on any number of threads, also for totals that the number
+/// of ladders does not divide or that end just before or after the end of a stage.
 #[test]
 fn cuts_and_threads_do_not_show() {
     let scene = scene();
@@ -206,8 +206,8 @@ fn no_stream_repeats() {
     assert!((0..100).all(|render| !seeds.contains(&render)));
 }
 
-/// Steps of the first stage and of later ones, on both sides of the ends: a replay tells what the render told, from its start and from
-/// a state.
+/// Steps of the first stage and of later ones, on both sides of the ends: a replay tells what the render
+/// told, from its start and from a state.
 #[test]
 fn steps_of_stages_are_retold() {
     let scene = scene();

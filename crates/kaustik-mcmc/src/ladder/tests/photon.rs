@@ -59,8 +59,8 @@ fn the_scan_keeps_the_product() {
     assert!(matrix.stationarity_defect(&joint(&TARGETS)) < TOLERANCE);
 }
 
-/// Taking over a visible fresh state without a look at the targets is right for visibility alone: at a higher level it is
-/// a fault, and found.
+/// Taking over a visible fresh state without a look at the targets is right for visibility alone: at a higher
+/// level it is a fault, and found.
 #[test]
 fn a_scan_that_exchanges_too_gladly_is_caught() {
     let kernel = Scan { fresh: false };
@@ -73,8 +73,8 @@ fn a_scan_that_exchanges_too_gladly_is_caught() {
     assert!(defect > 1e-3, "{defect}");
 }
 
-/// A chain that goes on from where another one is has that one's state and densities, its own step size, and pays what is
-/// owed to the other's.
+/// A chain that goes on from where another one is has that one's state and densities, its own step size, and
+/// pays what is owed to the other's.
 #[test]
 fn a_chain_goes_on_from_another() {
     let target = crate::target(|u: &mut dyn Coordinates| u.get(Stream::Light, 0));

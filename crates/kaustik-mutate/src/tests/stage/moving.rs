@@ -19,8 +19,8 @@ fn channel<const N: usize>(values: [[f32; N]; 2]) -> Option<Channel<N>> {
 }
 
 impl Stage {
-    /// Has something go its way about a place, turning about an axis by the rotations of these two quaternions, while the
-    /// shutter is open.
+    /// Has something go its way about a place, turning about an axis by the rotations of these two
+    /// quaternions, while the shutter is open.
     pub(super) fn moving(
         mut self,
         load: Load,

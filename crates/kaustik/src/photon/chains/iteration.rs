@@ -16,9 +16,9 @@ use crate::engine::Nonfinite;
 /// Sweeps between two looks at the stop flag.
 const SWEEPS_TO_A_LOOK: u64 = 32;
 
-/// Sweeps that ladders of K chains take in every iteration, and how the steps of all iterations are counted: a ladder's
-/// sweeps one after the other, those that burn in included, and in each sweep one for every chain, whether it takes a step there
-/// or rests.
+/// Sweeps that ladders of K chains take in every iteration, and how the steps of all iterations are counted:
+/// a ladder's sweeps one after the other, those that burn in included, and in each sweep one for every chain,
+/// whether it takes a step there or rests.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Course<const K: usize> {
     /// Sweeps of each ladder that tell nothing.

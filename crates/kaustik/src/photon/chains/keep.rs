@@ -7,7 +7,7 @@ use kaustik_film::Counters;
 use kaustik_mcmc::{AcceptanceAdaptation, Ladder, Mean, Pcg64Dxsm, Point, Power};
 use serde::{Deserialize, Serialize};
 
-use super::PhotonChains;
+use super::{Chains, PhotonChains};
 use crate::engine::Nonfinite;
 use crate::photon::maps::Maps;
 use crate::photon::targets;
@@ -17,8 +17,7 @@ use crate::state::{Reader, StateError, Writer};
 #[derive(Serialize, Deserialize)]
 struct Kept {
     iterations: u64,
-    /// For each level: how steps learn, the rough normaliser, the last one with its error.
-    levels: Vec<(AcceptanceAdaptation<Power>, f64, [f64; 2])>,
+    levels: Vec<KeptLevel>,
     visible: Option<Mean>,
     revival: Pcg64Dxsm,
     /// Of each ladder.
@@ -26,6 +25,9 @@ struct Kept {
     counters: Counters,
     targets: targets::Kept,
 }
+
+/// How steps learn at a level, its rough normaliser, and the last one with its error.
+type KeptLevel = (AcceptanceAdaptation<Power>, f64, [f64; 2]);
 
 /// Where chains are: what is there is read anew in each iteration.
 type KeptLadder<const K: usize> = (Pcg64Dxsm, Ladder<Point<Power>, (), K>);
@@ -64,9 +66,9 @@ impl<const K: usize> PhotonChains<K> {
     ) -> Result<(), StateError> {
         let wrong = |what: &str| StateError::damaged(what);
         let kept: Kept = from.value()?;
-        let levels: [_; K] =
+        let levels: [KeptLevel; K] =
             (kept.levels.try_into()).map_err(|_| wrong("chains of other levels"))?;
-        let known = |(_, rough, _): &(_, f64, _)| rough.is_finite() && *rough > 0.0;
+        let known = |(_, rough, _): &KeptLevel| rough.is_finite() && *rough > 0.0;
         if kept.iterations != iterations
             || kept.visible.is_some() != self.visible.is_some()
             || kept.nonfinite.len() != self.ladders.len()
@@ -90,19 +92,7 @@ impl<const K: usize> PhotonChains<K> {
             from.numbers(sums.as_flattened_mut())?;
         }
         for chains in &mut self.ladders {
-            let (draws, ladder): KeptLadder<K> = from.value()?;
-            let before = &chains.ladder;
-            let learnt = (ladder.replicas().iter().zip(&levels))
-                .all(|(replica, level)| *replica.state().mutation() == level.0.mutation());
-            if ladder.graph().pairs() != before.graph().pairs()
-                || ladder.schedule() != before.schedule()
-                || ladder.stepping_stone().below() != before.stepping_stone().below()
-                || !learnt
-            {
-                return Err(wrong("a ladder does not agree with itself"));
-            }
-            chains.draws = draws;
-            chains.ladder = ladder.with_values(std::array::from_fn(|_| PhotonValue::default()));
+            chains.take_up(from.value()?, &levels)?;
         }
         self.iterations = iterations;
         self.rough = levels.each_ref().map(|level| level.1);
@@ -113,6 +103,28 @@ impl<const K: usize> PhotonChains<K> {
         let nonfinite = kept.nonfinite.into_iter().map(Nonfinite::checked);
         self.nonfinite = nonfinite.collect::<Result<_, _>>()?;
         self.counters = kept.counters;
+        Ok(())
+    }
+}
+
+impl<const K: usize> Chains<K> {
+    /// Refuses what no ladder of these chains can have left.
+    fn take_up(
+        &mut self,
+        (draws, ladder): KeptLadder<K>,
+        levels: &[KeptLevel; K],
+    ) -> Result<(), StateError> {
+        let before = &self.ladder;
+        let learnt = (ladder.replicas().iter().zip(levels))
+            .all(|(replica, level)| *replica.state().mutation() == level.0.mutation());
+        let same = ladder.graph().pairs() == before.graph().pairs()
+            && ladder.schedule() == before.schedule()
+            && ladder.stepping_stone().below() == before.stepping_stone().below();
+        if !(same && learnt) {
+            return Err(StateError::damaged("a ladder does not agree with itself"));
+        }
+        self.draws = draws;
+        self.ladder = ladder.with_values(std::array::from_fn(|_| PhotonValue::default()));
         Ok(())
     }
 }

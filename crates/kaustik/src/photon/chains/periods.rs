@@ -2,6 +2,7 @@
 
 use kaustik_estimate::{PhotonLevels, PhotonTargetKind};
 
+use crate::gcd::gcd;
 use crate::photon_options::Pace;
 
 /// Share of uniform light paths from which on a scene is seen well enough for them to do nearly all of the work.
@@ -39,8 +40,8 @@ impl<const K: usize> Periods<K> {
         sweep.is_multiple_of(self.0[level])
     }
 
-    /// Are exchanges tried after it? Not where none but the first chain has gone anywhere: its next light path is as good as
-    /// this one.
+    /// Are exchanges tried after it? Not where none but the first chain has gone anywhere: its next light
+    /// path is as good as this one.
     #[inline]
     pub(super) fn exchanges(&self, sweep: u64) -> bool {
         (1..K).any(|level| self.steps(level, sweep))
@@ -67,10 +68,6 @@ impl<const K: usize> Periods<K> {
         let all = u128::from(steps) * u128::from(turn);
         all.div_ceil(u128::from(in_turn)) as u64
     }
-}
-
-fn gcd(a: u64, b: u64) -> u64 {
-    if b == 0 { a } else { gcd(b, a % b) }
 }
 
 #[cfg(test)]

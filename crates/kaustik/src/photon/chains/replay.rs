@@ -17,9 +17,10 @@ impl<const K: usize> PhotonChains<K> {
         course.step(u64::from(ladder), step)
     }
 
-    /// Tells what happens in the step at this place, of the iteration that the stage has begun: the path where the chain is,
-    /// the one that it may go to unless it rests there, and what either brings to the picture in the sweep of this step. Other
-    /// ladders stay where they are: nobody learns from them before the iteration ends.
+    /// Tells what happens in the step at this place, of the iteration that the stage has begun: the path
+    /// where the chain is, the one that it may go to unless it rests there, and what either brings to the
+    /// picture in the sweep of this step. Other ladders stay where they are: nobody learns from them before
+    /// the iteration ends.
     pub(super) fn show(&mut self, stage: &Stage<'_>, spare: &mut Film, place: Place) -> Vec<Event> {
         let Some(step) = self.step(stage, place) else {
             return Vec::new();

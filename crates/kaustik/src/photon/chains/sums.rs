@@ -43,8 +43,9 @@ impl<const K: usize> PhotonChains<K> {
         })
     }
 
-    /// Adds the films' light to the picture, and makes them black. What waits for visibility's normaliser is added without it;
-    /// where anything does, the light of the first chain stays on its film, as its factor is always the same.
+    /// Adds the films' light to the picture, and makes them black. What waits for visibility's normaliser is
+    /// added without it; where anything does, the light of the first chain stays on its film, as its factor
+    /// is always the same.
     pub(super) fn collect(&mut self, spare: &mut Film, factors: &[f64; K]) {
         let share = self.visible.as_ref().map(Mean::mean);
         let films = self.films.iter_mut().chain(once(spare));
@@ -68,8 +69,8 @@ impl<const K: usize> PhotonChains<K> {
         }
     }
 
-    /// XYZ of each pixel, summed over iterations: one after the other, as pictures are large. `first` turns what stays on the
-    /// first film into shares of the picture, as [`normalise`](Self::normalise) has it.
+    /// XYZ of each pixel, summed over iterations: one after the other, as pictures are large. `first` turns
+    /// what stays on the first film into shares of the picture, as [`normalise`](Self::normalise) has it.
     pub(super) fn total(&self, first: f64) -> impl Iterator<Item = [f64; 3]> + '_ {
         let scale = first * self.films[0].quantum().value();
         let share = self.visible.as_ref().map(Mean::mean);
