@@ -258,14 +258,7 @@ impl Divider<'_> {
             first_primitive,
             level,
         } = below;
-        let all = self.bounds(part);
-        let centre = (all.min + all.max) * 0.5;
-        let scale = inverse_power(Vec3::from(all.diagonal()).max_element());
-        let scaled: Vec<Bounds> = part
-            .iter()
-            .map(|&i| &self.boxes[i as usize])
-            .map(|b| Bounds::new((b.min - centre) * scale, (b.max - centre) * scale))
-            .collect();
+        let scaled = self.scaled(part);
         let found = clusters.build(
             PlocSearchDistance::Medium,
             &scaled,
@@ -296,6 +289,17 @@ impl Divider<'_> {
             *place = part[i as usize];
         }
         (root, level + found.max_depth)
+    }
+
+    /// The boxes of a part, around the origin and of a size whose products `f32` can hold.
+    fn scaled(&self, part: &[u32]) -> Vec<Bounds> {
+        let all = self.bounds(part);
+        let centre = (all.min + all.max) * 0.5;
+        let scale = inverse_power(Vec3::from(all.diagonal()).max_element());
+        part.iter()
+            .map(|&i| &self.boxes[i as usize])
+            .map(|b| Bounds::new((b.min - centre) * scale, (b.max - centre) * scale))
+            .collect()
     }
 }
 
