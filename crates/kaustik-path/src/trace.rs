@@ -80,7 +80,8 @@ pub enum Event {
         /// What it is to its chain.
         role: Role,
     },
-    /// A chain of photons reports the path that it leaves, or that it did not go to: the deposits that follow are of it.
+    /// A chain of photons reports the path that it leaves, or one that it did not go to: the deposits that
+    /// follow are of that path.
     Visit {
         /// The chain among those of its ladder, counted from 0.
         level: u32,

@@ -32,19 +32,19 @@ impl fmt::Debug for Find<'_> {
 }
 
 /// Looks for implicit specular light by a walk from the camera that begins at a Dirac surface
-/// ([`Beginning::Dirac`](crate::Beginning::Dirac)), and goes on along so many ways (one at least) from the first surface that scatters
-/// otherwise, half as many from the next, and so on.
+/// ([`Beginning::Dirac`](crate::Beginning::Dirac)). It goes on along so many `ways` (one at least) from the
+/// first surface that scatters otherwise, along half as many from the next, and so on.
 ///
-/// From such a surface, which the walk has reached through glass or by mirrors, only few
-/// directions lead through glass or mirrors again to the lamp. So several are followed from
-/// there, each at the cost of its own new edges alone; only the first goes on past the next surface
-/// that scatters otherwise. So lengths of paths fall into stretches. Light that was met is told to `found` with
-/// its stretch, and the sum over all tellings of the weight times the light of
-/// [`Class::L0`](crate::Class::L0) that [`Bidirectional`](crate::Bidirectional) paths in their full form, with the find's settings, have
-/// at the find's coordinates has the mean of that light of walks that begin so.
+/// From such a surface, which the walk has reached through glass or by mirrors, only few directions lead
+/// through glass or mirrors again to the lamp. So several are followed from there, each at the cost of its
+/// own new edges alone; only the first goes on past the next surface that scatters otherwise. Lengths of
+/// paths fall into stretches by this, and `found` is told of light that was met with its stretch. At the
+/// coordinates of a find, [`Bidirectional`](crate::Bidirectional) paths in their full form, with the find's
+/// settings, have some light of [`Class::L0`](crate::Class::L0). The sum of this light times the weight, over
+/// all finds, has the mean of that light of walks that begin so.
 ///
-/// The first way has the coordinates of `u` itself, the others have them turned: each is uniform as `u` is, though not independent of
-/// the others. `u` must remember what it has said.
+/// The first way has the coordinates of `u` itself, the others have them turned: each is as uniform as `u`
+/// is, though not independent of the others. `u` must remember what it has said.
 pub fn sight_ways(
     settings: &BuilderSettings,
     scene: &Scene,
@@ -233,8 +233,8 @@ impl Look<'_> {
     }
 }
 
-/// Coordinates of a way: those of the look, of which the camera walk's past the parting are turned by amounts that the way's number
-/// gives.
+/// Coordinates of a way: those of the look, but those of the camera walk past the parting are turned by
+/// amounts that follow from the way's number.
 struct Way<'a> {
     u: &'a mut dyn Coordinates,
     /// Edge that leads to the parting.

@@ -43,7 +43,8 @@ pub(crate) fn meet_block<L: Lanes<BLOCK>, G: Goal, const PLACED: bool>(
     false
 }
 
-/// What single precision tells of the triangles of a block. Of masks and numbers only the lanes of `mask` mean anything.
+/// What single precision tells of the triangles of a block. Of masks and numbers only the lanes of `mask`
+/// mean anything.
 struct Candidates {
     /// Triangles that the ray meets, or may meet.
     mask: u32,

@@ -84,8 +84,8 @@ fn follow(
     false
 }
 
-/// Takes the next edge, and if it runs into the lens, tells what it brings there. Returns its length; `None` if it leads
-/// to no vertex that a path can be joined at.
+/// Takes the next edge, and if it runs into the lens, tells what it brings there. Returns its length; `None`
+/// if it leads to no vertex that a path can be joined at.
 fn take_edge(
     job: &Job<'_>,
     going: &mut SubpathWalk<'_>,

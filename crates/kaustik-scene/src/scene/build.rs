@@ -201,7 +201,8 @@ fn camera_motion(
     of_chosen.next().map(|(_, motion)| Arc::new(motion.clone()))
 }
 
-/// Where instances stand, and the motions of those that do not. What an animation holds in one place stands still there.
+/// Where instances stand, and the motions of those that do not stand still. What an animation holds in one
+/// place stands still there.
 fn instances(
     description: &Description,
     motions: &mut Motions,

@@ -1,7 +1,7 @@
 //! The nodes of a scene: what stands still below none, what moves below its joint.
 //!
-//! Readers go through nodes from the first root down. So that they find everything in the order of its list, a joint comes
-//! after what stands before the first of all that it carries, at any depth.
+//! Readers go through nodes from the first root down. In order that they find all things of a kind in the
+//! order of its list, a joint comes after what stands before the first of all that it carries, at any depth.
 
 use std::collections::VecDeque;
 
