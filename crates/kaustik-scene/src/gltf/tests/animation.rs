@@ -36,7 +36,7 @@ fn load(file: &File) -> Result<Loaded, LoadError> {
 }
 
 #[test]
-fn what_a_sampler_says() {
+fn samplers_become_channels_of_joints() {
     let loaded = load(&file()).expect("a sound file");
     assert!(loaded.warnings.is_empty(), "{:?}", loaded.warnings);
     let animation = &loaded.description.animation;
@@ -121,7 +121,7 @@ fn without_a_shutter_all_is_at_rest() {
 type Fate = Result<usize, (ErrorKind, &'static str)>;
 
 #[test]
-fn files_made_to_hurt() {
+fn broken_animations_meet_their_fate() {
     use ErrorKind::{NotFinite, Reference};
     let sampler = "/animations/0/samplers/0";
     let input = "/animations/0/samplers/0/input";
