@@ -8,7 +8,7 @@
 use super::lanes::Lanes;
 use super::node::{BLOCK, Block};
 use super::prepared::Prepared;
-use super::{Goal, Level, Place, precise};
+use super::{Goal, Level, precise};
 use crate::{Hit, Ray};
 
 /// Bound on the rounding of the volume that tells on which side of a triangle a point lies, as a multiple of the sizes
@@ -24,51 +24,7 @@ pub(crate) fn meet_block<L: Lanes<BLOCK>, G: Goal, const PLACED: bool>(
     ray: &Prepared,
     goal: &mut G,
 ) -> bool {
-    let range = [goal.low(), goal.high()];
-    let Some(found) = candidates::<L>(block, count, level.ray, ray, range) else {
-        return false;
-    };
     let place = level.place.filter(|_| PLACED);
-    let mut mask = found.mask;
-    while mask != 0 {
-        let lane = mask.trailing_zeros() as usize;
-        mask &= mask - 1;
-        let Some(hit) = found.hit(lane, block, level.ray, ray, place) else {
-            continue;
-        };
-        if goal.low() <= hit.t && hit.t <= goal.high() && goal.offer(hit) {
-            return true;
-        }
-    }
-    false
-}
-
-/// What single precision tells of the triangles of a block. Of masks and numbers only the lanes of `mask`
-/// mean anything.
-struct Candidates {
-    /// Triangles that the ray meets, or may meet.
-    mask: u32,
-    /// Of them those whose `t` single precision does not decide.
-    doubtful: u32,
-    /// Of these those whose edge or corner the ray meets, as far as single precision sees.
-    touched: u32,
-    t: [f32; BLOCK],
-    /// Of the second corner, over the determinant its weight.
-    v: [f32; BLOCK],
-    /// The same of the third.
-    w: [f32; BLOCK],
-    det: [f32; BLOCK],
-}
-
-/// The triangles of a block that the ray may meet within a range of `t`, its ends included; `None` if there are none.
-#[inline(always)]
-fn candidates<L: Lanes<BLOCK>>(
-    block: &Block,
-    count: u32,
-    ends: &Ray,
-    ray: &Prepared,
-    [low, high]: [f32; 2],
-) -> Option<Candidates> {
     let zero = L::splat(0.0);
     let a = sheared::<L>(block, ray, 0);
     let b = sheared::<L>(block, ray, 1);
@@ -79,7 +35,7 @@ fn candidates<L: Lanes<BLOCK>>(
     let (least, most) = (u.min(v).min(w), u.max(v).max(w));
     let inside = !(least.lt(zero) & zero.lt(most)) & ((1 << count) - 1);
     if inside == 0 {
-        return None;
+        return false;
     }
     let det = u.add(v).add(w);
     let height = u.mul(a[2]).add(v.mul(b[2])).add(w.mul(c[2]));
@@ -87,51 +43,42 @@ fn candidates<L: Lanes<BLOCK>>(
     let t = height.div(det);
     // An edge function that is zero or undefined decides nothing.
     let touched = inside & !(zero.lt(least) | most.lt(zero));
-    let doubtful = touched | (inside & !clear_of_ends(block, ray, ends, height, det, t));
-    let range = L::splat(low).le(t) & t.le(L::splat(high));
-    let mask = (inside & range) | doubtful;
+    let doubtful = touched | (inside & !clear_of_ends(block, ray, level.ray, height, det, t));
+    let range = L::splat(goal.low()).le(t) & t.le(L::splat(goal.high()));
+    let mut mask = (inside & range) | doubtful;
     if mask == 0 {
-        return None;
+        return false;
     }
-    Some(Candidates {
-        mask,
-        doubtful,
-        touched,
-        t: t.store(),
-        v: v.store(),
-        w: w.store(),
-        det: det.store(),
-    })
-}
-
-impl Candidates {
-    /// The hit of a triangle; `None` where double precision decides that there is none. `ends` is the ray in the world.
-    #[inline(always)]
-    fn hit(
-        &self,
-        lane: usize,
-        block: &Block,
-        ends: &Ray,
-        ray: &Prepared,
-        place: Option<&Place>,
-    ) -> Option<Hit> {
-        let mut t = self.t[lane];
-        if self.doubtful >> lane & 1 == 1 {
-            t = precise::plane(block, lane, ends, place)? as f32;
+    let (t, v, w, det) = (t.store(), v.store(), w.store(), det.store());
+    while mask != 0 {
+        let lane = mask.trailing_zeros() as usize;
+        mask &= mask - 1;
+        let mut t = t[lane];
+        if doubtful >> lane & 1 == 1 {
+            match precise::plane(block, lane, level.ray, place) {
+                Some(precise) => t = precise as f32,
+                None => continue,
+            }
         }
-        let (mut u, mut v) = (self.v[lane] / self.det[lane], self.w[lane] / self.det[lane]);
-        if self.touched >> lane & 1 == 1 {
-            let (second, third) = precise::weights(block, lane, ray)?;
-            (u, v) = (second as f32, third as f32);
+        let (mut u, mut v) = (v[lane] / det[lane], w[lane] / det[lane]);
+        if touched >> lane & 1 == 1 {
+            match precise::weights(block, lane, ray) {
+                Some(precise) => (u, v) = (precise.0 as f32, precise.1 as f32),
+                None => continue,
+            }
         }
-        Some(Hit {
+        let hit = Hit {
             t,
             u,
             v,
             instance: place.map_or(block.instances[lane], |p| p.instance),
             primitive: block.primitives[lane],
-        })
+        };
+        if goal.low() <= t && t <= goal.high() && goal.offer(hit) {
+            return true;
+        }
     }
+    false
 }
 
 /// A corner of each triangle, seen from the ray's origin along the ray.
