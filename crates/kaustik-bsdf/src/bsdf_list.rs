@@ -11,9 +11,9 @@ macro_rules! lists {
     ($($kind:ident $list:ident,)*) => {
         /// Many scattering functions in little memory, by number.
         ///
-        /// A [`Bsdf`] takes as much as its largest kind. Here each takes what its own kind does, and what functions that
-        /// were added one soon after another have in common is stored once: a glTF material of which a texture gives the
-        /// colour takes 28 bytes: its colour, and where its pieces are.
+        /// A [`Bsdf`] takes as much memory as its largest kind. Here each takes only what its own kind does,
+        /// and what functions that were added one soon after another have in common is stored once: a glTF
+        /// material whose colour comes from a texture takes 28 bytes: its colour, and where its pieces are.
         #[derive(Clone, Debug, Default)]
         pub struct BsdfList {
             entries: Shared<Entry>,

@@ -33,8 +33,8 @@ fn reflectance(f0: f32) -> Reflectance {
 }
 
 impl Coat {
-    /// `strength` and perceptual `roughness` in `[0, 1]`; its `index` relative to the outside; `normal`, if it has one of
-    /// its own, unit with z > 0.
+    /// `strength` and perceptual `roughness` in `[0, 1]`; its `index` relative to the outside; `normal`, if
+    /// it has one of its own, unit with z > 0.
     pub(crate) fn new(
         strength: f64,
         roughness: f64,

@@ -85,7 +85,8 @@ impl Film {
         parts.map(of_part).sum()
     }
 
-    /// Reflectance of the whole stack at one wavelength, over what reflects `f0` at normal incidence and all at grazing.
+    /// Reflectance of the whole stack at one wavelength, over a base that reflects `f0` at normal incidence
+    /// and everything at grazing incidence.
     fn airy(&self, cosine: f64, turns: f32, f0: f32) -> f32 {
         let film = f64::from(self.index);
         let root = f64::from(f0).sqrt().clamp(0.0, 0.9999);

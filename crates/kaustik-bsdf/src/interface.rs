@@ -8,10 +8,11 @@ use kaustik_spectrum::Spectrum;
 /// What smooth and rough, solid and thin glass have in common.
 ///
 /// # Finish
-/// An interface reflects as its index says, by Fresnel's equations. A finish makes it reflect otherwise: the exact curve
-/// is stretched so that it runs between the finish's own reflectances at normal incidence and at grazing
-/// (`KHR_materials_specular`), or there is a film (`KHR_materials_iridescence`). What it does not reflect passes.
-/// Bending remains the index's, and total reflection is total. From both sides the same share is reflected.
+/// An interface reflects as its index says, by Fresnel's equations. A finish makes it reflect otherwise: the
+/// exact curve is stretched so that it runs between the finish's own reflectances at normal incidence and at
+/// grazing (`KHR_materials_specular`), or there is a film (`KHR_materials_iridescence`). What it does not
+/// reflect passes. Bending remains the index's, and total reflection is total. From both sides the same share
+/// is reflected.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Interface {
     eta: Spectrum,
@@ -113,8 +114,8 @@ impl Interface {
         )
     }
 
-    /// What a finish reflects, and Fresnel's share, at a facet met at `cosine` from the outside or the inside, with the hero's
-    /// index.
+    /// What a finish reflects, and Fresnel's share, at a facet met at `cosine` from the outside or the
+    /// inside, with the hero's index.
     fn both_shares(&self, cosine: f64, outside: bool) -> (Spectrum, f32) {
         let eta = f64::from(self.eta.hero());
         let ahead = if outside { eta } else { 1.0 / eta };
@@ -131,8 +132,8 @@ impl Interface {
         f64::from((finished - Spectrum::splat(share)).map(f32::abs).max())
     }
 
-    /// Cosine-weighted means over the hemisphere of the thinner medium, with the hero's index: of what a finish reflects,
-    /// over all lanes, and of what it [changes](Self::finish_changes). `None` without one.
+    /// Cosine-weighted means over the hemisphere of the thinner medium, with the hero's index: of what a
+    /// finish reflects, over all lanes, and of what it [changes](Self::finish_changes). `None` without one.
     pub(crate) fn finished_mean(&self) -> Option<[f64; 2]> {
         self.finish?;
         let outside = self.eta.hero() >= 1.0;

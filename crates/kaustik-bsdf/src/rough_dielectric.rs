@@ -94,8 +94,9 @@ impl RoughDielectric {
         (split.transmitted * (lobe as f32), pdf)
     }
 
-    /// What of a loss is given back from a direction. Where a finish reflects otherwise than Fresnel's share the loss is
-    /// another, at most by that of as much reflected light; the tables do not know it, and no light is to be made.
+    /// The share of a loss that is given back from a direction. Where a finish reflects otherwise than
+    /// Fresnel's share the loss is another (at most by that of as much reflected light), which the tables do
+    /// not know; and no light must be made.
     #[inline]
     fn given_back(&self, c: &Compensation, w: DVec3, loss: f64) -> f64 {
         if c.known >= 1.0 {
@@ -244,8 +245,8 @@ struct Compensation {
     known: f32,
 }
 
-/// How fast trust in the tables falls with what a finish changes in the mean. With 3 some finishes made up to 0.8 % of light
-/// (the test of energy); with this none makes half a percent.
+/// How fast trust in the tables falls with the mean change that a finish makes. With 3 some finishes made up
+/// to 0.8 % more light than there was (the test of energy); with this none makes half a percent.
 const DISTRUST: f64 = 8.0;
 
 impl Compensation {

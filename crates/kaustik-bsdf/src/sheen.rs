@@ -51,9 +51,9 @@ impl Sheen {
         self.colour * sheen_albedo(w.z.abs().min(1.0), self.alpha)
     }
 
-    /// What they leave of it for the surface below: as the extension has it, by the largest channel of the colour, so that
-    /// no colour is made, and nowhere more than they do not send back. Of each lane by itself: a wavelength knows
-    /// nothing of the others on its path.
+    /// What they leave of it for the surface below: as the extension has it, by the largest channel of the
+    /// colour, so that no colour is made, and nowhere more than they do not send back. Of each lane by
+    /// itself: a wavelength knows nothing of the others on its path.
     pub(crate) fn passed(&self, w: DVec3) -> Spectrum {
         let taken = self.colour.map(|lane| lane.max(self.shade));
         (1.0 - taken * sheen_albedo(w.z.abs().min(1.0), self.alpha)).map(|lane| lane.max(0.0))

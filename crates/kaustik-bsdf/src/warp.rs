@@ -75,9 +75,6 @@ fn disk(u: f64, v: f64) -> (f64, f64) {
     }
 }
 
-/// Density of [`concentric_disk`] per area.
-pub const DISK_PDF: f64 = FRAC_1_PI;
-
 /// Direction of the hemisphere z > 0 with density [`cosine_hemisphere_pdf`].
 #[inline]
 pub fn cosine_hemisphere(u: [f64; 2]) -> DVec3 {

@@ -365,7 +365,7 @@ mod tests {
     }
 
     #[test]
-    fn durations() {
+    fn durations_are_a_number_and_a_unit() {
         assert_eq!(duration("500ms"), Ok(Duration::from_millis(500)));
         assert_eq!(duration("1.5m"), Ok(Duration::from_secs(90)));
         assert_eq!(duration("1h"), Ok(Duration::from_secs(3600)));
@@ -385,7 +385,7 @@ mod tests {
     }
 
     #[test]
-    fn windows_ladders_sizes() {
+    fn windows_ladders_places_and_sizes_are_read_or_refused() {
         assert!(window("0,0,4,5").is_ok());
         assert!(window("4,0,4,5").is_err() && window("1,2,3").is_err() && window("").is_err());
         assert_eq!(ladders("2..5"), Ok(2..5));

@@ -3,7 +3,9 @@
 use std::fmt::Write;
 use std::process::ExitCode;
 
-use kaustik::scene::description::{CameraDescription, EnvironmentDescription, Projection};
+use kaustik::scene::description::{
+    CameraDescription, EnvironmentDescription, ImageData, Projection,
+};
 use kaustik::scene::{Description, Scene, SceneOptions};
 
 use crate::arguments::InfoWords;
@@ -11,14 +13,11 @@ use crate::{Failure, input, output};
 
 pub(crate) fn run(words: &InfoWords) -> Result<ExitCode, Failure> {
     let input = input::load(&words.scene, words.max_memory, None)?;
-    let mut text = contents(&input.description);
-    let mut line = |what: &str, value: &str| {
-        let _ = writeln!(text, "{what:<11} {value}");
-    };
-    line("variants", &names(input.variants.iter()));
-    line("extensions", &names(input.extensions.read.iter()));
+    let mut lines = contents(&input.description);
+    lines.add("variants", &names(input.variants.iter()));
+    lines.add("extensions", &names(input.extensions.read.iter()));
     if !input.extensions.ignored.is_empty() {
-        line("ignored", &names(input.extensions.ignored.iter()));
+        lines.add("ignored", &names(input.extensions.ignored.iter()));
     }
     let options = SceneOptions {
         width: 16,
@@ -30,7 +29,7 @@ pub(crate) fn run(words: &InfoWords) -> Result<ExitCode, Failure> {
         .map_err(|error| Failure::Input(format!("{}: {error}", words.scene)))?;
     let megabytes = |bytes: u64| bytes as f64 * 1e-6;
     let trees = scene.world().memory() as u64;
-    line(
+    lines.add(
         "memory",
         &format!(
             "{:.1} MB once loaded, and {:.1} MB for tracing rays",
@@ -39,86 +38,78 @@ pub(crate) fn run(words: &InfoWords) -> Result<ExitCode, Failure> {
         ),
     );
     for notice in scene.notices() {
-        line("note", notice);
+        lines.add("note", notice);
     }
     for warning in &input.warnings {
-        line("warning", warning);
+        lines.add("warning", warning);
     }
-    output::print(&text)?;
+    output::print(&lines.0)?;
     Ok(ExitCode::SUCCESS)
 }
 
-fn contents(scene: &Description) -> String {
-    let mut text = String::new();
+/// Lines of a word and what there is to say of it.
+struct Lines(String);
+
+impl Lines {
+    fn add(&mut self, what: &str, value: &str) {
+        let _ = writeln!(self.0, "{what:<11} {value}");
+    }
+}
+
+fn contents(scene: &Description) -> Lines {
+    let mut lines = Lines(String::new());
+    let name = match scene.name.as_str() {
+        "" => "(no name)",
+        name => name,
+    };
+    lines.add("scene", name);
     let stored: usize = scene.meshes.iter().map(|mesh| mesh.indices.len()).sum();
+    let meshes = format!("{}, {stored} triangles", scene.meshes.len());
+    lines.add("meshes", &meshes);
     let placed: usize = scene
         .instances
         .iter()
         .filter_map(|instance| scene.meshes.get(instance.mesh))
         .map(|mesh| mesh.indices.len())
         .sum();
-    let mut line = |what: &str, value: String| {
-        let _ = writeln!(text, "{what:<11} {value}");
-    };
-    line(
-        "scene",
-        if scene.name.is_empty() {
-            "(no name)".into()
-        } else {
-            scene.name.clone()
-        },
-    );
-    line(
-        "meshes",
-        format!("{}, {stored} triangles", scene.meshes.len()),
-    );
-    line(
-        "instances",
-        format!("{}, {placed} triangles placed", scene.instances.len()),
-    );
-    line(
-        "materials",
-        names(scene.materials.iter().map(|material| &material.name)),
-    );
-    let images: Vec<String> = scene
-        .images
-        .iter()
-        .map(|image| format!("{} ({} x {})", image.name, image.width, image.height))
-        .collect();
-    line("images", names(images.iter()));
+    let instances = format!("{}, {placed} triangles placed", scene.instances.len());
+    lines.add("instances", &instances);
+    let materials = scene.materials.iter().map(|material| &material.name);
+    lines.add("materials", &names(materials));
+    let images: Vec<String> = scene.images.iter().map(|image| sized(image)).collect();
+    lines.add("images", &names(images.iter()));
     let emissive = (scene.materials.iter())
         .filter(|material| material.emissive.iter().any(|&channel| channel > 0.0))
         .count();
-    line(
-        "lights",
-        format!(
-            "{} points, spots and suns; {emissive} emissive materials",
-            names(scene.lights.iter().map(|light| &light.name))
-        ),
-    );
+    let lights = names(scene.lights.iter().map(|light| &light.name));
+    let lights = format!("{lights} points, spots and suns; {emissive} emissive materials");
+    lines.add("lights", &lights);
     let cameras: Vec<String> = scene.cameras.iter().enumerate().map(camera).collect();
-    line("cameras", names(cameras.iter()));
+    lines.add("cameras", &names(cameras.iter()));
     let environment = match &scene.environment {
         None => "none".to_owned(),
         Some(EnvironmentDescription::Constant(color)) => format!("constant, {color:?}"),
-        Some(EnvironmentDescription::Image { image, .. }) => {
-            format!("{} ({} x {})", image.name, image.width, image.height)
-        }
+        Some(EnvironmentDescription::Image { image, .. }) => sized(image),
     };
-    line("environment", environment);
-    let animation = &scene.animation;
-    if !animation.is_empty() {
-        let shutters = scene.cameras.iter().filter(|c| c.shutter.is_some()).count();
-        line(
-            "motion",
-            format!(
-                "{} moving nodes carry {} instances, lights and cameras; {shutters} cameras have a shutter interval",
-                animation.joints.len(),
-                animation.carried.len()
-            ),
-        );
+    lines.add("environment", &environment);
+    if !scene.animation.is_empty() {
+        lines.add("motion", &motion(scene));
     }
-    text
+    lines
+}
+
+/// Name, columns and rows.
+fn sized(image: &ImageData) -> String {
+    format!("{} ({} x {})", image.name, image.width, image.height)
+}
+
+fn motion(scene: &Description) -> String {
+    let shutters = scene.cameras.iter().filter(|c| c.shutter.is_some()).count();
+    format!(
+        "{} moving nodes carry {} instances, lights and cameras; {shutters} cameras have a shutter interval",
+        scene.animation.joints.len(),
+        scene.animation.carried.len()
+    )
 }
 
 /// Index, name and kind.

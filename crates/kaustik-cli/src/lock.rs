@@ -68,7 +68,8 @@ impl Lock {
                 Err(TryLockError::WouldBlock) => return Err(held(output, &path, file)),
                 Err(TryLockError::Error(_)) => return Ok(None),
             }
-            // Another process may have given it back, and removed it, since it was opened: then this is the lock of no file.
+            // Another process may have given it back and removed it since it was opened: then this is the
+            // lock of a file that is gone.
             if !is_at(&file, &path) {
                 continue;
             }

@@ -67,8 +67,8 @@ pub(crate) fn remark(words: &OutputWords, line: &str) {
     }
 }
 
-/// Writes the picture and its statistics, without a word about it. All that can be written is, whatever cannot; the first failure
-/// is returned, others are told.
+/// Writes the picture and its statistics, without a word about it. All that can be written is written, even
+/// if something else cannot be; the first failure is returned, others are told.
 pub(crate) fn write(
     words: &OutputWords,
     source: &Source,
@@ -130,6 +130,38 @@ pub(crate) fn report(words: &OutputWords, outcome: Outcome, statistics: &RenderS
         );
         return;
     }
+    output::note(&summary(statistics));
+    if let Some(replicas) = &statistics.replicas {
+        for notice in replicas.notices() {
+            output::note(&notice);
+        }
+    }
+    if let Some(energy) = &statistics.energy {
+        for notice in energy.notices() {
+            output::note(&notice);
+        }
+    }
+    if let Some(merged) = &statistics.merged {
+        for notice in merged.notices() {
+            output::note(&notice);
+        }
+    }
+    let lost = statistics.nonfinite + statistics.film.non_finite + statistics.film.too_large;
+    if lost > 0 {
+        output::note(&format!(
+            "warning: {lost} contributions were not finite or too large, left out{}",
+            places(statistics)
+        ));
+    }
+    if statistics.film.overflowed > 0 {
+        output::note(
+            "warning: sums of the film overflowed: the picture is wrong where it is brightest",
+        );
+    }
+}
+
+/// How much was done, how fast, and what chains say of themselves, in a line.
+fn summary(statistics: &RenderStatistics) -> String {
     let work = match &statistics.photons {
         Some(photons) => format!(
             "{} iterations, {:.1} light paths a pixel",
@@ -158,34 +190,7 @@ pub(crate) fn report(words: &OutputWords, outcome: Outcome, statistics: &RenderS
             significant(chain.normalisation_error)
         );
     }
-    output::note(&line);
-    if let Some(replicas) = &statistics.replicas {
-        for notice in replicas.notices() {
-            output::note(&notice);
-        }
-    }
-    if let Some(energy) = &statistics.energy {
-        for notice in energy.notices() {
-            output::note(&notice);
-        }
-    }
-    if let Some(merged) = &statistics.merged {
-        for notice in merged.notices() {
-            output::note(&notice);
-        }
-    }
-    let lost = statistics.nonfinite + statistics.film.non_finite + statistics.film.too_large;
-    if lost > 0 {
-        output::note(&format!(
-            "warning: {lost} contributions were not finite or too large, left out{}",
-            places(statistics)
-        ));
-    }
-    if statistics.film.overflowed > 0 {
-        output::note(
-            "warning: sums of the film overflowed: the picture is wrong where it is brightest",
-        );
-    }
+    line
 }
 
 /// Four digits of it.

@@ -199,8 +199,8 @@ fn note_start(words: &RenderWords, settings: &RenderSettings, statistics: &Rende
 /// More samples of pictures take more than a second to compress.
 const SOON: u64 = 1 << 23;
 
-/// What a render that was stopped writes where a state holds all of it: of a picture that would take seconds to write no more than
-/// the main layer.
+/// What a render that was stopped writes where a state holds all of it: of a picture that would take seconds
+/// to write, no more than the main layer.
 fn soon_written(words: &RenderWords, state: &Path, rendered: Rendered) -> Rendered {
     let image = &rendered.image;
     let planes: usize = image.layers().iter().map(|l| l.channels.len()).sum();

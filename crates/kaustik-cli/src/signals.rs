@@ -1,6 +1,6 @@
-//! SIGINT and SIGTERM: the picture so far is written; a second SIGINT leaves at once, and so does either before the first
-//! sample: nothing is lost then. SIGHUP, where states are kept:
-//! both are written, and the render goes on.
+//! SIGINT and SIGTERM: the picture so far is written. A second SIGINT leaves at once, and so does either
+//! signal before the first sample, as nothing is lost then. SIGHUP, where states are kept: picture and state
+//! are written, and the render goes on.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};

@@ -8,8 +8,8 @@ use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
-use kaustik_study::named::{self, Named, Scale};
-use kaustik_study::{Runner, Section, Study, StudyError, StudyProgress, write};
+use kaustik_study::named::{self, Done, Named, Scale};
+use kaustik_study::{Judged, Listener, Runner, Section, Study, StudyError, StudyProgress, write};
 
 use crate::arguments::StudyWords;
 use crate::lock::Locks;
@@ -19,7 +19,6 @@ use crate::{Failure, output};
 
 pub(crate) fn run(words: &StudyWords) -> Result<ExitCode, Failure> {
     let what = what(words)?;
-    let folder = folder(words);
     let signals = Signals::listen(false, &Locks::default())?;
     // A study always ends in order: what it has rendered is kept.
     signals.sampling();
@@ -32,24 +31,9 @@ pub(crate) fn run(words: &StudyWords) -> Result<ExitCode, Failure> {
             ControlFlow::Continue(())
         }
     };
-    let done = match &what {
-        What::Named(named) => {
-            let done = named.run(scale(words), words.figure, &folder, &mut listener);
-            done.map(|done| (done.page, done.judged))
-        }
-        What::File(study) => Runner::new(study, &folder)
-            .run(&mut listener)
-            .and_then(|results| {
-                let section = Section {
-                    results: &results,
-                    judged: &[],
-                };
-                let page = write(&folder, &study.title, &[("study", section)])?;
-                Ok((page, Vec::new()))
-            }),
-    };
+    let done = what.render(words, &mut listener);
     display.finish();
-    let (page, judged) = match done {
+    let done = match done {
         Ok(done) => done,
         Err(StudyError::Stopped) => {
             output::note(&format!("{}", StudyError::Stopped));
@@ -63,9 +47,15 @@ pub(crate) fn run(words: &StudyWords) -> Result<ExitCode, Failure> {
         }
         Err(error) => return Err(Failure::other(error)),
     };
-    for (number, claims) in judged {
-        for judged in claims {
-            let (finding, claim) = (judged.finding, judged.claim);
+    print_claims(&done)?;
+    output::note(&format!("{}", done.page.display()));
+    Ok(ExitCode::SUCCESS)
+}
+
+/// The claims of a paper, and what was measured.
+fn print_claims(done: &Done) -> Result<(), Failure> {
+    for (number, claims) in &done.judged {
+        for Judged { claim, finding } in claims {
             output::print(&format!(
                 "figure {number}: {claim}\n  measured: {}\n  {}\n",
                 finding.measured,
@@ -73,14 +63,34 @@ pub(crate) fn run(words: &StudyWords) -> Result<ExitCode, Failure> {
             ))?;
         }
     }
-    output::note(&format!("{}", page.display()));
-    Ok(ExitCode::SUCCESS)
+    Ok(())
 }
 
 /// What is to be rendered.
 enum What {
     Named(&'static Named),
     File(Box<Study>),
+}
+
+impl What {
+    /// Renders what is missing of it, and writes its page.
+    fn render(&self, words: &StudyWords, listener: &mut Listener<'_>) -> Result<Done, StudyError> {
+        let folder = folder(words);
+        match self {
+            Self::Named(named) => named.run(scale(words), words.figure, &folder, listener),
+            Self::File(study) => {
+                let results = Runner::new(study, &folder).run(listener)?;
+                let section = Section {
+                    results: &results,
+                    judged: &[],
+                };
+                Ok(Done {
+                    page: write(&folder, &study.title, &[("study", section)])?,
+                    judged: Vec::new(),
+                })
+            }
+        }
+    }
 }
 
 fn what(words: &StudyWords) -> Result<What, Failure> {

@@ -140,44 +140,37 @@ impl Target {
         if !folder.is_dir() {
             return Err(WriteError::NoFolder { path, folder });
         }
-        let old = match fs::metadata(&path) {
-            Ok(old) => Some(old),
-            Err(error) if error.kind() == ErrorKind::NotFound => None,
-            Err(reason) => {
-                return Err(WriteError::NotWritable {
-                    path,
-                    kind: "file",
-                    reason,
-                });
-            }
-        };
-        let Some(old) = old else {
-            return Ok(Self {
-                path,
-                folder,
-                old: None,
-                special: false,
-            });
-        };
-        if old.is_dir() {
-            return Err(WriteError::NotAFile(path));
-        }
-        if old.permissions().readonly() {
-            let reason = io::Error::new(ErrorKind::PermissionDenied, "it is read-only");
-            return Err(WriteError::NotWritable {
-                path,
-                kind: "file",
-                reason,
-            });
-        }
-        let special = !old.is_file();
+        let old = replaceable(&path)?;
+        let special = old.as_ref().is_some_and(|old| !old.is_file());
         Ok(Self {
             path,
             folder,
-            old: Some(old),
+            old,
             special,
         })
     }
+}
+
+/// What stands at a path and may be written over; `None` if nothing does.
+fn replaceable(path: &Path) -> Result<Option<Metadata>, WriteError> {
+    let not_writable = |reason| WriteError::NotWritable {
+        path: path.to_owned(),
+        kind: "file",
+        reason,
+    };
+    let old = match fs::metadata(path) {
+        Ok(old) => old,
+        Err(error) if error.kind() == ErrorKind::NotFound => return Ok(None),
+        Err(reason) => return Err(not_writable(reason)),
+    };
+    if old.is_dir() {
+        return Err(WriteError::NotAFile(path.to_owned()));
+    }
+    if old.permissions().readonly() {
+        let reason = io::Error::new(ErrorKind::PermissionDenied, "it is read-only");
+        return Err(not_writable(reason));
+    }
+    Ok(Some(old))
 }
 
 /// The path that a chain of symbolic links ends at, whether or not a file stands there.

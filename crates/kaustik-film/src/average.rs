@@ -4,8 +4,8 @@ use crate::{Image, ImageError, Layer};
 
 /// The weighted mean of images of one size, and how far they lie apart (West, Comm. ACM 22, 1979).
 ///
-/// Images are to be pushed in a fixed order where bits matter. Of their layers those are averaged that the first has; one
-/// that another lacks is left out.
+/// Images are to be pushed in a fixed order where bits matter. The layers of the first image are averaged;
+/// one that another image lacks is left out.
 #[derive(Clone, Debug)]
 pub struct Average {
     first: Image,
@@ -104,9 +104,9 @@ impl Average {
         Ok(image)
     }
 
-    /// Standard error of each channel of each pixel of the mean, as a layer: `sqrt(sum w (x - mean)^2 / (W (k - 1)))` for
-    /// k images of weights w that sum to W. That is right if the variance of an image is inverse to its weight, and has
-    /// k - 1 degrees of freedom. `None` for one image.
+    /// Standard error of each channel of each pixel of the mean, as a layer: `sqrt(sum w (x - mean)^2 / (W (k
+    /// - 1)))` for k images of weights w that sum to W. This is right if the variance of an image is inverse
+    /// to its weight; it has k - 1 degrees of freedom. `None` for one image.
     #[must_use]
     pub fn error(&self, name: &str) -> Option<Layer> {
         let freedom = f64::from(self.parts - 1);

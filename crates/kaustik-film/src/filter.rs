@@ -18,8 +18,9 @@ pub(crate) const MAX_TAPS: usize = 17;
 /// A separable pixel filter with its radius in pixels.
 ///
 /// Built by [`Filter::new`] or from text: `box`, `tent`, `gaussian`, `mitchell`, `blackman-harris`, each
-/// alone or with a radius, as in `tent:2`. A larger radius makes a filter wider, but for the Gaussian, `exp(-2 x^2)` at a
-/// distance of `x` pixels whatever its radius: that only says where it ends.
+/// alone or with a radius, as in `tent:2`. A larger radius makes a filter wider, except for the Gaussian,
+/// which is `exp(-2 x^2)` at a distance of `x` pixels whatever its radius: there it only says where the
+/// filter ends.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "String", into = "String")]
 pub struct Filter {

@@ -194,14 +194,17 @@ fn decode_by_image(
     limits: &Limits,
 ) -> Result<Image, DecodeError> {
     let codec = |error: ::image::ImageError| DecodeError::Codec(error.to_string());
-    let mut reader = ::image::ImageReader::with_format(Cursor::new(bytes), format);
-    let mut fence = ::image::Limits::default();
     let side = limits.max_side.min(Image::MAX_SIDE);
+    let mut fence = ::image::Limits::default();
     fence.max_image_width = Some(side);
     fence.max_image_height = Some(side);
     fence.max_alloc = Some(limits.max_samples.saturating_mul(4));
-    reader.limits(fence.clone());
-    let (width, height) = reader.into_dimensions().map_err(codec)?;
+    let reader = || {
+        let mut reader = ::image::ImageReader::with_format(Cursor::new(bytes), format);
+        reader.limits(fence.clone());
+        reader
+    };
+    let (width, height) = reader().into_dimensions().map_err(codec)?;
     let samples = u64::from(width) * u64::from(height) * 3;
     if samples > limits.max_samples || width.max(height) > side {
         return Err(DecodeError::TooLarge {
@@ -210,11 +213,14 @@ fn decode_by_image(
             limit: limits.max_samples,
         });
     }
-    let mut reader = ::image::ImageReader::with_format(Cursor::new(bytes), format);
-    reader.limits(fence);
-    let decoded = reader.decode().map_err(codec)?;
+    let decoded = reader().decode().map_err(codec)?;
     let pixels = width as usize * height as usize;
-    let planes = match &decoded {
+    Ok(Image::from_rgb(width, height, linear(decoded, pixels)?)?)
+}
+
+/// Its pixels, so many of them, with the sRGB curve undone where they are whole numbers.
+fn linear(decoded: DynamicImage, count: usize) -> Result<[Vec<f32>; 3], DecodeError> {
+    match &decoded {
         DynamicImage::ImageRgb8(_)
         | DynamicImage::ImageRgba8(_)
         | DynamicImage::ImageLuma8(_)
@@ -223,22 +229,21 @@ fn decode_by_image(
                 std::array::from_fn(|code| tone::from_srgb(code as f64 / 255.0) as f32);
             let rgb = decoded.into_rgb8();
             planes(
-                pixels,
+                count,
                 rgb.pixels()
                     .map(|pixel| pixel.0.map(|code| curve[usize::from(code)])),
-            )?
+            )
         }
         DynamicImage::ImageRgb32F(_) | DynamicImage::ImageRgba32F(_) => {
             let rgb = decoded.into_rgb32f();
-            planes(pixels, rgb.pixels().map(|pixel| pixel.0))?
+            planes(count, rgb.pixels().map(|pixel| pixel.0))
         }
         _ => {
             let linear = |code| tone::from_srgb(f64::from(code) / 65535.0) as f32;
             let rgb = decoded.into_rgb16();
-            planes(pixels, rgb.pixels().map(|pixel| pixel.0.map(linear)))?
+            planes(count, rgb.pixels().map(|pixel| pixel.0.map(linear)))
         }
-    };
-    Ok(Image::from_rgb(width, height, planes)?)
+    }
 }
 
 /// Pixels into three planes.

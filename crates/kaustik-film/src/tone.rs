@@ -146,7 +146,7 @@ mod tests {
     }
 
     #[test]
-    fn names() {
+    fn names_of_curves_are_read_and_others_refused() {
         assert_eq!("filmic".parse::<ToneCurve>().unwrap().to_string(), "filmic");
         assert!(
             "aces"

@@ -1,7 +1,7 @@
 use glam::DMat2;
 
-/// How a texture lies on a surface, as far as a frame that follows it asks: by which coordinates, and how they are turned and
-/// scaled for it.
+/// How a texture lies on a surface, as far as a frame that follows it asks: by which coordinates, and how
+/// they are turned and scaled for it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Unwrapping {
     /// Set of texture coordinates, 0 or 1.

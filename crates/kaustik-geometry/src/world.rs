@@ -9,8 +9,8 @@ use crate::bvh::{Any, Bvh, Closest, Goal, InstructionSet, Level, Places, STILL, 
 use crate::standing::{Pose, Standing};
 use crate::{Aabb, Hit, Instance, Mesh, Motion, Ray, Surface, Unwrapping, WorldError};
 
-/// The pose of an instance now, by reference: its own if it stands still, else one that is worked out into the slot. Not
-/// a function, so that nothing is copied where nothing moves.
+/// The pose of an instance now, by reference: its own if it stands still, else one that is worked out into
+/// the slot. Not a function, so that nothing is copied where nothing moves.
 macro_rules! pose {
     ($world:expr, $standing:expr, $slot:ident) => {
         if $standing.motion == STILL {
@@ -242,9 +242,10 @@ impl World {
         surface
     }
 
-    /// Unit tangent at a hit, orthogonal to a shading normal, and the sign of the bitangent
-    /// (`cross(normal, tangent) * w`): from the mesh's tangents (if it has normals too), or else from the derivatives of
-    /// these texture coordinates (then with glTF's convention that the bitangent points against `v`), or else none.
+    /// Unit tangent at a hit, orthogonal to a shading normal, and the sign of the bitangent (`cross(normal,
+    /// tangent) * w`): from the mesh's tangents (if it has normals too), or else from the derivatives of
+    /// these texture coordinates (then with glTF's convention that the bitangent points against `v`), or else
+    /// none.
     ///
     /// Apart from [`World::surface`] because only normal maps and anisotropy ask.
     ///

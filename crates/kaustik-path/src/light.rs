@@ -1,8 +1,10 @@
 //! Light tracing: walks from the emitters, every vertex joined to the lens.
 
+use glam::DVec3;
 use kaustik_bsdf::{Bsdf, Lobe, Mode, shading};
 use kaustik_geometry::Ray;
 use kaustik_pss::{Coordinates, Stream};
+use kaustik_scene::camera::LensSample;
 use kaustik_scene::{AreaSample, EmissionSample, Scene, Vertex};
 use kaustik_spectrum::Wavelengths;
 
@@ -95,13 +97,8 @@ impl LightTracing {
             return;
         }
         let vertex = scatter.vertex;
-        let lens = lens_coordinates(scene, walk.edges, u);
-        let Some(lens) = scene.camera().sample_lens(vertex.position, lens) else {
-            return;
-        };
-        if !self.settings.serves(lens.raster) {
-            return;
-        }
+        let lens = find_lens(&self.settings, scene, vertex.position, walk.edges, u);
+        let Some(lens) = lens else { return };
         let wi = vertex.frame.to_local(lens.direction);
         let factor = shading::connection_factor(wi, scatter.wo, scatter.ng);
         if factor == 0.0 {
@@ -145,13 +142,8 @@ impl LightTracing {
         out: &mut Contributions,
     ) {
         let position = area.surface.position.as_dvec3();
-        let lens = lens_coordinates(scene, 0, u);
-        let Some(lens) = scene.camera().sample_lens(position, lens) else {
-            return;
-        };
-        if !self.settings.serves(lens.raster) {
-            return;
-        }
+        let lens = find_lens(&self.settings, scene, position, 0, u);
+        let Some(lens) = lens else { return };
         let radiance = scene.area_radiance(area, lens.direction, wavelengths);
         let cos = area
             .surface
@@ -184,8 +176,23 @@ impl LightTracing {
     }
 }
 
+/// Draws a point of the lens for the vertex at `position`, after `edges` edges; `None` if the window does not show it
+/// from there.
+#[inline]
+pub(crate) fn find_lens(
+    settings: &BuilderSettings,
+    scene: &Scene,
+    position: DVec3,
+    edges: u32,
+    u: &mut dyn Coordinates,
+) -> Option<LensSample> {
+    let lens = lens_coordinates(scene, edges, u);
+    let lens = scene.camera().sample_lens(position, lens)?;
+    settings.serves(lens.raster).then_some(lens)
+}
+
 /// The lens point for the vertex after `edges` edges; a pinhole asks for nothing.
-pub(crate) fn lens_coordinates(scene: &Scene, edges: u32, u: &mut dyn Coordinates) -> [f64; 2] {
+fn lens_coordinates(scene: &Scene, edges: u32, u: &mut dyn Coordinates) -> [f64; 2] {
     if !scene.camera().has_aperture() {
         return [0.5; 2];
     }

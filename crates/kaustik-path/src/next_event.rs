@@ -3,7 +3,8 @@
 use glam::DVec3;
 use kaustik_bsdf::{Lobe, Mode, shading};
 use kaustik_pss::{Coordinates, Stream};
-use kaustik_scene::{DirectSample, Reach, Scene};
+use kaustik_scene::{DirectSample, Reach, Scene, Vertex};
+use kaustik_spectrum::Wavelengths;
 
 use crate::contributions::Gathered;
 use crate::shadow::Shadow;
@@ -43,10 +44,8 @@ pub(crate) fn next_event(
         return;
     }
     let vertex = scatter.vertex;
-    let first = layout::connection(walk.edges);
     let mut sample = DirectSample::nothing();
-    let ask = |i: u32| u.get(Stream::Connection, first + i);
-    if !scene.write_direct(vertex.position, walk.wavelengths, ask, &mut sample) {
+    if !find_emitter(scene, walk.wavelengths, vertex, walk.edges, u, &mut sample) {
         return;
     }
     let wi = vertex.frame.to_local(sample.wi);
@@ -82,6 +81,21 @@ pub(crate) fn next_event(
     }
     let dispersive = walk.dispersive || scatter.bsdf.dispersive_between(scatter.wo, wi);
     gathered.add(Class::L2, value, dispersive);
+}
+
+/// Draws a point of an emitter for the vertex after `edges` edges, into `sample`; `false` if there is none.
+#[inline]
+pub(crate) fn find_emitter(
+    scene: &Scene,
+    wavelengths: &Wavelengths,
+    vertex: &Vertex,
+    edges: u32,
+    u: &mut dyn Coordinates,
+    sample: &mut DirectSample,
+) -> bool {
+    let first = layout::connection(edges);
+    let ask = |i: u32| u.get(Stream::Connection, first + i);
+    scene.write_direct(vertex.position, wavelengths, ask, sample)
 }
 
 /// The point of the emitter; `None` at infinity.

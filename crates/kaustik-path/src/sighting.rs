@@ -43,12 +43,11 @@ pub enum Sighting {
     Light,
 }
 
-/// The camera walk of [`Bidirectional`](crate::Bidirectional) paths in their full form, without anything that is
-/// joined to it, up to the first light that it meets after a specular scattering, or to its first surface if it does not begin
-/// as it should: it reads the same
-/// coordinates and comes to the same places. So where this does not see light, the value of the point has nothing in
-/// [`Class::L0`](crate::Class::L0) of such a beginning. It takes a tenth of the time, and much less where few
-/// walks begin so.
+/// The camera walk of [`Bidirectional`](crate::Bidirectional) paths in their full form, without anything that
+/// is joined to it, up to the first light that it meets after a specular scattering, or to its first surface
+/// if it does not begin as it should. It reads the same coordinates and comes to the same places; so where
+/// this does not see light, the value of the point has nothing in [`Class::L0`](crate::Class::L0) of such a
+/// beginning. It takes a tenth of the time, and much less where few walks begin so.
 pub fn sight(
     settings: &BuilderSettings,
     scene: &Scene,

@@ -40,6 +40,15 @@ pub enum Role {
     Proposed,
 }
 
+impl Role {
+    fn is_finite(self) -> bool {
+        match self {
+            Self::Sampled(weight) => weight.is_finite(),
+            Self::Current | Self::Proposed => true,
+        }
+    }
+}
+
 /// What a vertex is to a whole path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stand {
@@ -71,7 +80,8 @@ pub enum Event {
         /// What it is to its chain.
         role: Role,
     },
-    /// A chain of photons reports the path that it leaves, or that it did not go to: the deposits that follow are of it.
+    /// A chain of photons reports the path that it leaves, or one that it did not go to: the deposits that
+    /// follow are of that path.
     Visit {
         /// The chain among those of its ladder, counted from 0.
         level: u32,
@@ -261,39 +271,29 @@ impl Event {
                 raster,
                 density,
                 colour,
-            } => {
-                let weight = match role {
-                    Role::Sampled(weight) => weight.is_finite(),
-                    Role::Current | Role::Proposed => true,
-                };
-                weight && raster.is_finite() && density.is_finite() && is_finite(colour)
-            }
+            } => role.is_finite() && raster.is_finite() && density.is_finite() && is_finite(colour),
             Self::PathVertex {
                 position,
                 normal,
                 shading,
                 value,
                 ..
-            } => {
-                let vectors = [position, normal, shading].map(|v| v.is_finite());
-                vectors == [true; 3] && value.is_finite()
-            }
+            } => are_finite(&[position, normal, shading]) && value.is_finite(),
             Self::Proposal {
                 ratio, acceptance, ..
             } => ratio.is_finite() && acceptance.is_finite(),
-            Self::Photon {
-                position,
-                direction,
-                power,
-                ..
-            } => position.is_finite() && direction.is_finite() && power.is_finite(),
-            Self::Deposit { raster, xyz, .. } => raster.is_finite() && is_finite(xyz),
             Self::Start {
                 position,
                 direction,
-                throughput,
+                throughput: spectrum,
                 ..
-            } => position.is_finite() && direction.is_finite() && throughput.is_finite(),
+            }
+            | Self::Photon {
+                position,
+                direction,
+                power: spectrum,
+                ..
+            } => are_finite(&[position, direction]) && spectrum.is_finite(),
             Self::Vertex {
                 position,
                 normal,
@@ -302,8 +302,9 @@ impl Event {
                 throughput,
                 ..
             } => {
-                let vectors = [position, normal, shading].map(|v| v.is_finite());
-                vectors == [true; 3] && distance.is_finite() && throughput.is_finite()
+                are_finite(&[position, normal, shading])
+                    && distance.is_finite()
+                    && throughput.is_finite()
             }
             Self::Escape { direction, .. } => direction.is_finite(),
             Self::Scatter {
@@ -319,13 +320,19 @@ impl Event {
                 value,
                 ..
             } => {
-                let points = points.is_none_or(|points| points.iter().all(|p| p.is_finite()));
+                let points = points.is_none_or(|[from, to]| are_finite(&[&from, &to]));
                 points && weight.is_finite() && value.is_finite()
             }
             Self::Light { value, .. } => value.is_finite(),
-            Self::Splat { raster, xyz, .. } => raster.is_finite() && is_finite(xyz),
+            Self::Deposit { raster, xyz, .. } | Self::Splat { raster, xyz, .. } => {
+                raster.is_finite() && is_finite(xyz)
+            }
         }
     }
+}
+
+fn are_finite(vectors: &[&DVec3]) -> bool {
+    vectors.iter().all(|v| v.is_finite())
 }
 
 fn is_finite(colour: &Xyz) -> bool {

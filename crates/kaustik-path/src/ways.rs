@@ -32,19 +32,19 @@ impl fmt::Debug for Find<'_> {
 }
 
 /// Looks for implicit specular light by a walk from the camera that begins at a Dirac surface
-/// ([`Beginning::Dirac`](crate::Beginning::Dirac)), and goes on along so many ways (one at least) from the first surface that scatters
-/// otherwise, half as many from the next, and so on.
+/// ([`Beginning::Dirac`](crate::Beginning::Dirac)). It goes on along so many `ways` (one at least) from the
+/// first surface that scatters otherwise, along half as many from the next, and so on.
 ///
-/// From such a surface, which the walk has reached through glass or by mirrors, only few
-/// directions lead through glass or mirrors again to the lamp. So several are followed from
-/// there, each at the cost of its own new edges alone; only the first goes on past the next surface
-/// that scatters otherwise. So lengths of paths fall into stretches. Light that was met is told to `found` with
-/// its stretch, and the sum over all tellings of the weight times the light of
-/// [`Class::L0`](crate::Class::L0) that [`Bidirectional`](crate::Bidirectional) paths in their full form, with the find's settings, have
-/// at the find's coordinates has the mean of that light of walks that begin so.
+/// From such a surface, which the walk has reached through glass or by mirrors, only few directions lead
+/// through glass or mirrors again to the lamp. So several are followed from there, each at the cost of its
+/// own new edges alone; only the first goes on past the next surface that scatters otherwise. Lengths of
+/// paths fall into stretches by this, and `found` is told of light that was met with its stretch. At the
+/// coordinates of a find, [`Bidirectional`](crate::Bidirectional) paths in their full form, with the find's
+/// settings, have some light of [`Class::L0`](crate::Class::L0). The sum of this light times the weight, over
+/// all finds, has the mean of that light of walks that begin so.
 ///
-/// The first way has the coordinates of `u` itself, the others have them turned: each is uniform as `u` is, though not independent of
-/// the others. `u` must remember what it has said.
+/// The first way has the coordinates of `u` itself, the others have them turned: each is as uniform as `u`
+/// is, though not independent of the others. `u` must remember what it has said.
 pub fn sight_ways(
     settings: &BuilderSettings,
     scene: &Scene,
@@ -72,6 +72,24 @@ struct Leg {
     stands: bool,
 }
 
+/// Who is told of light that was met.
+struct Told<'f> {
+    /// Of any so far.
+    lit: bool,
+    found: &'f mut dyn FnMut(Find<'_>),
+}
+
+impl Told<'_> {
+    fn tell(&mut self, u: &mut dyn Coordinates, settings: BuilderSettings, weight: f64) {
+        self.lit = true;
+        (self.found)(Find {
+            u,
+            settings,
+            weight,
+        });
+    }
+}
+
 struct Look<'a> {
     settings: &'a BuilderSettings,
     scene: &'a Scene,
@@ -85,53 +103,62 @@ impl Look<'_> {
         u: &mut dyn Coordinates,
         found: &mut dyn FnMut(Find<'_>),
     ) -> Sighting {
-        let mut lit = false;
-        let mut tell = |u: &mut dyn Coordinates, edges: [u32; 2], weight: f64| {
-            lit = true;
-            found(Find {
-                u,
-                settings: self.within(edges),
-                weight,
-            });
-        };
-        let (mut vertex, mut next) = (Vertex::default(), Vertex::default());
+        let mut told = Told { lit: false, found };
+        let mut vertex = Vertex::default();
         let mut leg = self.leg(&mut walk, &mut vertex, u);
         if leg.lit {
-            tell(u, [1, walk.edges], 1.0);
+            told.tell(u, self.within([1, walk.edges]), 1.0);
         }
         let mut ways = self.ways.max(1);
         while leg.stands && walk.specular {
             let parting = walk.edges;
             if ways == 1 {
                 if self.meets_light(&mut walk, &mut vertex, u) {
-                    tell(u, [parting + 1, self.settings.max_edges], 1.0);
+                    let edges = [parting + 1, self.settings.max_edges];
+                    told.tell(u, self.within(edges), 1.0);
                 }
                 break;
             }
-            let weight = 1.0 / f64::from(ways);
-            for number in 1..ways {
-                let mut way = Way::new(u, parting, [number, ways]);
-                let mut walk = walk.clone();
-                if self.scatter(&mut walk, &vertex, &mut way)
-                    && self.leg(&mut walk, &mut next, &mut way).lit
-                {
-                    tell(&mut way, [parting + 1, walk.edges], weight);
-                }
-            }
+            self.others(&walk, &vertex, ways, u, &mut told);
             // the first is the walk itself
             if !self.scatter(&mut walk, &vertex, u) {
                 break;
             }
             leg = self.leg(&mut walk, &mut vertex, u);
             if leg.lit {
-                tell(u, [parting + 1, walk.edges], weight);
+                let edges = [parting + 1, walk.edges];
+                told.tell(u, self.within(edges), 1.0 / f64::from(ways));
             }
             ways /= 2;
         }
-        match (lit, walk.specular) {
+        match (told.lit, walk.specular) {
             (true, _) => Sighting::Light,
             (false, true) => Sighting::Specular,
             (false, false) => Sighting::Plain,
+        }
+    }
+
+    /// All of so many ways but the first, from the parting where the walk stands to the next surface that scatters
+    /// otherwise.
+    fn others(
+        &self,
+        walk: &Walk<'_>,
+        vertex: &Vertex,
+        ways: u32,
+        u: &mut dyn Coordinates,
+        told: &mut Told<'_>,
+    ) {
+        let mut next = Vertex::default();
+        let parting = walk.edges;
+        for number in 1..ways {
+            let mut way = Way::new(u, parting, [number, ways]);
+            let mut walk = walk.clone();
+            if self.scatter(&mut walk, vertex, &mut way)
+                && self.leg(&mut walk, &mut next, &mut way).lit
+            {
+                let settings = self.within([parting + 1, walk.edges]);
+                told.tell(&mut way, settings, 1.0 / f64::from(ways));
+            }
         }
     }
 
@@ -206,8 +233,8 @@ impl Look<'_> {
     }
 }
 
-/// Coordinates of a way: those of the look, of which the camera walk's past the parting are turned by amounts that the way's number
-/// gives.
+/// Coordinates of a way: those of the look, but those of the camera walk past the parting are turned by
+/// amounts that follow from the way's number.
 struct Way<'a> {
     u: &'a mut dyn Coordinates,
     /// Edge that leads to the parting.

@@ -130,8 +130,9 @@ impl Matter {
         material.write_bsdf(&self.textures, &vertex.surface, wavelengths, around, bsdf);
     }
 
-    /// The varnish's own normal in the frame of a vertex, or rather in that frame with its z towards the side that is
-    /// seen: varnish is on both. Where it has no texture that is the mesh's, whatever is bent below. `None` where it faces away from the surface, as with other normal maps.
+    /// The varnish's own normal in the frame of a vertex, or rather in that frame with its z towards the side
+    /// that is seen, as varnish is on both. Without a texture it is the mesh's normal, whatever is bent
+    /// below. `None` where it faces away from the surface, as with other normal maps.
     #[inline(never)]
     fn coat_normal(&self, vertex: &Vertex) -> Option<DVec3> {
         let material = self.material(vertex.material);
@@ -326,8 +327,8 @@ impl Matter {
         })
     }
 
-    /// Is the interface of this material hidden from a ray that meets its front or its back, because what fills the space on
-    /// both sides is a solid of higher priority, or another object of the same material?
+    /// Is the interface of this material hidden from a ray that meets its front or its back, because what
+    /// fills the space on both sides is a solid of higher priority, or another object of the same material?
     pub(crate) fn is_overruled(&self, material: u32, front: bool, interior: &Interior) -> bool {
         let Some(solid) = self.material(material).solid() else {
             return false;
@@ -405,8 +406,8 @@ impl Matter {
         /// Solids on the way of a ray in all but senseless scenes.
         const NEAR: usize = 16;
         let ray = Ray::new(point.as_vec3(), direction.as_vec3());
-        // Net number of exits for each solid, in order of the first crossing: on the stack as a rule, since where something
-        // moves every path may ask.
+        // Net number of exits for each solid, in order of the first crossing: on the stack as a rule, since
+        // where something moves every path may ask.
         let (mut near, mut count) = ([(0_u32, 0_i32); NEAR], 0);
         let mut far: Vec<(u32, i32)> = Vec::new();
         let mut next = self.world.intersect(&ray);

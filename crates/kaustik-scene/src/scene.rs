@@ -182,8 +182,8 @@ impl Scene {
         self.pass_overruled(ray, hit, segment, walk, &mut passage, wavelengths)
     }
 
-    /// Goes on through interfaces that are hidden by a solid of higher priority, or another object of the same material. The ray stays the same, so
-    /// that surfaces which coincide with a hidden one are met.
+    /// Goes on through interfaces that are hidden by a solid of higher priority, or another object of the
+    /// same material. The ray stays the same, so that surfaces which coincide with a hidden one are met.
     #[cold]
     fn pass_overruled(
         &self,
@@ -349,8 +349,8 @@ impl Scene {
         self.emitters.sample_emission(&self.matter, wavelengths, u)
     }
 
-    /// The start of a photon's walk, by the same coordinates. Emitters are chosen nearly in proportion to their power, so that
-    /// photons carry nearly the same flux; [`Self::emission_pdf`] knows nothing of it.
+    /// The start of a photon's walk, by the same coordinates. Emitters are chosen nearly in proportion to
+    /// their power, so that photons carry nearly the same flux; [`Self::emission_pdf`] knows nothing of it.
     pub fn sample_photon(
         &self,
         wavelengths: &Wavelengths,

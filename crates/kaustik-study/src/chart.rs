@@ -1,5 +1,6 @@
 //! Error curves as SVG: both axes logarithmic, a line a method, a band between the quartiles.
 
+use plotters::coord::CoordTranslate;
 use plotters::prelude::*;
 use plotters::style::{FontFamily, RGBAColor};
 
@@ -100,9 +101,8 @@ fn draw(
     (x, y): Ranges,
     (x_name, y_name): (&str, &str),
 ) -> Result<(), String> {
-    let failed = |error: &dyn std::fmt::Display| error.to_string();
     let root = SVGBackend::with_string(svg, SIZE).into_drawing_area();
-    root.fill(&WHITE).map_err(|e| failed(&e))?;
+    root.fill(&WHITE).map_err(failed)?;
     let font = (FontFamily::SansSerif, 15);
     let mut chart = ChartBuilder::on(&root)
         .margin(12)
@@ -112,7 +112,7 @@ fn draw(
             x.clone().log_scale().with_key_points(ticks(&x)),
             y.clone().log_scale().with_key_points(ticks(&y)),
         )
-        .map_err(|e| failed(&e))?;
+        .map_err(failed)?;
     chart
         .configure_mesh()
         .light_line_style(RGBAColor(0, 0, 0, 0.06))
@@ -124,25 +124,10 @@ fn draw(
         .x_label_formatter(&|v| number(*v))
         .y_label_formatter(&|v| number(*v))
         .draw()
-        .map_err(|e| failed(&e))?;
+        .map_err(failed)?;
     for (index, (points, label)) in curves.iter().zip(labels).enumerate() {
         let colour = COLOURS[index % COLOURS.len()];
-        let upper = points.iter().map(|p| (p.0, p.1[2]));
-        let lower = points.iter().rev().map(|p| (p.0, p.1[0]));
-        let band: Vec<(f64, f64)> = upper.chain(lower).collect();
-        if points.len() > 1 {
-            let band = Polygon::new(band, colour.mix(0.15));
-            chart.draw_series([band]).map_err(|e| failed(&e))?;
-        }
-        let line: Vec<(f64, f64)> = points.iter().map(|p| (p.0, p.1[1])).collect();
-        let dots = line.iter().map(|&at| Circle::new(at, 3, colour.filled()));
-        chart.draw_series(dots).map_err(|e| failed(&e))?;
-        let line = PathElement::new(line, colour.stroke_width(2));
-        chart
-            .draw_series([line])
-            .map_err(|e| failed(&e))?
-            .label(*label)
-            .legend(move |(x, y)| PathElement::new([(x, y), (x + 16, y)], colour.stroke_width(2)));
+        draw_curve(&mut chart, points, label, colour)?;
     }
     chart
         .configure_series_labels()
@@ -151,8 +136,38 @@ fn draw(
         .border_style(RGBAColor(0, 0, 0, 0.2))
         .label_font(font)
         .draw()
-        .map_err(|e| failed(&e))?;
-    root.present().map_err(|e| failed(&e))
+        .map_err(failed)?;
+    root.present().map_err(failed)
+}
+
+/// A line through the medians, with a dot at each, over a band between the quartiles.
+fn draw_curve<'a, C: CoordTranslate<From = (f64, f64)>>(
+    chart: &mut ChartContext<'a, SVGBackend<'a>, C>,
+    points: &[Point],
+    label: &str,
+    colour: RGBColor,
+) -> Result<(), String> {
+    let upper = points.iter().map(|p| (p.0, p.1[2]));
+    let lower = points.iter().rev().map(|p| (p.0, p.1[0]));
+    let band: Vec<(f64, f64)> = upper.chain(lower).collect();
+    if points.len() > 1 {
+        let band = Polygon::new(band, colour.mix(0.15));
+        chart.draw_series([band]).map_err(failed)?;
+    }
+    let line: Vec<(f64, f64)> = points.iter().map(|p| (p.0, p.1[1])).collect();
+    let dots = line.iter().map(|&at| Circle::new(at, 3, colour.filled()));
+    chart.draw_series(dots).map_err(failed)?;
+    let line = PathElement::new(line, colour.stroke_width(2));
+    chart
+        .draw_series([line])
+        .map_err(failed)?
+        .label(label)
+        .legend(move |(x, y)| PathElement::new([(x, y), (x + 16, y)], colour.stroke_width(2)));
+    Ok(())
+}
+
+fn failed(error: impl std::fmt::Display) -> String {
+    error.to_string()
 }
 
 /// Where a logarithmic axis has labels: at powers of ten, or more often if that gives fewer than three.

@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use crate::{Figure, Results};
+use crate::{Cell, Figure, Group, Results, SceneEntry, Study};
 
 /// A row a render.
 #[must_use]
@@ -17,45 +17,47 @@ pub fn cells(results: &Results) -> String {
     let study = &results.study;
     for (scene, of) in study.scenes.iter().zip(&results.scenes) {
         for group in &of.groups {
-            let method = &study.methods[group.method];
             for cell in &group.cells {
-                let settings = method.settings.join(" ");
-                let _ = write!(
-                    text,
-                    "{},{},{},{},{},{},{},{},{},{}",
-                    field(&scene.name),
-                    field(&method.name),
-                    field(&format!("{} {settings}", method.method)),
-                    cell.seed,
-                    study.budgets.amounts[group.budget],
-                    study.budgets.unit.name(),
-                    cell.seconds,
-                    cell.per_pixel,
-                    cell.measured.raw.bias,
-                    cell.measured.trimmed.bias,
-                );
-                for figure in Figure::ALL {
-                    let _ = write!(text, ",{}", figure.of(cell));
-                }
-                for path in [
-                    "/chain/small_acceptance",
-                    "/chain/large_acceptance",
-                    "/chain/normalisation",
-                    "/chain/normalisation_error",
-                    "/nonfinite",
-                ] {
-                    let number = cell.statistics.pointer(path).filter(|v| v.is_number());
-                    let _ = write!(
-                        text,
-                        ",{}",
-                        number.map_or(String::new(), ToString::to_string)
-                    );
-                }
-                text.push('\n');
+                row(&mut text, study, scene, group, cell);
             }
         }
     }
     text
+}
+
+/// Adds the row of a render.
+fn row(text: &mut String, study: &Study, scene: &SceneEntry, group: &Group, cell: &Cell) {
+    let method = &study.methods[group.method];
+    let settings = method.settings.join(" ");
+    let _ = write!(
+        text,
+        "{},{},{},{},{},{},{},{},{},{}",
+        field(&scene.name),
+        field(&method.name),
+        field(&format!("{} {settings}", method.method)),
+        cell.seed,
+        study.budgets.amounts[group.budget],
+        study.budgets.unit.name(),
+        cell.seconds,
+        cell.per_pixel,
+        cell.measured.raw.bias,
+        cell.measured.trimmed.bias,
+    );
+    for figure in Figure::ALL {
+        let _ = write!(text, ",{}", figure.of(cell));
+    }
+    for path in [
+        "/chain/small_acceptance",
+        "/chain/large_acceptance",
+        "/chain/normalisation",
+        "/chain/normalisation_error",
+        "/nonfinite",
+    ] {
+        let number = cell.statistics.pointer(path).filter(|v| v.is_number());
+        let number = number.map_or(String::new(), ToString::to_string);
+        let _ = write!(text, ",{number}");
+    }
+    text.push('\n');
 }
 
 /// A row for each scene, method and budget: medians and quartiles over the seeds.

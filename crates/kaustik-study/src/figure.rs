@@ -179,7 +179,7 @@ mod tests {
     use kaustik::film::metrics::{Errors, Measured, Shares};
 
     #[test]
-    fn quartiles_by_hand() {
+    fn quartiles_lie_between_values() {
         let q = Quartiles::of([4.0, 1.0, 3.0, 2.0, 10.0]);
         assert_eq!((q.lower, q.median, q.upper), (2.0, 3.0, 4.0));
         let q = Quartiles::of([1.0, 2.0]);
@@ -223,7 +223,7 @@ mod tests {
     }
 
     #[test]
-    fn mean_and_error_by_hand() {
+    fn the_error_of_a_mean_is_its_standard_error() {
         // deviations -2, 0, 2: s^2 = 8/2 = 4, error = 2/sqrt(3)
         let [mean, error] = mean_and_error(&[1.0, 3.0, 5.0]);
         assert!((mean - 3.0).abs() < 1e-12 && (error - 2.0 / 3.0f64.sqrt()).abs() < 1e-12);

@@ -35,25 +35,8 @@ impl Look<'_> {
         render: &Render<'_>,
         tell: &mut dyn FnMut(f64) -> ControlFlow<()>,
     ) -> Result<(), StudyError> {
-        let options = options(render.method, render.settings)
-            .map_err(|message| StudyError::words("settings", message))?;
-        let scene = stage.scene(options.compensation)?;
-        let budget = match render.amount {
-            Amount::Samples(budget) => budget,
-            Amount::Seconds(_) => Budget::Time(FOREVER),
-        };
-        let settings = RenderSettings {
-            method: render.method,
-            options,
-            width: self.study.width,
-            height: self.study.height,
-            budget,
-            seed: render.seed,
-            threads: self.study.threads,
-            max_depth: self.study.max_depth,
-            features: render.layers,
-            ..RenderSettings::default()
-        };
+        let settings = self.settings(render)?;
+        let scene = stage.scene(settings.options.compensation)?;
         let stop = AtomicBool::new(false);
         let mut eyes = Eyes {
             look: self,
@@ -87,6 +70,27 @@ impl Look<'_> {
             eyes.keep(&done, self.looks.len());
         }
         eyes.failed.map_or(Ok(()), Err)
+    }
+
+    fn settings(&self, render: &Render<'_>) -> Result<RenderSettings, StudyError> {
+        let options = options(render.method, render.settings)
+            .map_err(|message| StudyError::words("settings", message))?;
+        let budget = match render.amount {
+            Amount::Samples(budget) => budget,
+            Amount::Seconds(_) => Budget::Time(FOREVER),
+        };
+        Ok(RenderSettings {
+            method: render.method,
+            options,
+            width: self.study.width,
+            height: self.study.height,
+            budget,
+            seed: render.seed,
+            threads: self.study.threads,
+            max_depth: self.study.max_depth,
+            features: render.layers,
+            ..RenderSettings::default()
+        })
     }
 }
 

@@ -125,7 +125,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn scales() {
+    fn colour_scales_begin_and_end_as_they_say() {
         assert_eq!(level(0.005).to_bits(), 0.0f32.to_bits());
         assert!((level(0.1) - 0.5).abs() < 1e-6 && (level(1.0) - 1.0).abs() < 1e-6);
         let bits = |colour: [f32; 3]| colour.map(f32::to_bits);

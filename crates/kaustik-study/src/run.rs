@@ -4,15 +4,15 @@ use std::ops::ControlFlow;
 use std::path::Path;
 
 use kaustik::Budget;
-use kaustik::film::Keep;
 use kaustik::film::metrics::Spread;
+use kaustik::film::{Image, Keep};
 
 use crate::clock::{Clock, clock};
 use crate::key::{Amount, Key, Render, scene_words};
 use crate::look::Look;
 use crate::results::{ReferenceResult, Results, evaluate};
 use crate::stage::Stage;
-use crate::store::Store;
+use crate::store::{Record, Store};
 use crate::{MethodEntry, SceneEntry, Study, StudyError, Unit};
 
 /// How far a study is.
@@ -250,6 +250,23 @@ impl Work<'_> {
         .render(place.stage, render, tell)
     }
 
+    /// One render of a reference, from the store if it is there.
+    fn reference_render(
+        &self,
+        place: &Place<'_>,
+        render: &Render<'_>,
+        tell: &mut dyn FnMut(f64) -> ControlFlow<()>,
+    ) -> Result<(Record, Image), StudyError> {
+        let key = Key::new(self.study, place.words, render)?;
+        if let Some(kept) = self.store.read(&key, Keep::Main) {
+            return Ok(kept);
+        }
+        let looks = [(render.amount, key.clone(), false)];
+        self.look(place, &looks, render, tell)?;
+        let lost = || StudyError::page("reference", "a render cannot be read again");
+        self.store.read(&key, Keep::Main).ok_or_else(lost)
+    }
+
     /// Independent renders until their mean is known well enough; an even number of them, for two halves
     /// of equal cost.
     fn reference(
@@ -277,19 +294,10 @@ impl Work<'_> {
                 amount: Amount::Samples(Budget::PerPixel(entry.per_pixel)),
                 layers: false,
             };
-            let key = Key::new(self.study, place.words, &render)?;
-            let kept = match self.store.read(&key, Keep::Main) {
-                Some(kept) => kept,
-                None => {
-                    let looks = [(render.amount, key.clone(), false)];
-                    let mut tell = |inside: f64| bar.tell(done + inside / f64::from(most));
-                    self.look(place, &looks, &render, &mut tell)?;
-                    let lost = || StudyError::page("reference", "a render cannot be read again");
-                    self.store.read(&key, Keep::Main).ok_or_else(lost)?
-                }
-            };
-            seconds += kept.0.seconds;
-            spread.add(&kept.1);
+            let mut tell = |inside: f64| bar.tell(done + inside / f64::from(most));
+            let (record, image) = self.reference_render(place, &render, &mut tell)?;
+            seconds += record.seconds;
+            spread.add(&image);
             if spread.count() % 2 == 1 {
                 continue;
             }

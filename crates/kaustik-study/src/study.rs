@@ -179,10 +179,6 @@ impl Study {
     /// The first part that is not, and what was expected.
     pub fn check(&self) -> Result<(), StudyError> {
         let sides = 1..=Self::LARGEST;
-        let expect = |sound: bool, place: &str, message: &str| match sound {
-            true => Ok(()),
-            false => Err(StudyError::words(place, message)),
-        };
         expect(
             sides.contains(&self.width) && sides.contains(&self.height),
             "width, height",
@@ -217,18 +213,32 @@ impl Study {
         }
         self.reference.check("reference")?;
         for scene in &self.scenes {
-            let place = format!("scene '{}'", scene.name);
-            if let Some(reference) = &scene.reference {
-                reference.check(&place)?;
-            }
-            let inside = |w: &Window| w.area() > 0 && w.x1 <= self.width && w.y1 <= self.height;
-            expect(
-                scene.close_ups.iter().all(inside) && scene.close_ups.len() <= 16,
-                &place,
-                "expected at most 16 close-ups [x0, y0, x1, y1] within the picture",
-            )?;
+            scene.check(self)?;
         }
         Ok(())
+    }
+}
+
+fn expect(sound: bool, place: &str, message: &str) -> Result<(), StudyError> {
+    match sound {
+        true => Ok(()),
+        false => Err(StudyError::words(place, message)),
+    }
+}
+
+impl SceneEntry {
+    /// Within the picture of `study`.
+    fn check(&self, study: &Study) -> Result<(), StudyError> {
+        let place = format!("scene '{}'", self.name);
+        if let Some(reference) = &self.reference {
+            reference.check(&place)?;
+        }
+        let inside = |w: &Window| w.area() > 0 && w.x1 <= study.width && w.y1 <= study.height;
+        expect(
+            self.close_ups.iter().all(inside) && self.close_ups.len() <= 16,
+            &place,
+            "expected at most 16 close-ups [x0, y0, x1, y1] within the picture",
+        )
     }
 }
 
@@ -238,23 +248,22 @@ impl Budgets {
         let rising = a.windows(2).all(|pair| pair[0] < pair[1]);
         let whole = self.unit.is_time() || a.iter().all(|x| x.fract() == 0.0 && *x <= 1e15);
         let positive = a.iter().all(|x| *x > 0.0 && *x <= 1e15);
-        if a.is_empty() || a.len() > 100 || !rising || !whole || !positive {
-            let message = "expected 1 to 100 rising amounts above 0, whole numbers of samples";
-            return Err(StudyError::words("budget", message));
-        }
-        Ok(())
+        expect(
+            !a.is_empty() && a.len() <= 100 && rising && whole && positive,
+            "budget",
+            "expected 1 to 100 rising amounts above 0, whole numbers of samples",
+        )
     }
 }
 
 impl ReferenceEntry {
     fn check(&self, place: &str) -> Result<(), StudyError> {
         options(self.method, &self.settings).map_err(|m| StudyError::words(place, m))?;
-        let sound = self.per_pixel > 0 && self.error > 0.0 && (2..=10_000).contains(&self.most);
-        if !sound {
-            let message = "expected per_pixel > 0, error > 0, most from 2 to 10,000";
-            return Err(StudyError::words(place, message));
-        }
-        Ok(())
+        expect(
+            self.per_pixel > 0 && self.error > 0.0 && (2..=10_000).contains(&self.most),
+            place,
+            "expected per_pixel > 0, error > 0, most from 2 to 10,000",
+        )
     }
 }
 

@@ -139,8 +139,8 @@ impl PrincipledParameters {
         }
     }
 
-    /// Reflection of two parts of the surface, each between two colours that are weighted by its share; under the film, if
-    /// there is one, each has its own.
+    /// Reflection of two parts of the surface, each between two colours that are weighted by its share; under
+    /// the film, if there is one, each has its own.
     #[inline]
     pub(super) fn mixed(
         &self,

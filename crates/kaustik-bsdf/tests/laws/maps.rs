@@ -52,7 +52,7 @@ proptest! {
 }
 
 #[test]
-fn frames_at_the_poles() {
+fn frames_are_right_handed_at_the_poles() {
     for z in [DVec3::Z, -DVec3::Z, DVec3::X, -DVec3::Y] {
         let frame = Frame::from_z(z);
         assert!((frame.x.cross(frame.y) - z).length() < 1e-15);

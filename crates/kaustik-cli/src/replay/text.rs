@@ -68,6 +68,28 @@ fn fault(event: &Event) -> Option<&'static str> {
 fn line(event: &Event, evaluation: u32, scene: &Scene) -> String {
     match *event {
         Event::Begin => format!("evaluation {evaluation}"),
+        Event::Index { of, number } => format!("{of} {number}"),
+        Event::Start { .. }
+        | Event::Vertex { .. }
+        | Event::Escape { .. }
+        | Event::Scatter { .. }
+        | Event::Roulette { .. } => of_walk(event, scene),
+        Event::Join { .. }
+        | Event::Light { .. }
+        | Event::Photon { .. }
+        | Event::Deposit { .. }
+        | Event::Splat { .. } => of_light(event),
+        Event::Path { .. } | Event::PathVertex { .. } => of_path(event, scene),
+        Event::LightPath { .. }
+        | Event::Visit { .. }
+        | Event::Proposal { .. }
+        | Event::Decision { .. } => of_chain(event),
+    }
+}
+
+/// What walks do; nothing of other events.
+fn of_walk(event: &Event, scene: &Scene) -> String {
+    match *event {
         Event::Start {
             side,
             position,
@@ -134,6 +156,13 @@ fn line(event: &Event, evaluation: u32, scene: &Scene) -> String {
             name(side),
             if survived { "goes on" } else { "ends the walk" }
         ),
+        _ => String::new(),
+    }
+}
+
+/// What light is found, and where it falls; nothing of other events.
+fn of_light(event: &Event) -> String {
+    match *event {
         Event::Join {
             s,
             t,
@@ -150,13 +179,6 @@ fn line(event: &Event, evaluation: u32, scene: &Scene) -> String {
         Event::Light { class, value } => {
             format!("      brings light of class {class:?}: {}", spectrum(value))
         }
-        Event::Index { of, number } => format!("{of} {number}"),
-        Event::LightPath { .. }
-        | Event::Visit { .. }
-        | Event::Path { .. }
-        | Event::PathVertex { .. }
-        | Event::Proposal { .. }
-        | Event::Decision { .. } => of_chain(event, scene),
         Event::Photon {
             position,
             direction,
@@ -188,16 +210,13 @@ fn line(event: &Event, evaluation: u32, scene: &Scene) -> String {
             raster.y,
             xyz.0
         ),
+        _ => String::new(),
     }
 }
 
-/// What chains of paths do.
-fn of_chain(event: &Event, scene: &Scene) -> String {
+/// A whole path and its vertices; nothing of other events.
+fn of_path(event: &Event, scene: &Scene) -> String {
     match *event {
-        Event::LightPath { role } => format!("light path {}", stands_for(role)),
-        Event::Visit { level, weight } => {
-            format!("  chain {level} reports a path for {weight:.6} steps")
-        }
         Event::Path {
             role,
             raster,
@@ -239,6 +258,17 @@ fn of_chain(event: &Event, scene: &Scene) -> String {
                 text += if is { word } else { "" };
             }
             format!("{text}, value {}", spectrum(value))
+        }
+        _ => String::new(),
+    }
+}
+
+/// What chains do; nothing of other events.
+fn of_chain(event: &Event) -> String {
+    match *event {
+        Event::LightPath { role } => format!("light path {}", stands_for(role)),
+        Event::Visit { level, weight } => {
+            format!("  chain {level} reports a path for {weight:.6} steps")
         }
         Event::Proposal {
             kernel,

@@ -65,32 +65,11 @@ pub(super) fn read(
     limits: &Limits,
     keep: Keep,
 ) -> Result<(Vec<Part>, bool), DecodeError> {
-    const MULTIPART: u32 = 0x1000;
-    const DEEP: u32 = 0x800;
-    const KNOWN: u32 = 0x200 | 0x400 | DEEP | MULTIPART;
-    if bytes.u32("magic number")? != 0x0131_2f76 {
-        return Err(DecodeError::malformed(
-            "magic number",
-            0,
-            "expected an EXR file".into(),
-        ));
-    }
-    let version = bytes.u32("version")?;
-    if version & 0xff != 2 || version & !0xff & !KNOWN != 0 {
-        return Err(DecodeError::unsupported(format!(
-            "version word {version:#x}, expected OpenEXR 2"
-        )));
-    }
-    if version & DEEP != 0 {
-        return Err(DecodeError::unsupported(
-            "deep data, expected flat pixels".into(),
-        ));
-    }
-    let multipart = version & MULTIPART != 0;
+    let version = Version::read(bytes)?;
     let mut parts = Vec::new();
     let mut samples = 0u64;
     loop {
-        let part = part(bytes, limits, version & 0x200 != 0)?;
+        let part = part(bytes, limits, version.tiled)?;
         let kept = (part.channels.iter()).filter(|channel| match keep {
             Keep::All => true,
             Keep::Main => parts.is_empty() && channel.is_main(),
@@ -104,7 +83,7 @@ pub(super) fn read(
             });
         }
         parts.push(part);
-        if !multipart {
+        if !version.multipart {
             return Ok((parts, false));
         }
         let mut ahead = *bytes;
@@ -112,6 +91,46 @@ pub(super) fn read(
             *bytes = ahead;
             return Ok((parts, true));
         }
+    }
+}
+
+/// What the version word says of the whole file.
+struct Version {
+    /// Its only part is tiled.
+    tiled: bool,
+    multipart: bool,
+}
+
+impl Version {
+    /// Reads magic number and version.
+    fn read(bytes: &mut Bytes<'_>) -> Result<Self, DecodeError> {
+        const TILED: u32 = 0x200;
+        const LONG_NAMES: u32 = 0x400;
+        const DEEP: u32 = 0x800;
+        const MULTIPART: u32 = 0x1000;
+        const KNOWN: u32 = TILED | LONG_NAMES | DEEP | MULTIPART;
+        if bytes.u32("magic number")? != 0x0131_2f76 {
+            return Err(DecodeError::malformed(
+                "magic number",
+                0,
+                "expected an EXR file".into(),
+            ));
+        }
+        let version = bytes.u32("version")?;
+        if version & 0xff != 2 || version & !0xff & !KNOWN != 0 {
+            return Err(DecodeError::unsupported(format!(
+                "version word {version:#x}, expected OpenEXR 2"
+            )));
+        }
+        if version & DEEP != 0 {
+            return Err(DecodeError::unsupported(
+                "deep data, expected flat pixels".into(),
+            ));
+        }
+        Ok(Self {
+            tiled: version & TILED != 0,
+            multipart: version & MULTIPART != 0,
+        })
     }
 }
 

@@ -30,8 +30,8 @@ pub fn nsd(images: &[&Image]) -> Option<Nsd> {
     spread(images, |_| false)
 }
 
-/// The same, where a pixel that is dark in all pictures and not in the reference counts with its bound, the square root of their
-/// number: a method is not to be rated by those pixels alone that it finds.
+/// The same, where a pixel that is dark in all pictures but not in the reference counts with its bound, the
+/// square root of the number of pictures: a method must not be rated by those pixels alone that it finds.
 #[must_use]
 pub fn nsd_beside(images: &[&Image], reference: &Image) -> Option<Nsd> {
     if images.first()?.shape() != reference.shape() {

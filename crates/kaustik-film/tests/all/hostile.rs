@@ -226,7 +226,7 @@ fn mutated_files_are_errors_or_images() {
 /// `cargo test -p kaustik-film --release -- --ignored --nocapture many_mutated`.
 #[test]
 #[ignore = "long"]
-fn many_mutated_files() {
+fn many_mutated_files_are_survived() {
     for seed in 2..12 {
         campaign(20_000, seed);
     }

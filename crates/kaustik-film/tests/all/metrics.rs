@@ -14,7 +14,7 @@ fn close(a: f64, b: f64) {
 }
 
 #[test]
-fn two_pixels_by_hand() {
+fn errors_of_two_pixels_are_those_worked_out_by_hand() {
     // x = (1, 4), r = (2, 2): mean(r) = 2, so the floor is 0.04.
     let x = gray(2, 1, |i| [1.0, 4.0][i]);
     let r = gray(2, 1, |_| 2.0);
@@ -116,7 +116,7 @@ fn a_black_reference_is_no_division_by_zero() {
 }
 
 #[test]
-fn tile_means_by_hand() {
+fn tiles_hold_the_means_of_their_pixels() {
     let r = gray(20, 17, |_| 2.0);
     let x = gray(20, 17, |i| {
         if i % 20 >= 16 && i / 20 == 16 {

@@ -13,7 +13,7 @@ fn close(a: f64, b: f64) {
 }
 
 #[test]
-fn matched_brightness_by_hand() {
+fn brightness_is_matched_before_errors_are_measured() {
     // x = (1, 4), r = (2, 3): x comes to the same sum already.
     let (x, r) = (gray(&[1.0, 4.0]), gray(&[2.0, 3.0]));
     let reference = Reference::exact(&r);
@@ -51,7 +51,7 @@ fn differences_keep_their_sign() {
 }
 
 #[test]
-fn spread_by_hand() {
+fn the_spread_of_two_pixels_is_that_worked_out_by_hand() {
     let mut spread = Spread::new(2, 1);
     assert_eq!(spread.relative_error(), None);
     for values in [[1.0, 2.0], [3.0, 2.0], [2.0, 2.0], [2.0, 2.0]] {

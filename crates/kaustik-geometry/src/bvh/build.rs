@@ -111,8 +111,9 @@ impl Groups {
     }
 }
 
-/// Share of the nodes that are put to a better place, and how many nodes a long line may meet for that: among boxes that
-/// overlap more than any scene's do, looking for the place takes as long as there are boxes, and so fewer are tried.
+/// Share of the nodes that are put to a better place, and how many nodes a long line may meet for that: among
+/// boxes that overlap more than any scene's do, looking for the place takes as long as there are boxes, and
+/// so fewer are tried.
 const REINSERTED: f32 = 0.25;
 const USUAL_NODES: f64 = 2000.0;
 

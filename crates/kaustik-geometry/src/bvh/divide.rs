@@ -1,9 +1,10 @@
-//! A binary tree from the top: boxes are parted by the surface area heuristic until few are left, and these are clustered.
+//! A binary tree from the top: boxes are parted by the surface area heuristic until few are left, and these
+//! are clustered.
 //!
-//! Clustering alone makes the better trees, but it joins only boxes that are each other's nearest: where every box is nearest to
-//! the one before it (shells one within the other; all of a scene but one vertex, which is very far away), that is one pair at a
-//! time, and quadratic time. Among few boxes this is bearable, and the way down to few is never longer than
-//! [`LEVELS_OF_CHOICE`] and what halving takes.
+//! Clustering alone makes the better trees, but it joins only boxes that are each other's nearest. Where
+//! every box is nearest to the one before it (shells one within the other; a scene of which one vertex is
+//! very far away), it joins one pair at a time, which takes quadratic time. Among few boxes this is bearable,
+//! and the way down to few is never longer than [`LEVELS_OF_CHOICE`] and what halving takes.
 
 use glam::Vec3;
 use obvhs::aabb::Aabb as Bounds;
@@ -199,7 +200,8 @@ impl Divider<'_> {
         })
     }
 
-    /// Parts the boxes where that costs least, and returns how many are in the first part; `None` if all centres are alike.
+    /// Parts the boxes where that costs least, and returns how many are in the first part; `None` if all
+    /// centres are alike.
     fn cheapest(&self, part: &mut [u32]) -> Option<usize> {
         let [low, high] = self.spread(part);
         let slices = |axis: usize| Slices {
@@ -258,14 +260,7 @@ impl Divider<'_> {
             first_primitive,
             level,
         } = below;
-        let all = self.bounds(part);
-        let centre = (all.min + all.max) * 0.5;
-        let scale = inverse_power(Vec3::from(all.diagonal()).max_element());
-        let scaled: Vec<Bounds> = part
-            .iter()
-            .map(|&i| &self.boxes[i as usize])
-            .map(|b| Bounds::new((b.min - centre) * scale, (b.max - centre) * scale))
-            .collect();
+        let scaled = self.scaled(part);
         let found = clusters.build(
             PlocSearchDistance::Medium,
             &scaled,
@@ -296,6 +291,17 @@ impl Divider<'_> {
             *place = part[i as usize];
         }
         (root, level + found.max_depth)
+    }
+
+    /// The boxes of a part, around the origin and of a size whose products `f32` can hold.
+    fn scaled(&self, part: &[u32]) -> Vec<Bounds> {
+        let all = self.bounds(part);
+        let centre = (all.min + all.max) * 0.5;
+        let scale = inverse_power(Vec3::from(all.diagonal()).max_element());
+        part.iter()
+            .map(|&i| &self.boxes[i as usize])
+            .map(|b| Bounds::new((b.min - centre) * scale, (b.max - centre) * scale))
+            .collect()
     }
 }
 

@@ -49,8 +49,8 @@ impl Prepared {
             1.0 / away(d.y, floor),
             1.0 / away(d.z, floor),
         );
-        // The winding is kept: cyclic order, and the sign of the last axis goes into the shear. Chosen without branches,
-        // which would be mispredicted; the minima tell the compiler the range.
+        // The winding is kept: cyclic order, and the sign of the last axis goes into the shear. Chosen
+        // without branches, which would be mispredicted; the minima tell the compiler the range.
         let last = usize::from(size.y > size.x);
         let last = if size.z > size.x.max(size.y) { 2 } else { last };
         let first = if last == 2 { 0 } else { last + 1 }.min(2);

@@ -65,8 +65,8 @@ impl Places {
     }
 }
 
-/// Walks with `K`; whether the goal asked to stop. `PLACED` is whether the tree is an instance's: two functions, so that
-/// the common one knows nothing of instances.
+/// Walks with `K`; whether the goal asked to stop. `PLACED` is whether the tree is an instance's: two
+/// functions, so that the common one knows nothing of instances.
 #[inline(always)]
 pub(crate) fn walk_with<K: Kernel, G: Goal, const PLACED: bool>(
     level: &Level<'_>,

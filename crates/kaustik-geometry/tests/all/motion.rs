@@ -106,26 +106,42 @@ fn both_walks_agree_on_what_moves() {
     }
 }
 
-/// What is flat for an instant is not met then; motions of nothing, doubled or beyond the finite numbers are refused.
-#[test]
-fn flat_instants_and_refusals() {
+/// A mesh of one triangle, and an instance of it.
+fn triangle() -> (Vec<Arc<Mesh>>, Instance) {
     let mesh = Mesh::new(vec![Vec3::ZERO, Vec3::X, Vec3::Y], vec![[0, 1, 2]]).unwrap();
-    let meshes = vec![Arc::new(mesh)];
     let instance = Instance {
         mesh: 0,
         transform: Affine3A::IDENTITY,
     };
-    let scale = |x: f32| Affine3A::from_scale(Vec3::splat(x));
-    let motion = |a, b| Motion::new(vec![(0.0, a), (1.0, b)]).unwrap();
-    let through = motion(scale(-1.0), scale(1.0));
-    let build = |motions| World::moving(meshes.clone(), vec![instance], motions);
-    let world = build(vec![(0, through.clone())]).unwrap();
+    (vec![Arc::new(mesh)], instance)
+}
+
+fn scale(x: f32) -> Affine3A {
+    Affine3A::from_scale(Vec3::splat(x))
+}
+
+fn between(a: Affine3A, b: Affine3A) -> Motion {
+    Motion::new(vec![(0.0, a), (1.0, b)]).unwrap()
+}
+
+#[test]
+fn what_is_flat_for_an_instant_is_not_met_then() {
+    let (meshes, instance) = triangle();
+    let through = between(scale(-1.0), scale(1.0));
+    let world = World::moving(meshes, vec![instance], vec![(0, through)]).unwrap();
     let ray = Ray::new(Vec3::new(0.2, 0.2, 1.0), -Vec3::Z);
     let back = Ray::new(Vec3::new(-0.2, -0.2, 1.0), -Vec3::Z);
     let met = |time, ray| world.at(time).intersect(ray).is_some();
     assert!(met(1.0, &ray) && met(0.0, &back) && !met(0.5, &ray) && !met(0.5, &back));
     assert!(!met(0.0, &ray) && !met(1.0, &back));
     assert!(world.at(0.5).triangle_area(0, 0) == 0.0);
+}
+
+#[test]
+fn motions_of_nothing_doubled_or_beyond_the_finite_numbers_are_refused() {
+    let (meshes, instance) = triangle();
+    let build = |motions| World::moving(meshes.clone(), vec![instance], motions);
+    let through = between(scale(-1.0), scale(1.0));
     for motions in [
         vec![(1, through.clone())],
         vec![(0, through.clone()), (0, through)],
@@ -133,10 +149,10 @@ fn flat_instants_and_refusals() {
         assert!(matches!(build(motions), Err(WorldError::Motion { .. })));
     }
     let far = Affine3A::from_translation(Vec3::splat(3e38));
-    let wide = motion(scale(3e38), far);
+    let wide = between(scale(3e38), far);
     assert!(build(vec![(0, wide)]).is_ok());
     let mut beyond = scale(3e38);
     beyond.translation = Vec3::splat(3e38).into();
-    let result = build(vec![(0, motion(scale(1.0), beyond))]);
+    let result = build(vec![(0, between(scale(1.0), beyond))]);
     assert!(matches!(result, Err(WorldError::NonFinite { instance: 0 })));
 }

@@ -1,18 +1,19 @@
 //! Joining a vertex of the eye to an emitter, and to a vertex of the light.
 
+use glam::DVec3;
 use kaustik_bsdf::{Lobe, Mode, shading};
 use kaustik_geometry::Ray;
-use kaustik_pss::{Coordinates, Stream};
+use kaustik_pss::Coordinates;
 use kaustik_scene::DirectSample;
 
 use super::Job;
 use super::vertex::PathVertex;
-use super::weights::DirectEnd;
+use super::weights::{DirectEnd, Weighted};
 use super::witness::{Joint, Seen, Witness};
+use crate::Class;
 use crate::contributions::Gathered;
-use crate::next_event::end;
+use crate::next_event::{end, find_emitter};
 use crate::shadow::Shadow;
-use crate::{Class, layout};
 
 /// s = 1: joins the last vertex to a fresh point of an emitter.
 pub(super) fn next_event(
@@ -27,33 +28,16 @@ pub(super) fn next_event(
     if z.edges + 1 < job.builder.settings.min_edges {
         return;
     }
-    let first = layout::connection(z.edges);
     let mut sample = DirectSample::nothing();
-    let ask = |i: u32| u.get(Stream::Connection, first + i);
-    if !scene.write_direct(z.vertex.position, job.wavelengths, ask, &mut sample) {
+    if !find_emitter(scene, job.wavelengths, &z.vertex, z.edges, u, &mut sample) {
         return;
     }
     let wi = z.vertex.frame.to_local(sample.wi);
-    if !shading::sides_agree(z.wo, wi, z.ng) {
+    // To the emitter; `None` at infinity.
+    let distance = end(&sample).map(|end| (end - z.vertex.position).length());
+    let Some(Weighted { weight, mut value }) = weigh_direct(job, z, wi, &sample, distance) else {
         return;
-    }
-    let f = z.bsdf.eval(z.wo, wi, Mode::Radiance);
-    let mut value = z.throughput * f * sample.radiance;
-    if value.is_zero() {
-        return;
-    }
-    let distance = distance(z, &sample);
-    let direct = DirectEnd {
-        pdf: (!sample.delta).then_some(sample.pdf),
-        emission_pdf: sample.emission_pdf,
-        squared: distance.map_or(1.0, |distance| distance * distance),
     };
-    let weight = job.weights().direct(z, wi, &direct);
-    let stops = z.onward.stop * job.builder.form.at_emitter().stop;
-    value *= (wi.z.abs() * weight / (sample.pdf * stops)) as f32;
-    if value.is_zero() {
-        return;
-    }
     witness.see(&Seen {
         s: 1,
         t: z.edges + 1,
@@ -76,9 +60,31 @@ pub(super) fn next_event(
     gathered.add(Class::L2, value, dispersive);
 }
 
-/// To the emitter; `None` at infinity.
-fn distance(z: &PathVertex, sample: &DirectSample) -> Option<f64> {
-    end(sample).map(|end| (end - z.vertex.position).length())
+/// What comes from a point of an emitter, which `z` sees in local direction `wi`; `None` if that is nothing.
+#[inline]
+fn weigh_direct(
+    job: &Job<'_>,
+    z: &PathVertex,
+    wi: DVec3,
+    sample: &DirectSample,
+    distance: Option<f64>,
+) -> Option<Weighted> {
+    if !shading::sides_agree(z.wo, wi, z.ng) {
+        return None;
+    }
+    let f = z.bsdf.eval(z.wo, wi, Mode::Radiance);
+    let value = z.throughput * f * sample.radiance;
+    if value.is_zero() {
+        return None;
+    }
+    let direct = DirectEnd {
+        pdf: (!sample.delta).then_some(sample.pdf),
+        emission_pdf: sample.emission_pdf,
+        squared: distance.map_or(1.0, |distance| distance * distance),
+    };
+    let weight = job.weights().direct(z, wi, &direct);
+    let stops = z.onward.stop * job.builder.form.at_emitter().stop;
+    Weighted::new(value, wi.z.abs() * weight / (sample.pdf * stops), weight)
 }
 
 /// s >= 2, t >= 2: joins the last vertices of both subpaths.
@@ -96,36 +102,12 @@ pub(super) fn join(
     if !y.connectable || edges > settings.max_edges || edges < settings.min_edges {
         return;
     }
-    let along = y.vertex.position - z.vertex.position;
-    let squared = along.length_squared();
-    if squared == 0.0 {
+    let Some(edge) = Edge::between(y, z) else {
         return;
-    }
-    let distance = squared.sqrt();
-    let direction = along / distance;
-    // z's direction to y, and y's to z
-    let wi = z.vertex.frame.to_local(direction);
-    if !shading::sides_agree(z.wo, wi, z.ng) {
+    };
+    let Some(Weighted { weight, mut value }) = weigh_joined(job, y, z, &edge) else {
         return;
-    }
-    let wy = y.vertex.frame.to_local(-direction);
-    let factor = shading::connection_factor(wy, y.wo, y.ng);
-    if factor == 0.0 {
-        return;
-    }
-    let f = z.bsdf.eval(z.wo, wi, Mode::Radiance);
-    let g = y.bsdf.eval(y.wo, wy, Mode::Importance);
-    let mut value = (z.throughput * f) * (y.throughput * g);
-    if value.is_zero() {
-        return;
-    }
-    let weight = job.weights().joined((y, wy), (z, wi), squared);
-    // The light's side carries geometric cosines and `factor`, the eye's the shading cosine.
-    let geometry = factor * wy.dot(y.ng).abs() * wi.z.abs() / squared;
-    value *= (geometry * weight / (y.onward.stop * z.onward.stop)) as f32;
-    if value.is_zero() {
-        return;
-    }
+    };
     witness.see(&Seen {
         s: y.edges + 1,
         t: z.edges + 1,
@@ -137,8 +119,8 @@ pub(super) fn join(
     });
     let shadow = Shadow {
         ray: Ray::between(&z.vertex.surface, &y.vertex.surface),
-        interior: scene.interior_toward(&z.vertex, &z.interior, z.back, direction),
-        distance,
+        interior: scene.interior_toward(&z.vertex, &z.interior, z.back, edge.direction),
+        distance: edge.distance,
     };
     gathered.count_shadow();
     if !shadow.dim(scene, job.wavelengths, &mut value) {
@@ -146,7 +128,69 @@ pub(super) fn join(
     }
     let dispersive = y.dispersive
         || z.dispersive
-        || z.bsdf.dispersive_between(z.wo, wi)
-        || y.bsdf.dispersive_between(y.wo, wy);
+        || z.bsdf.dispersive_between(z.wo, edge.wi)
+        || y.bsdf.dispersive_between(y.wo, edge.wy);
     gathered.add(Class::L5, value, dispersive);
+}
+
+/// The edge that joins a vertex `y` of the light and a vertex `z` of the eye.
+struct Edge {
+    /// From `z` to `y`, unit.
+    direction: DVec3,
+    /// The same in the local frame of `z`.
+    wi: DVec3,
+    /// From `y` to `z` in the local frame of `y`.
+    wy: DVec3,
+    distance: f64,
+    /// Square of the distance.
+    squared: f64,
+    /// [`shading::connection_factor`] at `y`.
+    factor: f64,
+}
+
+impl Edge {
+    /// `None` if the surfaces' sides let nothing pass along it.
+    #[inline]
+    fn between(y: &PathVertex, z: &PathVertex) -> Option<Self> {
+        let along = y.vertex.position - z.vertex.position;
+        let squared = along.length_squared();
+        if squared == 0.0 {
+            return None;
+        }
+        let distance = squared.sqrt();
+        let direction = along / distance;
+        let wi = z.vertex.frame.to_local(direction);
+        if !shading::sides_agree(z.wo, wi, z.ng) {
+            return None;
+        }
+        let wy = y.vertex.frame.to_local(-direction);
+        let factor = shading::connection_factor(wy, y.wo, y.ng);
+        (factor != 0.0).then_some(Self {
+            direction,
+            wi,
+            wy,
+            distance,
+            squared,
+            factor,
+        })
+    }
+}
+
+/// What the edge from `y` to `z` carries; `None` if that is nothing.
+#[inline]
+fn weigh_joined(job: &Job<'_>, y: &PathVertex, z: &PathVertex, edge: &Edge) -> Option<Weighted> {
+    let &Edge {
+        wi, wy, squared, ..
+    } = edge;
+    let f = z.bsdf.eval(z.wo, wi, Mode::Radiance);
+    let g = y.bsdf.eval(y.wo, wy, Mode::Importance);
+    let value = (z.throughput * f) * (y.throughput * g);
+    if value.is_zero() {
+        return None;
+    }
+    let weight = job.weights().joined((y, wy), (z, wi), squared);
+    // The light's side carries geometric cosines and the factor, the eye's the shading cosine.
+    let geometry = edge.factor * wy.dot(y.ng).abs() * wi.z.abs() / squared;
+    let stops = y.onward.stop * z.onward.stop;
+    Weighted::new(value, geometry * weight / stops, weight)
 }

@@ -1,19 +1,21 @@
 //! The subpath from the light, and what it brings to the lens.
 
+use glam::DVec3;
 use kaustik_bsdf::{Lobe, Mode, shading};
 use kaustik_geometry::Ray;
 use kaustik_pss::{Coordinates, Stream};
-use kaustik_scene::camera::LensHit;
+use kaustik_scene::camera::{LensHit, LensSample};
 use kaustik_scene::{EmissionSample, Interior};
 use kaustik_spectrum::Spectrum;
 
 use super::subpath_walk::SubpathWalk;
-use super::weights::LensEnd;
+use super::vertex::PathVertex;
+use super::weights::{LensEnd, Weighted};
 use super::witness::{Joint, Seen, Witness};
 use super::workspace::Subpath;
 use super::{Form, Job};
 use crate::contributions::colour;
-use crate::light::lens_coordinates;
+use crate::light::find_lens;
 use crate::shadow::Shadow;
 use crate::walk::Walk;
 use crate::{Class, Contributions};
@@ -53,28 +55,11 @@ fn follow(
     out: &mut Contributions,
     witness: &mut impl Witness,
 ) -> bool {
-    let most = job.builder.settings.max_edges;
     let aperture = job.scene.camera().has_aperture();
     while !going.walk.throughput.is_zero() {
-        // A path needs one more edge to be joined, and none to run into the lens.
-        let joinable = going.walk.edges + 2 <= most;
-        let lens = (aperture && going.walk.edges >= 1 && going.walk.edges < most)
-            .then(|| job.lens_ahead(&going.walk))
-            .flatten();
-        if !joinable && lens.is_none() {
-            return false;
-        }
-        let carried = Carried::by(&going.walk);
-        let distance = going.advance(job, u, path);
-        if let Some(hit) = lens.filter(|hit| distance.is_none_or(|d| hit.distance < d)) {
-            meet_lens(job, going, &carried, &hit, path, out, witness);
-        }
-        let Some(distance) = distance else {
+        let Some(distance) = take_edge(job, going, u, path, out, witness) else {
             return false;
         };
-        if !joinable {
-            return false;
-        }
         if going.walk.edges == 1 {
             going.walk.throughput *= job.scene.fading(emission, distance);
         }
@@ -91,12 +76,45 @@ fn follow(
             }
             going.walk.throughput /= onward as f32;
         }
-        let ends = !aperture && going.walk.edges + 2 > most;
+        let ends = !aperture && !next_is_joined(job, &going.walk);
         if ends || !going.depart(job, u, path) {
             return false;
         }
     }
     false
+}
+
+/// Takes the next edge, and if it runs into the lens, tells what it brings there. Returns its length; `None`
+/// if it leads to no vertex that a path can be joined at.
+fn take_edge(
+    job: &Job<'_>,
+    going: &mut SubpathWalk<'_>,
+    u: &mut dyn Coordinates,
+    path: &mut Subpath,
+    out: &mut Contributions,
+    witness: &mut impl Witness,
+) -> Option<f64> {
+    let edges = going.walk.edges;
+    let joined = next_is_joined(job, &going.walk);
+    let aperture = job.scene.camera().has_aperture();
+    let lens = (aperture && edges >= 1 && edges < job.builder.settings.max_edges)
+        .then(|| job.lens_ahead(&going.walk))
+        .flatten();
+    if !joined && lens.is_none() {
+        return None;
+    }
+    let carried = Carried::by(&going.walk);
+    let distance = going.advance(job, u, path);
+    if let Some(hit) = lens.filter(|hit| distance.is_none_or(|d| hit.distance < d)) {
+        meet_lens(job, going, &carried, &hit, path, out, witness);
+    }
+    distance.filter(|_| joined)
+}
+
+/// May the vertex that the next edge leads to be joined? That takes one edge more; to run into the lens takes none.
+#[inline]
+fn next_is_joined(job: &Job<'_>, walk: &Walk<'_>) -> bool {
+    walk.edges + 2 <= job.builder.settings.max_edges
 }
 
 /// What an edge toward the lens carries, whatever lies behind the lens.
@@ -167,37 +185,14 @@ pub(super) fn join_lens(
         return;
     }
     let scene = job.scene;
-    let camera = scene.camera();
-    let lens = lens_coordinates(scene, y.edges, u);
-    let Some(lens) = camera.sample_lens(y.vertex.position, lens) else {
+    let settings = &job.builder.settings;
+    let Some(lens) = find_lens(settings, scene, y.vertex.position, y.edges, u) else {
         return;
     };
-    if !job.builder.settings.serves(lens.raster) {
-        return;
-    }
     let wi = y.vertex.frame.to_local(lens.direction);
-    let factor = shading::connection_factor(wi, y.wo, y.ng);
-    if factor == 0.0 {
+    let Some(Weighted { weight, mut value }) = weigh_lens(job, y, wi, &lens) else {
         return;
-    }
-    let mut value = y.throughput * y.bsdf.eval(y.wo, wi, Mode::Importance);
-    if value.is_zero() {
-        return;
-    }
-    let raster = lens.importance * job.raster_pdf;
-    let end = LensEnd {
-        raster,
-        squared: lens.distance * lens.distance,
-        cos: lens.cos,
-        pdf: camera.has_aperture().then_some(lens.pdf),
     };
-    let weight = job.weights().lens_joined(y, wi, &end);
-    let stops = y.onward.stop * job.builder.form.at_lens().stop;
-    let geometry = factor * wi.dot(y.ng).abs() * raster;
-    value *= (geometry * weight / stops) as f32;
-    if value.is_zero() {
-        return;
-    }
     witness.see(&Seen {
         s: y.edges + 1,
         t: 1,
@@ -219,6 +214,30 @@ pub(super) fn join_lens(
     let dispersive = y.dispersive || y.bsdf.dispersive_between(y.wo, wi);
     let xyz = colour(value, dispersive, job.wavelengths);
     out.push(lens.raster, xyz, Class::L4);
+}
+
+/// What a point of the lens, which `y` sees in local direction `wi`, gets; `None` if that is nothing.
+#[inline]
+fn weigh_lens(job: &Job<'_>, y: &PathVertex, wi: DVec3, lens: &LensSample) -> Option<Weighted> {
+    let factor = shading::connection_factor(wi, y.wo, y.ng);
+    if factor == 0.0 {
+        return None;
+    }
+    let value = y.throughput * y.bsdf.eval(y.wo, wi, Mode::Importance);
+    if value.is_zero() {
+        return None;
+    }
+    let raster = lens.importance * job.raster_pdf;
+    let end = LensEnd {
+        raster,
+        squared: lens.distance * lens.distance,
+        cos: lens.cos,
+        pdf: job.scene.camera().has_aperture().then_some(lens.pdf),
+    };
+    let weight = job.weights().lens_joined(y, wi, &end);
+    let stops = y.onward.stop * job.builder.form.at_lens().stop;
+    let geometry = factor * wi.dot(y.ng).abs() * raster;
+    Weighted::new(value, geometry * weight / stops, weight)
 }
 
 impl Job<'_> {

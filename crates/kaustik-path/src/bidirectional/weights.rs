@@ -8,6 +8,7 @@
 use glam::DVec3;
 use kaustik_bsdf::{Lobe, Mode};
 use kaustik_scene::EmissionPdf;
+use kaustik_spectrum::Spectrum;
 
 use super::running::Running;
 use super::vertex::PathVertex;
@@ -18,6 +19,22 @@ use super::{Form, Heuristic};
 pub(super) struct Weights {
     pub(super) form: Form,
     pub(super) heuristic: Heuristic,
+}
+
+/// A path's value, its weight included, before anything is known of what stands in its way.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Weighted {
+    pub(super) weight: f64,
+    pub(super) value: Spectrum,
+}
+
+impl Weighted {
+    /// `scale` is all that the value is still to be multiplied by, the weight included; `None` if nothing is left.
+    #[inline]
+    pub(super) fn new(value: Spectrum, scale: f64, weight: f64) -> Option<Self> {
+        let value = value * scale as f32;
+        (!value.is_zero()).then_some(Self { weight, value })
+    }
 }
 
 /// A point of an emitter that next event found.

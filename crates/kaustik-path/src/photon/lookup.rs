@@ -107,7 +107,7 @@ impl Lookup {
         cells
     }
 
-    /// Calls `found` with the number of every disc, of those that it was built of, whose ball holds the point, each once.
+    /// Calls `found` once with the number of each disc that it was built of and whose ball holds the point.
     #[inline]
     pub fn holding(&self, discs: &[Disc], point: Vec3, mut found: impl FnMut(u32)) {
         let [min, max] = self.bounds;

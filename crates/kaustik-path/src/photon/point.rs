@@ -41,8 +41,8 @@ pub struct MeasurementPoint {
     manner: Manner,
 }
 
-/// How light leaves toward the eye, and whether the camera walk has refracted where the index depends on the wavelength (the
-/// highest bit).
+/// How light leaves toward the eye, and whether the camera walk has refracted where the index depends on the
+/// wavelength (the highest bit).
 #[derive(Clone, Copy, Debug)]
 struct Manner(u32);
 
@@ -222,8 +222,9 @@ impl MeasurementPoints {
         )
     }
 
-    /// How strongly a photon counts at a point, but for the size of its disc and what the camera walk carries: flux times
-    /// scattering function, a mean over wavelengths. Not finite or negative is a fault, and 0.
+    /// How strongly a photon counts at a point, apart from the size of its disc and what the camera walk
+    /// carries: flux times scattering function, a mean over wavelengths. A number that is negative or not
+    /// finite is a fault, and counts as 0.
     #[inline]
     pub fn response(&self, index: usize, photon: &Photon) -> f64 {
         let (f, _) = self.scattered(&self.points[index], photon);

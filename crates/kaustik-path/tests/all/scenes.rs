@@ -189,8 +189,8 @@ fn overlapping_solids() -> Stage {
         )
 }
 
-/// Two objects of one material overlap, and a plate stands in what they have in common: joined to it across an interface that
-/// is not there.
+/// Two objects of one material overlap, and a plate stands where both are: it is joined to across an
+/// interface that is not there.
 fn objects_of_one_material() -> Stage {
     plate_under_lamp()
         .add(

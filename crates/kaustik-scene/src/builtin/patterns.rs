@@ -1,5 +1,5 @@
-//! Painted pictures for surfaces, and the uneven ground that they lie on: value noise from integers, so that bits are the
-//! same everywhere.
+//! Painted pictures for surfaces, and the uneven ground that they lie on: value noise from integers, so that
+//! bits are the same everywhere.
 
 use std::sync::Arc;
 
@@ -111,8 +111,8 @@ pub(super) fn ground(name: &str, low: [f32; 3], high: [f32; 3]) -> Arc<ImageData
     picture(name, |at| mixed(low, high, rough(at * 16.0, 3)))
 }
 
-/// Gives a mesh texture coordinates, `scale` pictures a unit: along the two axes that each vertex's first triangle faces
-/// least. Vertices that several triangles share should lie in one plane, or nearly so.
+/// Gives a mesh texture coordinates, `scale` pictures a unit: along the two axes that each vertex's first
+/// triangle faces least. Vertices that several triangles share should lie in one plane, or nearly so.
 pub(super) fn draped(mut mesh: Mesh, scale: f32) -> Mesh {
     let mut uv = vec![None; mesh.positions.len()];
     for triangle in &mesh.indices {
@@ -134,8 +134,8 @@ pub(super) fn draped(mut mesh: Mesh, scale: f32) -> Mesh {
     mesh
 }
 
-/// A sheet over the rectangle from `min` to `max` (x, z) with flat facets, front up; u runs along x and z together, v upward,
-/// `scale` pictures a unit.
+/// A sheet over the rectangle from `min` to `max` (x, z) with flat facets, front up; u runs along x and z
+/// together, v upward, `scale` pictures a unit.
 pub(super) fn terrain(
     [min, max]: [Vec2; 2],
     [columns, rows]: [u32; 2],

@@ -211,8 +211,8 @@ pub(super) fn pierced(x: [f32; 2], y: [f32; 2], z: [f32; 2], opening: [[f32; 2];
     ]
 }
 
-/// What an outline (radius, height; from below) sweeps around the vertical through `centre`: smooth, its front to the right
-/// of the way that the outline takes; ends of radius 0 are closed.
+/// What an outline (radius, height; from below) sweeps around the vertical through `centre`: smooth, its
+/// front to the right of the way that the outline takes; ends of radius 0 are closed.
 pub(super) fn revolved(centre: Vec3, outline: &[Vec2], segments: u32) -> Mesh {
     let mut mesh = Mesh::default();
     let last = outline.len() - 1;

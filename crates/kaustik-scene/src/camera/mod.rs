@@ -221,9 +221,9 @@ impl Camera {
         (self.pose).point_to_world(from.pose.point_to_local(lens_point))
     }
 
-    /// A point of the lens (world) moved within its plane, along the camera's own axes, by a share of the opening's radius (that
-    /// of the corners, if it has any); `None` if it is no point of the lens any more. A camera without an aperture has one
-    /// point.
+    /// A point of the lens (world) moved within its plane, along the camera's own axes, by a share of the
+    /// opening's radius (that of the corners, if it has any); `None` if that is no point of the lens any
+    /// more. A camera without an aperture has one point.
     #[must_use]
     pub fn moved_on_lens(&self, lens_point: DVec3, by: DVec2) -> Option<DVec3> {
         let Optics::Perspective(optics) = &self.optics else {

@@ -26,6 +26,45 @@ struct ThinLens {
     focus: f64,
 }
 
+/// Is every number of the lens of this camera within its range?
+fn check(camera: &str, lens: &Lens) -> Result<(), CameraError> {
+    let &Lens {
+        aperture,
+        focus,
+        blades,
+    } = lens;
+    let positive = |value: f32| value > 0.0 && value.is_finite();
+    let ok = positive(aperture);
+    expect(ok, camera, "aperture", aperture, "a positive radius")?;
+    let ok = positive(focus);
+    expect(ok, camera, "focus", focus, "a positive distance")?;
+    if let Some(Blades { count, rotation }) = blades {
+        let ok = (3..=64).contains(&count);
+        expect(ok, camera, "blades", count as f32, "3 to 64")?;
+        let ok = rotation.is_finite();
+        expect(ok, camera, "rotation", rotation, "an angle in radians")?;
+    }
+    Ok(())
+}
+
+fn expect(
+    ok: bool,
+    camera: &str,
+    what: &'static str,
+    value: f32,
+    expected: &'static str,
+) -> Result<(), CameraError> {
+    match ok {
+        true => Ok(()),
+        false => Err(CameraError::OutOfRange {
+            name: camera.to_owned(),
+            what,
+            value,
+            expected,
+        }),
+    }
+}
+
 impl Perspective {
     pub(super) fn new(
         name: &str,
@@ -33,38 +72,11 @@ impl Perspective {
         aspect: f64,
         lens: Option<Lens>,
     ) -> Result<Self, CameraError> {
-        let check = |ok: bool, what, value, expected| match ok {
-            true => Ok(()),
-            false => Err(CameraError::OutOfRange {
-                name: name.to_owned(),
-                what,
-                value,
-                expected,
-            }),
-        };
         let y = libm::tan(0.5 * f64::from(yfov));
         let ok = yfov > 0.0 && f64::from(yfov) < PI && y.is_finite();
-        check(ok, "yfov", yfov, "an angle between 0 and pi")?;
-        if let Some(Lens {
-            aperture,
-            focus,
-            blades,
-        }) = lens
-        {
-            let positive = |value: f32| value > 0.0 && value.is_finite();
-            check(
-                positive(aperture),
-                "aperture",
-                aperture,
-                "a positive radius",
-            )?;
-            check(positive(focus), "focus", focus, "a positive distance")?;
-            if let Some(Blades { count, rotation }) = blades {
-                let ok = (3..=64).contains(&count);
-                check(ok, "blades", count as f32, "3 to 64")?;
-                let ok = rotation.is_finite();
-                check(ok, "rotation", rotation, "an angle in radians")?;
-            }
+        expect(ok, name, "yfov", yfov, "an angle between 0 and pi")?;
+        if let Some(lens) = &lens {
+            check(name, lens)?;
         }
         Ok(Self {
             half: DVec2::new(y * aspect, y),

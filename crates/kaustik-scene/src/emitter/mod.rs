@@ -38,16 +38,16 @@ pub use sample::{AreaSample, DirectSample, EmissionSample, Reach};
 /// Marks an instance that emits nothing.
 const DARK: u32 = u32::MAX;
 
-/// Emissive triangles that a scene may have, each instance's counted: a list of them takes some 3 GB, and files of a kilobyte
-/// can ask for any number.
+/// Emissive triangles that a scene may have, each instance's counted: a list of them takes some 3 GB, and
+/// files of a kilobyte can ask for any number.
 const MOST_TRIANGLES: u64 = 1 << 24;
 
 /// Share of the mean power that the dimmest emissive triangle is chosen with at least: a texture
 /// may be bright where the power estimate did not look.
 const POWER_FLOOR: f64 = 1e-3;
 
-/// Share of the photons that other emitters than the environment have at least, and the environment beside them: what is
-/// near in a room may have little power beside the sky, and be all that is seen.
+/// Share of the photons that emitters other than the environment have at least, and the environment beside
+/// them: what is near in a room may have little power beside the sky, and yet be all that is seen.
 const PHOTON_FLOOR: f64 = 0.05;
 
 #[derive(Clone, Copy, Debug)]

@@ -71,53 +71,60 @@ fn channels<'a>(
 ) -> Result<()> {
     let samplers = animation.list("samplers")?;
     for channel in animation.list("channels")? {
-        let target = channel.need("target")?;
-        let path = target.need("path")?;
-        let index = channel.need("sampler")?;
-        let sampler = &samplers[index.index("the animation's samplers", samplers.len())?];
-        let Some(node) = target.get("node")? else {
-            reader.warn(&target, "ignored: it names no node");
-            continue;
-        };
-        let node = node.index("/nodes", reader.root.count("nodes")?)?;
-        let doubled = match path.string()? {
-            "translation" => {
-                let channel = read(reader, sampler, &vertices::VECTOR)?;
-                let track = &mut tracks.entry(node).or_default().translation;
-                !set(track, channel)
-            }
-            "rotation" => {
-                let channel = read(reader, sampler, &vertices::ROTATION)?;
-                let track = &mut tracks.entry(node).or_default().rotation;
-                !set(track, channel)
-            }
-            "scale" => {
-                let channel = read(reader, sampler, &vertices::VECTOR)?;
-                let track = &mut tracks.entry(node).or_default().scale;
-                !set(track, channel)
-            }
-            "weights" => {
-                reader.warn(
-                    &path,
-                    "morph targets are not animated; the mesh keeps its shape",
-                );
-                false
-            }
-            "pointer" => {
-                reader.warn(
-                    &path,
-                    "ignored: only translation, rotation and scale of nodes move",
-                );
-                false
-            }
-            _ => return Err(path.mismatch("translation, rotation, scale or weights")),
-        };
-        if doubled {
-            reader.warn(
-                &channel,
-                "ignored: an earlier channel moves the same part of the node",
-            );
+        read_channel(reader, &channel, &samplers, tracks)?;
+    }
+    Ok(())
+}
+
+fn read_channel<'a>(
+    reader: &mut Reader<'a>,
+    channel: &Cursor<'a>,
+    samplers: &[Cursor<'a>],
+    tracks: &mut HashMap<usize, Tracks>,
+) -> Result<()> {
+    let target = channel.need("target")?;
+    let path = target.need("path")?;
+    let index = channel.need("sampler")?;
+    let sampler = &samplers[index.index("the animation's samplers", samplers.len())?];
+    let Some(node) = target.get("node")? else {
+        reader.warn(&target, "ignored: it names no node");
+        return Ok(());
+    };
+    let node = node.index("/nodes", reader.root.count("nodes")?)?;
+    let free = match path.string()? {
+        "translation" => {
+            let read = read(reader, sampler, &vertices::VECTOR)?;
+            set(&mut tracks.entry(node).or_default().translation, read)
         }
+        "rotation" => {
+            let read = read(reader, sampler, &vertices::ROTATION)?;
+            set(&mut tracks.entry(node).or_default().rotation, read)
+        }
+        "scale" => {
+            let read = read(reader, sampler, &vertices::VECTOR)?;
+            set(&mut tracks.entry(node).or_default().scale, read)
+        }
+        "weights" => {
+            reader.warn(
+                &path,
+                "morph targets are not animated; the mesh keeps its shape",
+            );
+            true
+        }
+        "pointer" => {
+            reader.warn(
+                &path,
+                "ignored: only translation, rotation and scale of nodes move",
+            );
+            true
+        }
+        _ => return Err(path.mismatch("translation, rotation, scale or weights")),
+    };
+    if !free {
+        reader.warn(
+            channel,
+            "ignored: an earlier channel moves the same part of the node",
+        );
     }
     Ok(())
 }
@@ -198,14 +205,12 @@ fn rig<'a>(
     let each = size_of::<Carrier>() + size_of::<usize>();
     reader.budget.take_many("/nodes", nodes.len(), each)?;
     let mut rig = Rig::default();
+    // For each joint, how many joints are above it.
     let mut above: Vec<usize> = Vec::new();
     for placed in nodes {
-        let parent = placed.parent;
-        let carrier = parent.and_then(|parent| rig.carriers[parent]);
-        let Some(tracks) = tracks
-            .remove(&placed.index)
-            .filter(|_| moves(reader, placed))
-        else {
+        let carrier = placed.parent.and_then(|parent| rig.carriers[parent]);
+        let tracks = tracks.remove(&placed.index);
+        let Some(tracks) = tracks.filter(|_| moves(reader, placed)) else {
             let carried = match carrier {
                 Some((joint, offset)) => {
                     Some((joint, offset * transform::local(reader, &placed.node)?))
@@ -222,25 +227,35 @@ fn rig<'a>(
             return Err(placed.node.error(ErrorKind::Hierarchy, found, expected));
         }
         above.push(depth);
-        let still = || parent.map_or(DAffine3::IDENTITY, |parent| nodes[parent].world);
-        let name = placed.node.text("name")?;
-        reader.budget.take(
-            &placed.node.pointer(),
-            (size_of::<Joint>() + name.len()) as u64,
-        )?;
-        rig.joints.push(Joint {
-            name: name.to_owned(),
-            parent: carrier.map(|(joint, _)| joint),
-            to_parent: carrier.map_or_else(still, |(_, offset)| offset),
-            rest: transform::rest(&placed.node)?,
-            translation: tracks.translation,
-            rotation: tracks.rotation,
-            scale: tracks.scale,
-        });
+        rig.joints
+            .push(joint(reader, nodes, placed, carrier, tracks)?);
         rig.carriers
             .push(Some((rig.joints.len() - 1, DAffine3::IDENTITY)));
     }
     Ok(rig)
+}
+
+/// The joint of a node that moves by itself, and that `carrier` moves besides.
+fn joint<'a>(
+    reader: &mut Reader<'a>,
+    nodes: &[Placed<'a>],
+    placed: &Placed<'a>,
+    carrier: Carrier,
+    tracks: Tracks,
+) -> Result<Joint> {
+    let above = || (placed.parent).map_or(DAffine3::IDENTITY, |parent| nodes[parent].world);
+    let name = placed.node.text("name")?;
+    let size = size_of::<Joint>() + name.len();
+    reader.budget.take(&placed.node.pointer(), size as u64)?;
+    Ok(Joint {
+        name: name.to_owned(),
+        parent: carrier.map(|(joint, _)| joint),
+        to_parent: carrier.map_or_else(above, |(_, offset)| offset),
+        rest: transform::rest(&placed.node)?,
+        translation: tracks.translation,
+        rotation: tracks.rotation,
+        scale: tracks.scale,
+    })
 }
 
 /// May this node be animated?

@@ -19,69 +19,85 @@ pub struct Line {
 /// The text of a `.gltf` file: a node for each line, drawn as LINE_STRIP and unlit, everything embedded. `notes` go
 /// into the `extras` of its asset.
 pub fn lines(lines: &[Line], notes: &Value) -> String {
-    let mut buffer: Vec<u8> = Vec::new();
-    let [
-        mut views,
-        mut accessors,
-        mut meshes,
-        mut nodes,
-        mut materials,
-    ] = [const { Vec::<Value>::new() }; 5];
+    let mut lists = Lists::default();
     for line in lines {
-        let points = line.points.iter().copied().filter(|p| p.is_finite());
-        let points: Vec<Vec3> = points.collect();
-        let Some(first) = points.first().filter(|_| points.len() > 1) else {
-            continue;
-        };
-        let low = points.iter().fold(*first, |low, p| low.min(*p));
-        let high = points.iter().fold(*first, |high, p| high.max(*p));
-        let index = nodes.len();
-        let start = buffer.len();
-        for point in &points {
-            buffer.extend(point.to_array().into_iter().flat_map(f32::to_le_bytes));
-        }
-        views.push(json!({
-            "buffer": 0, "byteOffset": start, "byteLength": buffer.len() - start, "target": 34962,
-        }));
-        accessors.push(json!({
-            "bufferView": index, "componentType": 5126, "count": points.len(), "type": "VEC3",
-            "min": low.to_array(), "max": high.to_array(),
-        }));
-        let [r, g, b] = line.color;
-        materials.push(json!({
-            "pbrMetallicRoughness": { "baseColorFactor": [r, g, b, 1.0], "metallicFactor": 0.0 },
-            "extensions": { "KHR_materials_unlit": {} },
-        }));
-        meshes.push(json!({
-            "name": line.name,
-            "primitives": [{ "attributes": { "POSITION": index }, "mode": 3, "material": index }],
-        }));
-        nodes.push(json!({ "name": line.name, "mesh": index }));
+        lists.add(line);
     }
     let mut file = json!({
         "asset": { "version": "2.0", "generator": "kaustik", "extras": notes },
     });
-    if !nodes.is_empty() {
-        let all: Vec<usize> = (0..nodes.len()).collect();
+    if !lists.nodes.is_empty() {
+        lists.write(&mut file);
+    }
+    format!("{file:#}\n")
+}
+
+/// The lists of a file, one member of each for a line, and the coordinates of all points.
+#[derive(Default)]
+struct Lists {
+    buffer: Vec<u8>,
+    views: Vec<Value>,
+    accessors: Vec<Value>,
+    meshes: Vec<Value>,
+    nodes: Vec<Value>,
+    materials: Vec<Value>,
+}
+
+impl Lists {
+    fn add(&mut self, line: &Line) {
+        let points = line.points.iter().copied().filter(|p| p.is_finite());
+        let points: Vec<Vec3> = points.collect();
+        let Some(first) = points.first().filter(|_| points.len() > 1) else {
+            return;
+        };
+        let low = points.iter().fold(*first, |low, p| low.min(*p));
+        let high = points.iter().fold(*first, |high, p| high.max(*p));
+        let index = self.nodes.len();
+        let start = self.buffer.len();
+        for point in &points {
+            let bytes = point.to_array().into_iter().flat_map(f32::to_le_bytes);
+            self.buffer.extend(bytes);
+        }
+        self.views.push(json!({
+            "buffer": 0, "byteOffset": start, "byteLength": self.buffer.len() - start, "target": 34962,
+        }));
+        self.accessors.push(json!({
+            "bufferView": index, "componentType": 5126, "count": points.len(), "type": "VEC3",
+            "min": low.to_array(), "max": high.to_array(),
+        }));
+        let [r, g, b] = line.color;
+        self.materials.push(json!({
+            "pbrMetallicRoughness": { "baseColorFactor": [r, g, b, 1.0], "metallicFactor": 0.0 },
+            "extensions": { "KHR_materials_unlit": {} },
+        }));
+        self.meshes.push(json!({
+            "name": line.name,
+            "primitives": [{ "attributes": { "POSITION": index }, "mode": 3, "material": index }],
+        }));
+        self.nodes.push(json!({ "name": line.name, "mesh": index }));
+    }
+
+    /// Into a document, whose only scene they become.
+    fn write(self, file: &mut Value) {
+        let all: Vec<usize> = (0..self.nodes.len()).collect();
         file["scene"] = json!(0);
         file["scenes"] = json!([{ "nodes": all }]);
         file["extensionsUsed"] = json!(["KHR_materials_unlit"]);
         let uri = format!(
             "data:application/octet-stream;base64,{}",
-            STANDARD.encode(&buffer)
+            STANDARD.encode(&self.buffer)
         );
-        file["buffers"] = json!([{ "byteLength": buffer.len(), "uri": uri }]);
+        file["buffers"] = json!([{ "byteLength": self.buffer.len(), "uri": uri }]);
         for (name, values) in [
-            ("bufferViews", views),
-            ("accessors", accessors),
-            ("meshes", meshes),
-            ("nodes", nodes),
-            ("materials", materials),
+            ("bufferViews", self.views),
+            ("accessors", self.accessors),
+            ("meshes", self.meshes),
+            ("nodes", self.nodes),
+            ("materials", self.materials),
         ] {
             file[name] = Value::Array(values);
         }
     }
-    format!("{file:#}\n")
 }
 
 #[cfg(test)]

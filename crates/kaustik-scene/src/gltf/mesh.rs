@@ -94,8 +94,8 @@ impl<'a> Plan<'a> {
         Ok(Some(Part { mesh, material }))
     }
 
-    /// Reads all geometries, those over the same vertices one after another: each set of vertices is read once, whatever the
-    /// order of the primitives.
+    /// Reads all geometries, those over the same vertices one after another: each set of vertices is read
+    /// once, whatever the order of the primitives.
     fn read(self, reader: &mut Reader<'a>) -> Result<Vec<Arc<Mesh>>> {
         let mut first = HashMap::new();
         let mut groups: Vec<Vec<usize>> = Vec::new();

@@ -1,6 +1,6 @@
 //! What stands where: nodes become instances, cameras and lights.
 
-use glam::{DAffine3, DVec3};
+use glam::{Affine3A, DAffine3, DVec3};
 
 use super::accessor::Accessor;
 use super::animation::{Carrier, Rig};
@@ -166,34 +166,11 @@ fn instances<'a>(
     let place = node.need("mesh")?;
     let parts = &meshes.parts[place.index("/meshes", meshes.parts.len())?];
     let Held { copies, carrier } = held;
-    let added = copies.len().saturating_mul(parts.len());
-    let most = reader.options.max_instances;
-    if description.instances.len().saturating_add(added) > most {
-        let found = format!("a node with which there are more than {most} instances");
-        let expected = format!("at most {most}");
-        return Err(node.error(ErrorKind::Budget, found, expected));
-    }
-    let moving = if carrier.is_some() {
-        size_of::<Carried>()
-    } else {
-        0
-    };
-    let each = size_of::<InstanceDescription>() + name.len() + moving;
-    reader.budget.take_many(&node.pointer(), added, each)?;
+    charge(reader, node, held, name, parts.len(), description)?;
     for (world, local) in copies {
-        let mut transform = transform::narrow(world, node)?;
-        // What moves may grow from nothing.
-        if transform.matrix3.as_dmat3().determinant() == 0.0 && carrier.is_none() {
-            let Some(flat) = transform::flattened(&transform) else {
-                reader.warn(
-                    node,
-                    "its scale is 0, so that nothing of it is seen; it is left out",
-                );
-                continue;
-            };
-            reader.warn(node, "it is flat: its scale along one axis is 0");
-            transform = flat;
-        }
+        let Some(transform) = standing(reader, node, world, carrier.is_some())? else {
+            continue;
+        };
         let first = description.instances.len();
         for index in first..first + parts.len() {
             let carrier = carrier.map(|(joint, offset)| (joint, offset * *local));
@@ -209,6 +186,53 @@ fn instances<'a>(
             }));
     }
     Ok(())
+}
+
+/// Counts the instances of a node's mesh, of so many primitives, before they are made.
+fn charge<'a>(
+    reader: &mut Reader<'a>,
+    node: &Cursor<'a>,
+    held: &Held,
+    name: &str,
+    parts: usize,
+    description: &Description,
+) -> Result<()> {
+    let added = held.copies.len().saturating_mul(parts);
+    let most = reader.options.max_instances;
+    if description.instances.len().saturating_add(added) > most {
+        let found = format!("a node with which there are more than {most} instances");
+        let expected = format!("at most {most}");
+        return Err(node.error(ErrorKind::Budget, found, expected));
+    }
+    let moving = if held.carrier.is_some() {
+        size_of::<Carried>()
+    } else {
+        0
+    };
+    let each = size_of::<InstanceDescription>() + name.len() + moving;
+    reader.budget.take_many(&node.pointer(), added, each)
+}
+
+/// The transform of an instance; `None` if nothing of it is seen. What moves may grow from nothing.
+fn standing<'a>(
+    reader: &mut Reader<'a>,
+    node: &Cursor<'a>,
+    world: &DAffine3,
+    moves: bool,
+) -> Result<Option<Affine3A>> {
+    let transform = transform::narrow(world, node)?;
+    if moves || transform.matrix3.as_dmat3().determinant() != 0.0 {
+        return Ok(Some(transform));
+    }
+    let flat = transform::flattened(&transform);
+    reader.warn(
+        node,
+        match flat {
+            Some(_) => "it is flat: its scale along one axis is 0",
+            None => "its scale is 0, so that nothing of it is seen; it is left out",
+        },
+    );
+    Ok(flat)
 }
 
 /// The transforms of a node's copies (`EXT_mesh_gpu_instancing`), to the world and to the node: its own one if it has

@@ -14,8 +14,8 @@ type Result<T> = std::result::Result<T, LoadError>;
 
 /// How the first joint of a skin holds the mesh.
 ///
-/// Skins are not bent here. Where all joints rest as they were bound, each vertex goes where the first joint takes it; glTF
-/// has the transform of the mesh's own node ignored.
+/// Skins are not bent here. Where all joints rest as they were bound, each vertex goes where the first joint
+/// takes it; by glTF's rules the transform of the mesh's own node is ignored.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Skin {
     /// Position of the joint in the list of placed nodes.

@@ -64,11 +64,13 @@ fn matrix(reader: &mut Reader<'_>, place: &Cursor<'_>) -> Result<DAffine3, LoadE
 /// Thickness of what is flattened along one axis, in units of its size along the others.
 const THIN: f64 = 1e-4;
 
-/// A transform that flattens along one axis (glTF allows such scales) with a little left of that axis, so that there is a way
-/// back for rays: what was flat already does not change. `None` where a line or a point is left.
+/// A transform that flattens along one axis (glTF allows such scales), with a little left along that axis, so
+/// that there is a way back for rays: what was flat already does not change. `None` where only a line or a
+/// point is left.
 pub(super) fn flattened(transform: &Affine3A) -> Option<Affine3A> {
     let m = transform.matrix3.as_dmat3();
-    // Of rank 2: the normal of the plane that is left, times the axis that is lost, times the area that the others span.
+    // Of rank 2: the normal of the plane that is left, times the axis that is lost, times the area that the
+    // others span.
     let cofactors = DMat3::from_cols(
         m.y_axis.cross(m.z_axis),
         m.z_axis.cross(m.x_axis),

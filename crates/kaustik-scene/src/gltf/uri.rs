@@ -163,7 +163,7 @@ mod tests {
     }
 
     #[test]
-    fn data_uris() {
+    fn data_uris_are_decoded_or_refused() {
         let bytes = |b: &[u8]| Ok(Uri::Data(b.to_vec()));
         assert_eq!(read("data:;base64,AAEC"), bytes(&[0, 1, 2]));
         assert_eq!(read("data:image/png;base64,AA=="), bytes(&[0]));

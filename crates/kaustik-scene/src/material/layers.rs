@@ -103,8 +103,8 @@ impl Layers {
         layers
     }
 
-    /// Has the varnish of a material other normals than what it covers? Without a normal texture of its own it has those of
-    /// the mesh, whatever lies below.
+    /// Does the varnish of a material have other normals than what it covers? Without a normal texture of its
+    /// own it has those of the mesh, whatever lies below.
     pub(super) fn has_own_normals(description: &MaterialDescription) -> bool {
         let of_base = (description.normal_texture).map(|slot| (slot, description.normal_scale));
         description.clearcoat.is_some_and(|coat| {

@@ -104,18 +104,9 @@ impl Material {
             specular: description.specular.factor,
             specular_texture: slot(description.specular.texture)?,
             specular_scale,
-            older: match &description.specular_glossiness {
-                None => None,
-                Some(older) => Some(Older {
-                    color: ColorSource::reflectance(
-                        older.specular,
-                        slot(older.texture)?,
-                        None,
-                        &description.name,
-                    )?,
-                    glossiness: older.glossiness,
-                }),
-            },
+            older: (description.specular_glossiness)
+                .map(|older| Older::new(&older, slot(older.texture)?, &description.name))
+                .transpose()?,
             specular_color: ColorSource::reflectance(
                 description.specular.color.map(|c| c / specular_scale),
                 slot(description.specular.color_texture)?,

@@ -4,18 +4,32 @@ use kaustik_bsdf::PrincipledParameters;
 use kaustik_geometry::Surface;
 use kaustik_spectrum::{Spectrum, Wavelengths};
 
-use super::color::ColorSource;
+use super::color::{ColorSource, Slot};
+use crate::description::SpecularGlossiness;
+use crate::scene::SceneError;
 use crate::texture::{Coding, Texture};
 
 /// The older model (`KHR_materials_pbrSpecularGlossiness`).
 #[derive(Debug)]
 pub(super) struct Older {
     /// Reflectance at normal incidence; its texture's alpha holds the glossiness.
-    pub(super) color: ColorSource,
-    pub(super) glossiness: f32,
+    color: ColorSource,
+    glossiness: f32,
 }
 
 impl Older {
+    /// With its texture, for the material of this name.
+    pub(super) fn new(
+        description: &SpecularGlossiness,
+        texture: Option<Slot>,
+        material: &str,
+    ) -> Result<Self, SceneError> {
+        Ok(Self {
+            color: ColorSource::reflectance(description.specular, texture, None, material)?,
+            glossiness: description.glossiness,
+        })
+    }
+
     /// The parameters with its numbers: no metal, and an index so high that the colour alone
     /// tells what is reflected at normal incidence.
     pub(super) fn replace(

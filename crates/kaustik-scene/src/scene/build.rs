@@ -63,53 +63,13 @@ impl Scene {
             );
         }
         let (center, radius) = bounding_sphere(&matter.world);
-        let camera = camera_description(
-            description,
-            options,
-            &matter.world.bounds(),
-            (center, radius),
-            &mut notices,
-        )?;
-        if camera.lens.is_some() && matches!(camera.projection, Projection::Orthographic { .. }) {
-            notices.push(
-                "an orthographic camera has no lens: its aperture and focus are ignored".to_owned(),
-            );
-        }
-        // Builders know which part of the raster they serve; the camera accepts all of it.
-        let camera_motion = camera_motion(description, options, &mut motions);
-        let mut camera = camera;
-        if let Some(motion) = &camera_motion {
-            camera.transform = motion.at(0.0);
-        }
-        let camera_motion = camera_motion.filter(|motion| !motion.is_still());
-        let camera = Camera::new(&camera, options.width, options.height)?
-            .with_window(DVec2::NEG_INFINITY, DVec2::INFINITY);
-        let environment = options
-            .environment
-            .as_ref()
-            .or(description.environment.as_ref());
-        let build_environment = |description: &EnvironmentDescription| {
-            Environment::new(description).map_err(|e| SceneError::Environment(e.to_string()))
-        };
-        let emits = !description.lights.is_empty()
-            || matter
-                .material_of
-                .iter()
-                .any(|&m| matter.material(m).is_emissive());
-        let environment = match environment {
-            Some(environment) => Some(build_environment(environment)?),
-            None if emits => None,
-            None => {
-                notices.push(
-                    "the scene has no light: a constant environment of radiance 1 is used \
-                     (choose another with --environment)"
-                        .to_owned(),
-                );
-                Some(build_environment(&EnvironmentDescription::Constant(
-                    [1.0; 3],
-                ))?)
-            }
-        };
+        let sphere = (center, radius);
+        let bounds = matter.world.bounds();
+        let camera = camera_description(description, options, &bounds, sphere, &mut notices)?;
+        let motion = camera_motion(description, options, &mut motions);
+        let camera = ready_camera(camera, motion.as_deref(), options, &mut notices)?;
+        let camera_motion = motion.filter(|motion| !motion.is_still());
+        let environment = environment(description, options, &matter, &mut notices)?;
         let lights = description.lights.iter().map(Punctual::new);
         let mut punctual: Vec<Punctual> = lights.collect();
         for (index, motion) in motions.lights {
@@ -142,6 +102,58 @@ impl Scene {
             content: content(description, options),
         })
     }
+}
+
+/// The camera, where its motion has it at first. Builders know which part of the raster they serve; the camera accepts
+/// all of it.
+fn ready_camera(
+    mut camera: CameraDescription,
+    motion: Option<&Motion>,
+    options: &SceneOptions,
+    notices: &mut Vec<String>,
+) -> Result<Camera, SceneError> {
+    if camera.lens.is_some() && matches!(camera.projection, Projection::Orthographic { .. }) {
+        notices.push(
+            "an orthographic camera has no lens: its aperture and focus are ignored".to_owned(),
+        );
+    }
+    if let Some(motion) = motion {
+        camera.transform = motion.at(0.0);
+    }
+    let camera = Camera::new(&camera, options.width, options.height)?;
+    Ok(camera.with_window(DVec2::NEG_INFINITY, DVec2::INFINITY))
+}
+
+/// The environment that is chosen, or else the scene's; where nothing gives light, one of radiance 1.
+fn environment(
+    description: &Description,
+    options: &SceneOptions,
+    matter: &Matter,
+    notices: &mut Vec<String>,
+) -> Result<Option<Environment>, SceneError> {
+    let usual = EnvironmentDescription::Constant([1.0; 3]);
+    let chosen = options.environment.as_ref();
+    let environment = match chosen.or(description.environment.as_ref()) {
+        Some(environment) => environment,
+        None if emits(description, matter) => return Ok(None),
+        None => {
+            notices.push(
+                "the scene has no light: a constant environment of radiance 1 is used \
+                 (choose another with --environment)"
+                    .to_owned(),
+            );
+            &usual
+        }
+    };
+    Environment::new(environment)
+        .map(Some)
+        .map_err(|e| SceneError::Environment(e.to_string()))
+}
+
+/// Is there a light in the scene, or a surface that emits?
+fn emits(description: &Description, matter: &Matter) -> bool {
+    let mut used = matter.material_of.iter();
+    !description.lights.is_empty() || used.any(|&m| matter.material(m).is_emissive())
 }
 
 /// What moves while the chosen camera's shutter is open.
@@ -189,7 +201,8 @@ fn camera_motion(
     of_chosen.next().map(|(_, motion)| Arc::new(motion.clone()))
 }
 
-/// Where instances stand, and the motions of those that do not. What an animation holds in one place stands still there.
+/// Where instances stand, and the motions of those that do not stand still. What an animation holds in one
+/// place stands still there.
 fn instances(
     description: &Description,
     motions: &mut Motions,
@@ -231,49 +244,9 @@ fn matter(
     options: &SceneOptions,
     motions: &mut Motions,
 ) -> Result<Matter, SceneError> {
-    let textures = description
-        .textures
-        .iter()
-        .enumerate()
-        .map(|(index, texture)| {
-            let image =
-                description
-                    .images
-                    .get(texture.image)
-                    .ok_or_else(|| SceneError::Reference {
-                        what: format!("texture {index}"),
-                        kind: "image",
-                        index: texture.image,
-                        count: description.images.len(),
-                    })?;
-            Ok(Texture::new(texture, Arc::clone(image))?)
-        })
-        .collect::<Result<Vec<_>, SceneError>>()?;
-    let mut materials = description
-        .materials
-        .iter()
-        .map(|material| Material::new(material, &textures, options.compensation))
-        .collect::<Result<Vec<_>, _>>()?;
-    let fallback = materials.len() as u32;
-    materials.push(Material::new(
-        &MaterialDescription::default(),
-        &textures,
-        options.compensation,
-    )?);
-    let material_of = description
-        .instances
-        .iter()
-        .map(|instance| match instance.material {
-            None => Ok(fallback),
-            Some(index) if index < description.materials.len() => Ok(index as u32),
-            Some(index) => Err(SceneError::Reference {
-                what: format!("instance '{}'", instance.name),
-                kind: "material",
-                index,
-                count: description.materials.len(),
-            }),
-        })
-        .collect::<Result<Vec<u32>, _>>()?;
+    let textures = textures(description)?;
+    let materials = materials(description, options, &textures)?;
+    let material_of = material_of(description)?;
     let (instances, moving) = instances(description, motions);
     let used = |test: fn(&Material) -> bool| {
         material_of
@@ -291,6 +264,51 @@ fn matter(
         has_alpha,
         has_solids,
     })
+}
+
+fn textures(description: &Description) -> Result<Vec<Texture>, SceneError> {
+    let textures = description.textures.iter().enumerate();
+    let ready = textures.map(|(index, texture)| {
+        let image = description.images.get(texture.image);
+        let image = image.ok_or_else(|| SceneError::Reference {
+            what: format!("texture {index}"),
+            kind: "image",
+            index: texture.image,
+            count: description.images.len(),
+        })?;
+        Ok(Texture::new(texture, Arc::clone(image))?)
+    });
+    ready.collect()
+}
+
+/// All materials, and after them that of instances without one.
+fn materials(
+    description: &Description,
+    options: &SceneOptions,
+    textures: &[Texture],
+) -> Result<Vec<Material>, SceneError> {
+    let fallback = MaterialDescription::default();
+    let all = description.materials.iter().chain([&fallback]);
+    all.map(|material| Material::new(material, textures, options.compensation))
+        .collect()
+}
+
+/// For each instance its material, as [`materials`] counts them.
+fn material_of(description: &Description) -> Result<Vec<u32>, SceneError> {
+    let count = description.materials.len();
+    let instances = description.instances.iter();
+    instances
+        .map(|instance| match instance.material {
+            None => Ok(count as u32),
+            Some(index) if index < count => Ok(index as u32),
+            Some(index) => Err(SceneError::Reference {
+                what: format!("instance '{}'", instance.name),
+                kind: "material",
+                index,
+                count,
+            }),
+        })
+        .collect()
 }
 
 /// A little larger than the sphere around the bounding box; never empty.

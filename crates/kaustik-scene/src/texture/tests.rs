@@ -88,7 +88,7 @@ fn any_coordinate_gives_a_finite_colour() {
 }
 
 #[test]
-fn means_and_opacity() {
+fn the_mean_is_that_of_linear_texels_alpha_included() {
     let texture = checker(Wrap::Repeat, Filtering::Linear);
     let [red, green, _, alpha] = texture.mean(Coding::Linear);
     let grey = 128.0 / 255.0;

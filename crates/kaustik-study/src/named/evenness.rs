@@ -11,11 +11,11 @@ const TILE: usize = 8;
 /// Of a tile's light, the share that may have come otherwise than by photons.
 const MOST_REMAINDER: f64 = 0.01;
 
-/// The 95th over the 5th percentile over tiles of the relative error of `better`, `|x - r| / r` in the mean over a tile's
-/// pixels (the error map of Gruson et al. 2016), is at most `factor` times that of `worse`.
+/// The 95th over the 5th percentile over tiles of the relative error of `better`, `|x - r| / r` in the mean
+/// over a tile's pixels (the error map of Gruson et al. 2016), is at most `factor` times that of `worse`.
 ///
-/// Tiles in which more than a hundredth of the light is no photons' (layer `remainder` of either) are left out: it is as noisy
-/// with every method.
+/// Tiles in which more than a hundredth of the light does not come from photons (layer `remainder` of either)
+/// are left out: that light is as noisy with every method.
 pub(super) fn evener(
     results: &Results,
     place: &str,

@@ -69,7 +69,8 @@ impl<'a> Contest<'a> {
     }
 }
 
-/// Methods at the last budget by some figure, the first against the others, each with a factor. `None`: one was not rendered.
+/// Methods at the last budget by some figure, the first against the others, each with a factor. `None`: one
+/// was not rendered.
 fn against(
     results: &Results,
     place: &str,
@@ -111,8 +112,8 @@ pub(super) fn lower(
     against(results, place, figure.name(), &median, better, worse).unwrap_or_else(not_rendered)
 }
 
-/// At the last budget the normalised standard deviation of `better` over its seeds is at most `factor` times that of each of
-/// `worse`.
+/// At the last budget the normalised standard deviation of `better` over its seeds is at most `factor` times
+/// that of each of `worse`.
 pub(super) fn lower_nsd(
     results: &Results,
     place: &str,

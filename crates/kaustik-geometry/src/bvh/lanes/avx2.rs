@@ -1,9 +1,10 @@
 //! [`Lanes`] of eight in one 256-bit register.
 //!
 //! # Safety
-//! Every operation here needs a processor with AVX2. They are methods of a private type that only the two walks use; these
-//! are reached through an [`Available`] alone, and that is made only where the processor has been asked. The operations
-//! are `inline(always)` so that they become part of a walk, which is compiled for AVX2.
+//! Every operation here needs a processor with AVX2. They are methods of a private type that only the two
+//! walks use; these are reached through an [`Available`] alone, which is made only where the processor has
+//! been asked. The operations are `inline(always)` so that they become part of a walk, which is compiled for
+//! AVX2.
 
 use std::arch::x86_64::*;
 

@@ -42,8 +42,8 @@ fn ball() -> (Scene, u32) {
     (compile(&description), index as u32)
 }
 
-/// Between two points of a convex ball of glass light goes through glass all the way, and where two walks are joined there it
-/// is the joint that loses it: path by path, by Beer's law.
+/// Between two points in a convex ball of glass light goes through glass all the way, and where two walks are
+/// joined there, the joint loses what the glass absorbs: path by path, by Beer's law.
 #[test]
 fn a_joint_within_glass_loses_what_the_glass_absorbs() {
     let (scene, glass) = ball();

@@ -82,8 +82,8 @@ fn shadow_rays_are_joints() {
     }
 }
 
-/// What the maximum heuristic is for (Kelemen sec. 2): one strategy alone has a path, so that many joints are black before a
-/// ray is traced. The walks stay the same.
+/// What the maximum heuristic is for (Kelemen sec. 2): one strategy alone has a path, so that many joints are
+/// black before a ray is traced. The walks stay the same.
 #[test]
 fn the_maximum_heuristic_saves_shadow_rays() {
     let scene = room();

@@ -1,5 +1,5 @@
-//! The other way to find discs: a balanced k-d tree over their centres, each node with the largest radius below it. Kept
-//! to be measured against [`Lookup`](crate::Lookup), and to agree with it.
+//! The other way to find discs: a balanced k-d tree over their centres, each node with the largest radius
+//! below it. Kept to be measured against [`Lookup`](crate::Lookup), and to agree with it.
 
 use glam::Vec3;
 

@@ -9,8 +9,8 @@ use super::writer::{Object, Writer, numbers};
 use crate::Description;
 use crate::description::{AnimationDescription, Carried, Channel, Interpolation, Joint, Load};
 
-/// Matrices of a file are in single precision, products of them on the way to what moves are not: transforms of what moves
-/// come back to this share of their largest number.
+/// Matrices of a file are in single precision, but products of them on the way to what moves are not:
+/// transforms of what moves come back to within this share of their largest number.
 const NEAR: f64 = 1e-5;
 
 /// Writes one animation with all channels; `nodes` are those of the joints.

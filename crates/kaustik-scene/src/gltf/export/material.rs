@@ -94,31 +94,43 @@ pub(super) fn slot(writer: &mut Writer, slot: Option<TextureSlot>) -> Option<Val
     Some(info.into())
 }
 
-#[expect(clippy::float_cmp, reason = "only the very default may be left out")]
 fn extensions(writer: &mut Writer, m: &MaterialDescription, strength: Option<Value>) -> Object {
-    let default = MaterialDescription::default();
-    let mut all = Object::default();
-    let mut add = |writer: &mut Writer, name: &'static str, members: Object| {
-        writer.uses(name);
-        let object = std::mem::take(&mut all);
-        all = object.with(name, members);
-    };
+    let mut all = plain(m, strength);
+    all.extend(surface(writer, m));
+    all.extend(layers::layers(writer, m));
+    all.into_iter()
+        .fold(Object::default(), |all, (name, members)| {
+            writer.uses(name);
+            all.with(name, members)
+        })
+}
+
+/// The extensions that are a number at most, with their names.
+#[expect(clippy::float_cmp, reason = "only the very default may be left out")]
+fn plain(m: &MaterialDescription, strength: Option<Value>) -> Vec<(&'static str, Object)> {
+    let mut all = Vec::new();
     if let Some(strength) = strength {
         let members = Object::default().with("emissiveStrength", strength);
-        add(writer, "KHR_materials_emissive_strength", members);
+        all.push(("KHR_materials_emissive_strength", members));
     }
     if m.unlit {
-        add(writer, "KHR_materials_unlit", Object::default());
+        all.push(("KHR_materials_unlit", Object::default()));
     }
-    if m.ior != default.ior {
+    if m.ior != MaterialDescription::default().ior {
         let members = Object::default().with("ior", number(m.ior));
-        add(writer, "KHR_materials_ior", members);
+        all.push(("KHR_materials_ior", members));
     }
     if m.dispersion != 0.0 {
         let members = Object::default().with("dispersion", number(m.dispersion));
-        add(writer, "KHR_materials_dispersion", members);
+        all.push(("KHR_materials_dispersion", members));
     }
-    if m.specular != default.specular {
+    all
+}
+
+/// The extensions of the surface itself and of what it bounds, with their names.
+fn surface(writer: &mut Writer, m: &MaterialDescription) -> Vec<(&'static str, Object)> {
+    let mut all = Vec::new();
+    if m.specular != MaterialDescription::default().specular {
         let members = Object::default()
             .with("specularFactor", number(m.specular.factor))
             .maybe("specularTexture", slot(writer, m.specular.texture))
@@ -127,7 +139,7 @@ fn extensions(writer: &mut Writer, m: &MaterialDescription, strength: Option<Val
                 "specularColorTexture",
                 slot(writer, m.specular.color_texture),
             );
-        add(writer, "KHR_materials_specular", members);
+        all.push(("KHR_materials_specular", members));
     }
     if let Some(older) = m.specular_glossiness {
         let members = Object::default()
@@ -136,13 +148,13 @@ fn extensions(writer: &mut Writer, m: &MaterialDescription, strength: Option<Val
             .with("specularFactor", numbers(&older.specular))
             .with("glossinessFactor", number(older.glossiness))
             .maybe("specularGlossinessTexture", slot(writer, older.texture));
-        add(writer, "KHR_materials_pbrSpecularGlossiness", members);
+        all.push(("KHR_materials_pbrSpecularGlossiness", members));
     }
     if let Some(transmission) = m.transmission {
         let members = Object::default()
             .with("transmissionFactor", number(transmission.factor))
             .maybe("transmissionTexture", slot(writer, transmission.texture));
-        add(writer, "KHR_materials_transmission", members);
+        all.push(("KHR_materials_transmission", members));
     }
     if let Some(volume) = m.volume {
         let distance = volume.attenuation_distance;
@@ -153,10 +165,7 @@ fn extensions(writer: &mut Writer, m: &MaterialDescription, strength: Option<Val
                 (distance < f32::INFINITY).then(|| number(distance)),
             )
             .with("attenuationColor", numbers(&volume.attenuation_color));
-        add(writer, "KHR_materials_volume", members);
-    }
-    for (name, members) in layers::layers(writer, m) {
-        add(writer, name, members);
+        all.push(("KHR_materials_volume", members));
     }
     all
 }

@@ -1,7 +1,7 @@
 //! The nodes of a scene: what stands still below none, what moves below its joint.
 //!
-//! Readers go through nodes from the first root down. So that they find everything in the order of its list, a joint comes
-//! after what stands before the first of all that it carries, at any depth.
+//! Readers go through nodes from the first root down. In order that they find all things of a kind in the
+//! order of its list, a joint comes after what stands before the first of all that it carries, at any depth.
 
 use std::collections::VecDeque;
 
@@ -13,7 +13,7 @@ use super::animation::node;
 use super::geometry::matrix;
 use super::writer::Object;
 use crate::Description;
-use crate::description::{Carried, Load};
+use crate::description::{Carried, Joint, Load};
 
 /// Instances, cameras, lights.
 const KINDS: usize = 3;
@@ -130,46 +130,56 @@ impl Plan {
             first: vec![[None; KINDS]; places],
             offsets: counts.map(|count| vec![None; count]),
         };
-        let mut holders = counts.map(|count| vec![0; count]);
+        plan.hold(&animation.carried);
+        // A place comes after the one above it. Where it does not, the finished file is found not to be the same.
+        let above = |(joint, of): (usize, &Joint)| of.parent.map_or(0, |p| p + 1).min(joint);
+        let above: Vec<usize> = animation.joints.iter().enumerate().map(above).collect();
+        for (joint, &above) in above.iter().enumerate() {
+            plan.below[above].push(joint + 1);
+        }
+        plan.find_first(&above);
+        plan
+    }
+
+    /// Gives each thing to the joint that carries it, or else to the world.
+    fn hold(&mut self, carried: &[Carried]) {
+        let mut holders = self
+            .offsets
+            .each_ref()
+            .map(|offsets| vec![0; offsets.len()]);
         for &Carried {
             load,
             joint,
             offset,
-        } in &animation.carried
+        } in carried
         {
             let (kind, index) = numbered(load);
             // what is not there is found when the finished file is compared
-            if index < counts[kind] && joint + 1 < places {
+            if index < holders[kind].len() && joint + 1 < self.below.len() {
                 holders[kind][index] = joint + 1;
-                plan.offsets[kind][index] = Some(offset);
+                self.offsets[kind][index] = Some(offset);
             }
         }
         for (kind, holders) in holders.iter().enumerate() {
             for (index, &place) in holders.iter().enumerate() {
-                plan.held[place][kind].push_back(index);
+                self.held[place][kind].push_back(index);
             }
         }
-        let parent = |place: usize| {
-            let parent = animation.joints[place - 1].parent.map_or(0, |p| p + 1);
-            parent.min(place - 1)
-        };
-        for place in 1..places {
-            plan.below[parent(place)].push(place);
-        }
-        for place in (0..places).rev() {
-            for kind in 0..KINDS {
-                let own = plan.held[place][kind].front().copied();
-                let all = [plan.first[place][kind], own];
-                plan.first[place][kind] = all.into_iter().flatten().min();
+    }
+
+    /// From the last place to the world, `above` says of each joint's place which one is above it.
+    fn find_first(&mut self, above: &[usize]) {
+        for place in (0..self.below.len()).rev() {
+            for (first, held) in self.first[place].iter_mut().zip(&self.held[place]) {
+                *first = least([*first, held.front().copied()]);
             }
             if place > 0 {
-                let (first, parent) = (plan.first[place], parent(place));
-                for (up, first) in plan.first[parent].iter_mut().zip(first) {
-                    *up = [*up, first].into_iter().flatten().min();
+                let first = self.first[place];
+                for (up, first) in self.first[above[place - 1]].iter_mut().zip(first) {
+                    *up = least([*up, first]);
                 }
             }
         }
-        plan
     }
 
     /// What a place holds itself and comes before the place below it; all that is left if there is none.
@@ -199,6 +209,10 @@ impl Plan {
         };
         matrix(&self.offsets[kind][index].map_or(still, |offset| single(&offset)))
     }
+}
+
+fn least(numbers: [Option<usize>; 2]) -> Option<usize> {
+    numbers.into_iter().flatten().min()
 }
 
 fn single(transform: &DAffine3) -> Affine3A {

@@ -36,7 +36,7 @@ fn load(file: &File) -> Result<Loaded, LoadError> {
 }
 
 #[test]
-fn what_a_sampler_says() {
+fn samplers_become_channels_of_joints() {
     let loaded = load(&file()).expect("a sound file");
     assert!(loaded.warnings.is_empty(), "{:?}", loaded.warnings);
     let animation = &loaded.description.animation;
@@ -121,7 +121,7 @@ fn without_a_shutter_all_is_at_rest() {
 type Fate = Result<usize, (ErrorKind, &'static str)>;
 
 #[test]
-fn files_made_to_hurt() {
+fn broken_animations_meet_their_fate() {
     use ErrorKind::{NotFinite, Reference};
     let sampler = "/animations/0/samplers/0";
     let input = "/animations/0/samplers/0/input";
@@ -294,8 +294,9 @@ fn moving_nodes_below_too_many_others() {
     assert_eq!(error.place(), "/nodes/142");
 }
 
-/// A scene of every kind of motion: joints below joints with still nodes in between, before and after what stands still; the
-/// first camera carried, the second not; splines, steps and lines; all three kinds of values.
+/// A scene of every kind of motion: joints below joints with still nodes in between, before and after what
+/// stands still; the first camera carried, the second not; splines, steps and lines; all three kinds of
+/// values.
 fn busy() -> File {
     let mut file = file();
     let moving = [0.0, 0.0, 0.0, 0.6, 0.0, 0.8, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0];
@@ -335,7 +336,8 @@ fn busy() -> File {
     file
 }
 
-/// Two joints of the world: the first carries no mesh, so that nothing but the second tells where the still one belongs.
+/// Two joints of the world: the first carries no mesh, so that nothing but the second tells where the still
+/// one belongs.
 fn apart() -> File {
     let mut file = file();
     file.json["nodes"] = json!([

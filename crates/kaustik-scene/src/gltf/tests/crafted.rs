@@ -52,7 +52,7 @@ fn with(pointer: &str, value: Value) -> File {
 }
 
 #[test]
-fn counts_and_offsets() {
+fn counts_and_offsets_meet_their_fate() {
     let count = "/accessors/0/count";
     for (pointer, value, expected) in [
         (
@@ -147,7 +147,7 @@ fn indices_at_and_past_the_end() {
 }
 
 #[test]
-fn hierarchies() {
+fn hierarchies_meet_their_fate() {
     let deep = || {
         let mut nodes: Vec<Value> = (1..200_000).map(|i| json!({ "children": [i] })).collect();
         nodes.push(json!({ "mesh": 0 }));
@@ -207,7 +207,7 @@ fn hierarchies() {
 }
 
 #[test]
-fn numbers_in_the_document() {
+fn numbers_in_the_document_meet_their_fate() {
     let huge = json!(1e39);
     let camera = |value: Value| json!([{ "type": "perspective", "perspective": { "yfov": value, "znear": 0.1 } }]);
     for (pointer, value, expected) in [
@@ -259,7 +259,7 @@ fn numbers_in_the_document() {
 }
 
 #[test]
-fn numbers_in_the_buffer() {
+fn numbers_in_the_buffer_meet_their_fate() {
     for (value, expected) in [
         (
             f32::NAN,
@@ -297,7 +297,7 @@ fn numbers_in_the_buffer() {
 }
 
 #[test]
-fn texts() {
+fn texts_meet_their_fate() {
     let text = |text: &[u8]| load_bytes(text, "test.gltf", &LoadOptions::default());
     let sound = br#"{"asset":{"version":"2.0"}}"#;
     let long = format!(
@@ -381,7 +381,7 @@ fn jpeg_of(width: u16, height: u16) -> Vec<u8> {
 }
 
 #[test]
-fn pictures_that_claim_too_much() {
+fn pictures_that_claim_too_much_are_refused() {
     let start = std::time::Instant::now();
     for (name, bytes, expected) in [
         (

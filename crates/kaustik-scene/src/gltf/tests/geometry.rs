@@ -7,7 +7,7 @@ use super::file::{File, TRIANGLE, floats, shorts};
 use crate::gltf::ErrorKind;
 
 #[test]
-fn the_smallest_scene() {
+fn a_lone_triangle_is_a_scene() {
     let d = File::triangle().clean();
     assert_eq!((d.meshes.len(), d.instances.len()), (1, 1));
     let mesh = &d.meshes[0];
@@ -23,7 +23,7 @@ fn nothing_is_a_scene_too() {
 }
 
 #[test]
-fn strides_and_offsets() {
+fn interleaved_attributes_are_read() {
     let mut file = File::triangle();
     // a word of rubbish, then position and uv side by side
     let mut bytes = vec![0xff; 4];
@@ -89,7 +89,7 @@ fn sparse_indices_stay_below_the_count() {
 }
 
 #[test]
-fn normalised_integers() {
+fn normalised_integers_become_fractions() {
     let mut file = File::triangle();
     let uv = shorts(&[0, 65535, 65535, 0, 0, 0]);
     file.attribute("TEXCOORD_0", "VEC2", 5123, &uv);
@@ -102,7 +102,7 @@ fn normalised_integers() {
 }
 
 #[test]
-fn all_kinds_of_colours() {
+fn all_kinds_of_colours_read_alike() {
     let values = [1.0, 0.0, 1.0, 0.0];
     for width in [3, 4] {
         for component in [5121, 5123, 5126] {
@@ -161,7 +161,7 @@ fn quantised_vertices_need_their_extension() {
 }
 
 #[test]
-fn strips_fans_and_lists() {
+fn strips_and_fans_become_triangles() {
     let square = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 1.0, 1.0, 0.0];
     for (mode, expected) in [
         (4, vec![[0, 1, 2]]),
@@ -193,7 +193,7 @@ fn lines_and_points_are_left_out() {
 }
 
 #[test]
-fn indices_out_of_range() {
+fn indices_out_of_range_are_refused() {
     let mut file = File::triangle();
     let accessor = file.accessor("SCALAR", 5121, 3, &[0, 1, 3]);
     file.primitive()["indices"] = json!(accessor);

@@ -138,7 +138,7 @@ fn depth_is_bounded_and_overflows_no_stack() {
 }
 
 #[test]
-fn odd_transforms() {
+fn transforms_that_flatten_are_mended_with_a_warning() {
     let file = nodes(json!([{ "mesh": 0, "rotation": [0, 0, 0, 0] }]), json!([0]));
     assert!(file.warned().1.starts_with("/nodes/0/rotation: "));
     let file = nodes(json!([{ "mesh": 0, "scale": [1, 0, 0] }]), json!([0]));
@@ -176,7 +176,7 @@ fn odd_transforms() {
 }
 
 #[test]
-fn instances_on_the_gpu() {
+fn each_copy_of_a_node_is_an_instance() {
     let mut file = File::triangle();
     let t = file.accessor("VEC3", 5126, 2, &floats(&[1.0, 0.0, 0.0, 0.0, 2.0, 0.0]));
     let s = file.accessor("VEC3", 5126, 2, &floats(&[1.0, 1.0, 1.0, 3.0, 3.0, 3.0]));
@@ -220,7 +220,7 @@ fn instances_have_a_limit() {
 }
 
 #[test]
-fn cameras() {
+fn cameras_are_in_the_order_of_the_file_or_refused() {
     let mut file = nodes(
         json!([
             { "camera": 1, "name": "node" },
@@ -334,7 +334,7 @@ fn cameras() {
 }
 
 #[test]
-fn lights() {
+fn lights_are_in_the_order_of_the_nodes() {
     let mut file = File::empty();
     file.json["extensions"] = json!({ "KHR_lights_punctual": { "lights": [
         { "type": "point", "color": [1, 0.5, 0], "intensity": 40, "range": 10 },

@@ -38,7 +38,7 @@ fn a_text_cut_anywhere_is_refused() {
 }
 
 #[test]
-fn wrong_chunks() {
+fn wrong_chunks_are_refused_with_their_place() {
     let whole = File::triangle().glb();
     let with = |at: usize, word: u32| {
         let mut b = whole.clone();
@@ -108,7 +108,7 @@ fn syntax_errors_tell_line_and_column() {
 }
 
 #[test]
-fn versions() {
+fn other_versions_are_refused() {
     let version = |v: &str| bytes(format!(r#"{{"asset":{{"version":"{v}"}}}}"#).as_bytes());
     assert!(version("2.0").is_ok() && version("2.1").is_ok());
     let message = version("1.0").unwrap_err().to_string();

@@ -62,7 +62,7 @@ fn grows(what: &str, count: usize, file: impl Fn(usize) -> File) {
 
 #[test]
 #[ignore = "long"]
-fn a_million_nodes() {
+fn a_million_nodes_take_linear_time() {
     grows("nodes", 1_000_000, |count| {
         let mut file = File::triangle();
         let node = |i: usize| json!({ "mesh": 0, "translation": [i % 1000, i / 1000, 0] });
@@ -74,7 +74,7 @@ fn a_million_nodes() {
 
 #[test]
 #[ignore = "long"]
-fn ten_million_triangles() {
+fn ten_million_triangles_take_linear_time() {
     grows("triangles", 10_000_000, |count| {
         let side = (count / 2).isqrt();
         let mut file = File::empty();
@@ -102,7 +102,7 @@ fn ten_million_triangles() {
 
 #[test]
 #[ignore = "long"]
-fn a_thousand_textures() {
+fn a_thousand_textures_take_linear_time() {
     let picture = png(256, 256);
     grows("textures of 256 x 256", 1000, |count| {
         let mut file = File::triangle();

@@ -43,7 +43,7 @@ fn defaults_are_gltfs() {
 }
 
 #[test]
-fn everything_at_once() {
+fn a_material_with_all_extensions_is_read_in_full() {
     let mut file = with_material(json!({
         "name": "all",
         "pbrMetallicRoughness": {
@@ -249,7 +249,7 @@ fn wrong_types_are_refused_with_their_place() {
 }
 
 #[test]
-fn our_own_keys() {
+fn our_own_keys_are_read_or_refused() {
     let ours = |value: Value| with_material(json!({ "extras": { "kaustik": value } }));
     let m = |value: Value| ours(value).clean().materials[0].clone();
     let named = |name: &str| Some(SpectralInput::Named(name.into()));
@@ -420,7 +420,7 @@ fn uv_sets_past_the_second_are_left_out() {
 }
 
 #[test]
-fn extensions_required_and_used() {
+fn extensions_are_refused_if_required_and_told_if_used() {
     let mut file = File::triangle();
     file.json["extensionsUsed"] = json!(["KHR_texture_basisu", "ACME_soap", "KHR_materials_ior"]);
     let loaded = file.load();
@@ -455,7 +455,7 @@ fn extensions_required_and_used() {
 }
 
 #[test]
-fn environments() {
+fn environments_are_constants_or_pictures() {
     let scene = |value: Value| {
         let mut file = File::triangle();
         file.json["scenes"][0]["extras"] = json!({ "kaustik": { "environment": value } });
