@@ -39,7 +39,6 @@ mod error;
 #[cfg(test)]
 mod faults;
 mod features;
-mod gcd;
 mod independent;
 mod key;
 mod lamps;
@@ -63,6 +62,7 @@ mod replica_statistics;
 #[cfg(test)]
 mod retold;
 mod settings;
+mod shuffle;
 #[cfg(test)]
 mod small;
 mod sobol;

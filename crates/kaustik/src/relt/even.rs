@@ -17,7 +17,7 @@ use kaustik_path::Contributions;
 use super::start::Started;
 use crate::RenderSettings;
 use crate::cells::Cells;
-use crate::gcd::gcd;
+use crate::shuffle::Shuffle;
 use crate::stratified::{Stratified, mix};
 use crate::streams;
 
@@ -46,10 +46,10 @@ pub(super) fn samples_a_sweep<const K: usize>(started: &Started) -> u32 {
 
 /// The way of one ladder over the cells.
 ///
-/// All cells stand in a circle, in an order in which neighbours of the circle are far apart on the image. The
-/// ladders begin at even distances and go round. Where the first begins is a uniform random cell, so that
-/// each sample is uniform over the image by itself, and the picture right in the mean after any number of
-/// them.
+/// All cells stand in a circle, in an order without a pattern: where a render has not come to all of them
+/// yet, what is missing looks like noise and not like hatching. The ladders begin at even distances and go
+/// round. Where the first begins is a uniform random cell, so that each sample is uniform over the image by
+/// itself, and the picture right in the mean after any number of them.
 pub(super) struct Even {
     cells: Cells,
     /// How many ladders share the circle, and on whose part of it this one is.
@@ -57,9 +57,9 @@ pub(super) struct Even {
     part: u64,
     /// Place on the circle.
     place: u64,
-    /// Cell at place 0, and from one place to the next.
+    /// By how much the order is moved on.
     first: u64,
-    stride: u64,
+    order: Shuffle,
     /// Complete passes over the cells of its part.
     pass: u64,
     seed: u64,
@@ -80,7 +80,7 @@ impl Even {
             part: u64::from(ladder),
             place: count * u64::from(ladder) / ladders,
             first: ((begin * count as f64) as u64).min(count - 1),
-            stride: stride(count),
+            order: Shuffle::new(count, mix(settings.seed)),
             pass: 0,
             seed: mix(settings.seed),
             generators: SampleGenerators::new(settings.seed, streams::even(ladder)),
@@ -118,9 +118,7 @@ impl Even {
     }
 
     fn cell(&self) -> u64 {
-        let count = u128::from(self.cells.count());
-        let along = u128::from(self.place) * u128::from(self.stride) % count;
-        ((u128::from(self.first) + along) % count) as u64
+        (self.first + self.order.at(self.place)) % self.cells.count()
     }
 
     /// One sample in each of the next `count` cells.
@@ -153,15 +151,6 @@ impl Even {
             self.enter();
         }
     }
-}
-
-/// About the golden section of `count`, without a divisor in common with it: so many steps to the side, again
-/// and again, meet every cell once before any twice, and never stay long in one part of the image.
-fn stride(count: u64) -> u64 {
-    let golden = ((count as f64 * 0.618_033_988_749_895) as u64).max(1);
-    (golden..)
-        .find(|&stride| gcd(stride, count) == 1)
-        .unwrap_or(1)
 }
 
 #[cfg(test)]
@@ -227,6 +216,25 @@ mod tests {
                 }
             }
         }
+    }
+
+    /// Where ladders have gone a quarter of the way together, no column and no row has been left out: it would show as
+    /// a stripe.
+    #[test]
+    fn no_line_of_the_image_waits_for_the_others() {
+        let mut walks = walks(64, 64, 64, 5);
+        let mut visits = [[0_u32; 64]; 2];
+        for _ in 0..16 {
+            for walk in &mut walks {
+                let (cell, _) = step(walk);
+                visits[0][cell as usize % 64] += 1;
+                visits[1][cell as usize / 64] += 1;
+            }
+        }
+        // 16 each in the mean, by chance 16 +- 3.5
+        let few = visits.iter().flatten().min();
+        let many = visits.iter().flatten().max();
+        assert!(few >= Some(&4) && many <= Some(&32), "{visits:?}");
     }
 
     /// A few steps of every ladder leave hardly a difference.

@@ -2,7 +2,6 @@
 
 use kaustik_estimate::{PhotonLevels, PhotonTargetKind};
 
-use crate::gcd::gcd;
 use crate::photon_options::Pace;
 
 /// Share of uniform light paths from which on a scene is seen well enough for them to do nearly all of the work.
@@ -68,6 +67,11 @@ impl<const K: usize> Periods<K> {
         let all = u128::from(steps) * u128::from(turn);
         all.div_ceil(u128::from(in_turn)) as u64
     }
+}
+
+/// The greatest common divisor; of 0 and another number that number.
+fn gcd(a: u64, b: u64) -> u64 {
+    if b == 0 { a } else { gcd(b, a % b) }
 }
 
 #[cfg(test)]
