@@ -1,8 +1,11 @@
 //! Scenes whose picture is known in closed form.
 
+use glam::Vec3;
+use kaustik::geometry::Mesh;
+use kaustik::scene::description::{EnvironmentDescription, MaterialDescription, Transmission};
 use kaustik::{Method, RenderSettings};
 
-use crate::support::{means, picture, pixels_of_light, scene, settings};
+use crate::support::{compile, describe, means, picture, pixels_of_light, scene, settings};
 
 /// Mean of a furnace over its picture; each must be 1.
 fn mean(words: &str, method: Method, spp: u64) -> f64 {
@@ -90,5 +93,51 @@ fn glass_disappears_to_half_a_percent() {
         for method in [Method::Path, Method::Bdpt, Method::Pssmlt] {
             assert_one(&format!("furnace?kind={kind}"), method, 2_048, 0.005);
         }
+    }
+}
+
+/// A pane whose shading normals say that it is seen from behind lets light through all the same: nothing bends there.
+#[test]
+fn a_bent_pane_is_no_wall() {
+    let glass = MaterialDescription {
+        roughness: 0.0,
+        metallic: 0.0,
+        base_color: [1.0; 4],
+        double_sided: true,
+        transmission: Some(Transmission {
+            factor: 1.0,
+            texture: None,
+        }),
+        ..MaterialDescription::default()
+    };
+    // It stands on edge before the camera, turned by 75 degrees, and its normals lean away by 25 more.
+    let (sin, cos) = 75f32.to_radians().sin_cos();
+    let across = Vec3::new(cos, 0.0, sin);
+    let (sin, cos) = 100f32.to_radians().sin_cos();
+    let corner = |x: f32, y: f32| across * x + Vec3::Y * y;
+    let pane = Mesh {
+        positions: [(-4.0, -4.0), (4.0, -4.0), (4.0, 4.0), (-4.0, 4.0)]
+            .into_iter()
+            .map(|(x, y)| corner(x, y))
+            .collect(),
+        indices: vec![[0, 1, 2], [0, 2, 3]],
+        normals: vec![Vec3::new(-sin, 0.0, cos); 4],
+        ..Mesh::default()
+    };
+    let mut description = describe(Vec3::new(0.0, 0.0, 6.0), 0.2, [(glass, pane)]);
+    description.environment = Some(EnvironmentDescription::Constant([1.0; 3]));
+    let scene = compile(&description, 16);
+    let brightness = |method| {
+        let [_, green, _] = means(&picture(&scene, &settings(method, 16, 256)));
+        green
+    };
+    let truth = brightness(Method::Path);
+    assert!(truth > 0.2, "{truth}");
+    for method in [Method::Bdpt, Method::Mlt, Method::Relt, Method::Pssmlt] {
+        let found = brightness(method);
+        assert!(
+            (found / truth - 1.0).abs() < 0.03,
+            "{method}: {found}, {truth}"
+        );
     }
 }

@@ -9,10 +9,15 @@
 use crate::Mode;
 use glam::DVec3;
 
-/// Do both normals put both directions on the same side? If not, the vertex scatters nothing.
+/// Directions whose sum is shorter, squared, are one straight line: of rounding, and less than a ray resolves.
+const STRAIGHT: f64 = 1e-12;
+
+/// Do both normals put both directions on the same side? If not, the vertex scatters nothing. What passes straight
+/// through, as through a pane, is on no wrong side of anything.
 #[inline]
 pub fn sides_agree(wo: DVec3, wi: DVec3, ng: DVec3) -> bool {
-    wo.z * wo.dot(ng) > 0.0 && wi.z * wi.dot(ng) > 0.0
+    let (out, into) = (wo.z * wo.dot(ng), wi.z * wi.dot(ng));
+    (out > 0.0 && into > 0.0) || ((wo + wi).length_squared() < STRAIGHT && out * into != 0.0)
 }
 
 /// What to multiply [`Sample::weight`](crate::Sample::weight) by at a vertex of a walk: 1 in

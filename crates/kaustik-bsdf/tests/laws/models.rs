@@ -343,4 +343,10 @@ fn shading_normals_keep_both_walks_equal() {
         at(0.5, 0.0),
         at(0.9, 0.1)
     ));
+    // On the two sides of both normals alike, and on other sides of the one than of the other: straight is straight.
+    for through in [at(0.5, 0.0), at(-0.1, 0.1)] {
+        assert!(shading::sides_agree(through, -through, ng));
+        let factor = shading::walk_factor(through, -through, ng, Mode::Importance);
+        assert!((factor - 1.0).abs() < 1e-12);
+    }
 }
