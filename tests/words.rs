@@ -261,6 +261,14 @@ fn kinds_of_files_are_what_they_say() {
         &[&start[..], &["--png", "x.exr"]].concat(),
         &["-o", "expected .png"],
     );
+    refused(
+        &[&start[..], &["--png", "x.jpg"]].concat(),
+        &[".jpg", "expected .png"],
+    );
+    refused(
+        &[&start[..], &["--environment", "nowhere.hdr"]].concat(),
+        &["nowhere.hdr", "No such file"],
+    );
 }
 
 #[cfg(target_os = "linux")]

@@ -15,6 +15,13 @@ impl Failure {
         Self::Input(error.to_string())
     }
 
+    /// As [`input`](Self::input), with what is behind it: the reason why a file cannot be read.
+    pub(crate) fn input_by(error: &dyn std::error::Error) -> Self {
+        let causes = std::iter::successors(error.source(), |cause| cause.source());
+        let causes: String = causes.map(|cause| format!(": {cause}")).collect();
+        Self::Input(format!("{error}{causes}"))
+    }
+
     /// Anything else.
     pub(crate) fn other(error: impl fmt::Display) -> Self {
         Self::Other(error.to_string())

@@ -113,7 +113,7 @@ fn environment_image(path: &Path) -> Result<(ImageData, u64), Failure> {
     if !is_exr {
         return load_hdr(path)
             .map(|decoded| (decoded.image, decoded.cleaned))
-            .map_err(Failure::input);
+            .map_err(|error| Failure::input_by(&error));
     }
     let image = film::read(path, &Limits::default(), Keep::Main).map_err(Failure::input)?;
     let size = [image.width(), image.height()];

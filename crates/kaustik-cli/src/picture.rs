@@ -27,11 +27,10 @@ pub(crate) fn check<'a>(
             "-o writes EXR, and is given a file that ends in .{other}: expected .exr (--png writes PNG)"
         )));
     }
-    if kind(&words.png).as_deref() == Some("exr") {
-        return Err(Failure::Input(
-            "--png writes PNG, and is given a file that ends in .exr: expected .png (-o writes EXR)"
-                .to_owned(),
-        ));
+    if let Some(other @ ("exr" | "jpg" | "jpeg" | "hdr")) = kind(&words.png).as_deref() {
+        return Err(Failure::Input(format!(
+            "--png writes PNG, and is given a file that ends in .{other}: expected .png (-o writes EXR)"
+        )));
     }
     if words.output.is_none() && words.png.is_none() {
         remark(

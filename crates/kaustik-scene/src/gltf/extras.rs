@@ -150,7 +150,7 @@ fn glass(place: &Cursor<'_>) -> Result<Glass> {
         return named.ok_or_else(|| {
             let names: Vec<&str> = Glass::names().collect();
             let names = names.join(", ");
-            place.mismatch(format!("one of {names}, or an object with \"B\" and \"C\""))
+            place.mismatch(format!("one of {names}, or an object with \"B\" and \"C\", \"nd\" and \"abbe\", \"cauchy\", \"polynomial\" or \"constant\""))
         });
     }
     let physical = "an index of refraction that is finite and above 0.1 in the visible range";

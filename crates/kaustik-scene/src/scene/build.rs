@@ -341,7 +341,10 @@ fn camera_description(
                 let named = cameras.iter().enumerate();
                 let names: Vec<String> = named
                     .take(50)
-                    .map(|(i, camera)| format!("{i} ({})", camera.name))
+                    .map(|(i, camera)| match camera.name.as_str() {
+                        "" => i.to_string(),
+                        name => format!("{i} ({name})"),
+                    })
                     .collect();
                 SceneError::NoSuchCamera {
                     wanted: wanted.clone(),
