@@ -16,16 +16,17 @@ impl PathSpace<'_> {
     /// Works out vertex `i` for the directions that it now has; `false` if no light passes.
     pub(crate) fn refresh(&self, path: &mut Path, i: usize) -> bool {
         match path.at(i).place {
-            Place::Emitter(_) => self.emit(path, i),
+            // A walk that has left the scene too early ends in an emitter, too.
+            Place::Emitter(_) => i == 0 && self.emit(path),
             Place::Lens => self.look(path, i),
             Place::Surface => scatter(path.at_mut(i)),
         }
     }
 
-    /// Vertex `i` emits toward the next.
-    fn emit(&self, path: &mut Path, i: usize) -> bool {
+    /// Vertex 0 emits toward the next.
+    fn emit(&self, path: &mut Path) -> bool {
         let wavelengths = path.wavelengths;
-        let (vertex, next) = path.pair(i);
+        let (vertex, next) = path.pair(0);
         vertex.cos_eye = 1.0;
         vertex.value = match vertex.place {
             Place::Emitter(EmitterPoint::Surface) => {
