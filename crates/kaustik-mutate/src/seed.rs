@@ -26,9 +26,10 @@ pub struct Seeds<'a> {
     /// Vertices from the light are at its front, those from the eye at its end.
     light: Path,
     eye: Path,
-    /// The two vertices where the walks are joined, or the first two from the eye's side of a walk that has run
-    /// into an emitter: all that differs from the walks.
+    /// The two vertices at the joint, which see other directions than in their walks. Where the walk from the eye has
+    /// run into an emitter, its last two: the emitter is no scattering surface then.
     joint: Path,
+    /// The path, put together when it is kept.
     joined: Path,
     /// Chance with which the walk from the light made so many vertices.
     light_survival: Vec<f64>,
