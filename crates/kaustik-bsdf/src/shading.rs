@@ -4,7 +4,7 @@
 //! eye's walk weighs with `f |wi.ns|`, so a light's walk must weigh with
 //! `f |wo.ns| |wi.ng| / |wo.ng|` to estimate the same image. Where `ns` and `ng` disagree about
 //! the side of a direction, light would leak through; such pairs are rejected by every strategy
-//! alike. All directions here are local (z = `ns`), `ng` is the geometric normal in that frame.
+//! alike, but for what passes straight through. All directions here are local (z = `ns`), `ng` is the geometric normal in that frame.
 
 use crate::Mode;
 use glam::DVec3;
