@@ -93,17 +93,29 @@ impl<'a> Seeds<'a> {
         self.sum_ways(space);
         let mut sum = 0.0;
         for t in 1..=self.eye_survival.len() {
-            let ends = (t > 1 && self.emits(space, t)) || (escaped && t == self.eye_survival.len());
-            if ends {
-                self.add(space, [0, t], &mut sum, path, draws);
-            }
-            if !(escaped && t == self.eye_survival.len()) {
-                for s in 1..=self.light_survival.len() {
+            for s in 0..=self.light_survival.len() {
+                if self.may_join(space, [s, t], escaped) {
                     self.add(space, [s, t], &mut sum, path, draws);
                 }
             }
         }
         sum
+    }
+
+    /// Do so many vertices of each walk make a path of an allowed length, if they see each other? Without any from
+    /// the light the walk from the eye must end in an emitter; one that has escaped has no surface to be joined at.
+    fn may_join(&self, space: &PathSpace<'_>, [s, t]: [usize; 2], escaped: bool) -> bool {
+        let outside = escaped && t == self.eye_survival.len();
+        let ends = match s {
+            0 => outside || (t > 1 && self.emits(space, t)),
+            _ => !outside,
+        };
+        ends && space.lengths().contains(&(s + t - 1))
+    }
+
+    /// Chance with which the walks made so many vertices.
+    fn survival(&self, [s, t]: [usize; 2]) -> f64 {
+        self.eye_survival[t - 1] * s.checked_sub(1).map_or(1.0, |s| self.light_survival[s])
     }
 
     fn most(&self) -> usize {
@@ -198,7 +210,7 @@ impl<'a> Seeds<'a> {
         path: &mut Path,
         draws: &mut D,
     ) {
-        if !space.lengths().contains(&(s + t - 1)) || !self.join(space, [s, t]) {
+        if !self.join(space, [s, t]) {
             return;
         }
         let vertices = self.vertices([s, t]);
@@ -211,9 +223,7 @@ impl<'a> Seeds<'a> {
         let ways = touched.fold(self.before[s], |ways, i| {
             ways.then(space.making(&vertices, i))
         });
-        let survived =
-            self.eye_survival[t - 1] * s.checked_sub(1).map_or(1.0, |s| self.light_survival[s]);
-        let weight = density / (ways.through(self.after[t]) * survived);
+        let weight = density / (ways.through(self.after[t]) * self.survival([s, t]));
         let before = *sum;
         *sum += weight;
         if !weight.is_finite() {

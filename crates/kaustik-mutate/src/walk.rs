@@ -142,11 +142,7 @@ impl PathSpace<'_> {
         slot.interior = interior;
         slot.back = back;
         slot.ng = slot.vertex.local_normal();
-        slot.opacity = if self.scene.has_alpha() {
-            f64::from(self.scene.opacity(&slot.vertex))
-        } else {
-            1.0
-        };
+        slot.opacity = f64::from(self.scene.opacity(&slot.vertex));
     }
 
     /// Share of light that passes between two neighbours; 0 where they do not see each other.

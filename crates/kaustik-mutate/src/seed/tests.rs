@@ -13,22 +13,15 @@ fn weighed_as_wholes(seeds: &mut Seeds<'_>, space: &PathSpace<'_>, escaped: bool
     let (mut sum, mut count) = (0.0, 0);
     for t in 1..=most_t {
         for s in 0..=most_s {
-            let ends = (t > 1 && seeds.emits(space, t)) || (escaped && t == most_t);
-            let tried = match s {
-                0 => ends,
-                _ => !(escaped && t == most_t),
-            };
-            if !tried || !space.lengths().contains(&(s + t - 1)) || !seeds.join(space, [s, t]) {
+            if !seeds.may_join(space, [s, t], escaped) || !seeds.join(space, [s, t]) {
                 continue;
             }
             seeds.write([s, t], Default::default());
             if !space.evaluate(&mut seeds.joined) {
                 continue;
             }
-            let survived = seeds.eye_survival[t - 1]
-                * s.checked_sub(1).map_or(1.0, |s| seeds.light_survival[s]);
             let path = &seeds.joined;
-            sum += path.density / (space.all_ways(path, 0, s + t) * survived);
+            sum += path.density / (space.all_ways(path, 0, s + t) * seeds.survival([s, t]));
             count += 1;
         }
     }

@@ -99,7 +99,8 @@ impl PhotonTracing {
                     position: vertex.surface.position,
                     normal: vertex.normal.as_vec3(),
                     wi: -walk.direction,
-                    power: walk.throughput / staying(scene, &vertex),
+                    // The camera's walk has met the surface by the same chance, and what arrives scatters, not what stays.
+                    power: walk.throughput / scene.opacity(&vertex),
                     edges: walk.edges,
                     dispersive: walk.dispersive,
                 });
@@ -108,16 +109,5 @@ impl PhotonTracing {
                 return;
             }
         }
-    }
-}
-
-/// The share of walks that come to this point and stay. The camera's walk has met the surface with that probability
-/// too, and of all light that arrives the surface scatters so much, not of the light that stays.
-#[inline]
-fn staying(scene: &Scene, vertex: &Vertex) -> f32 {
-    if scene.has_alpha() {
-        scene.opacity(vertex)
-    } else {
-        1.0
     }
 }

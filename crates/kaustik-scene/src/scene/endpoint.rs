@@ -65,8 +65,13 @@ impl Scene {
     }
 
     /// Probability that a ray that comes to this point meets the surface: its alpha.
+    #[inline]
     pub fn opacity(&self, vertex: &Vertex) -> f32 {
-        self.matter.coverage(vertex.material, &vertex.surface)
+        if self.has_alpha() {
+            self.matter.coverage(vertex.material, &vertex.surface)
+        } else {
+            1.0
+        }
     }
 
     /// Is there such a point, of a triangle that is there and with its material, within solids that are there? Of
