@@ -2,7 +2,7 @@
 
 use std::io::Cursor;
 
-use image::{DynamicImage, ImageFormat, Rgb32FImage, RgbImage, RgbaImage};
+use image::{DynamicImage, ImageBuffer, ImageFormat, Rgb32FImage, RgbImage, RgbaImage};
 use kaustik::film::{Image, exr};
 
 use crate::kind::Kind;
@@ -25,19 +25,26 @@ pub(crate) fn all(kind: Kind) -> Vec<Vec<u8>> {
                 ImageFormat::Jpeg,
             )
         }),
-        Kind::Png | Kind::Webp => sizes(|w, h| {
-            let pixel = |x: u32, y: u32| image::Rgba([(9 * x) as u8, (7 * y) as u8, 40, 200]);
-            let format = match kind {
-                Kind::Png => ImageFormat::Png,
-                _ => ImageFormat::WebP,
+        Kind::Png => sizes(|w, h| {
+            // the largest with 16 bits a channel
+            let picture = if w > 8 {
+                let pixel =
+                    |x: u32, y: u32| image::Rgba([900 * x as u16, 700 * y as u16, 1, 60_000]);
+                DynamicImage::ImageRgba16(ImageBuffer::from_fn(w, h, pixel))
+            } else {
+                bytes(w, h)
             };
-            (
-                DynamicImage::ImageRgba8(RgbaImage::from_fn(w, h, pixel)),
-                format,
-            )
+            (picture, ImageFormat::Png)
         }),
+        Kind::Webp => sizes(|w, h| (bytes(w, h), ImageFormat::WebP)),
         _ => vec![b"planted".to_vec()],
     }
+}
+
+/// Four bytes a pixel.
+fn bytes(width: u32, height: u32) -> DynamicImage {
+    let pixel = |x: u32, y: u32| image::Rgba([(9 * x) as u8, (7 * y) as u8, 40, 200]);
+    DynamicImage::ImageRgba8(RgbaImage::from_fn(width, height, pixel))
 }
 
 /// One picture of 8 x 8.

@@ -3,6 +3,8 @@
 pub enum Pixels {
     /// Four bytes a pixel (red, green, blue, alpha), as stored: colour textures are sRGB-coded.
     Rgba8(Vec<u8>),
+    /// Four numbers of 16 bits a pixel, coded as bytes are: what a PNG of 16 bits holds.
+    Rgba16(Vec<u16>),
     /// Three floats a pixel, linear Rec.709.
     RgbF32(Vec<f32>),
 }

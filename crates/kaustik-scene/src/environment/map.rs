@@ -114,7 +114,7 @@ impl Map {
         let index = 3 * (y * self.image.width as usize + x);
         match &self.image.pixels {
             Pixels::RgbF32(values) => std::array::from_fn(|c| values[index + c]),
-            Pixels::Rgba8(_) => [0.0; 3], // refused by `new`
+            Pixels::Rgba8(_) | Pixels::Rgba16(_) => [0.0; 3], // refused by `new`
         }
     }
 

@@ -1,13 +1,14 @@
 use std::sync::Arc;
 
 use glam::Quat;
+use kaustik_spectrum::srgb_to_linear;
 
 use super::json::{Cursor, shorten};
 use super::reader::Reader;
 use super::{ErrorKind, LoadError, extras, image};
 use crate::description::{EnvironmentDescription, ImageData, Pixels};
 use crate::environment::decode_hdr;
-use crate::texture::SRGB;
+use crate::texture::{SRGB, share};
 
 type Result<T> = std::result::Result<T, LoadError>;
 
@@ -69,26 +70,38 @@ pub(super) fn rotation(place: &Cursor<'_>) -> Result<Quat> {
     Ok(Quat::from_array(xyzw))
 }
 
-/// A picture with radiances in the place of eight-bit colours.
+/// A picture with radiances in the place of colours that are coded.
 fn with_radiances(
     reader: &mut Reader<'_>,
     place: &Cursor<'_>,
     mut picture: ImageData,
 ) -> Result<ImageData> {
-    let Pixels::Rgba8(bytes) = &picture.pixels else {
-        return Ok(picture);
+    let (values, bytes_each) = match &picture.pixels {
+        Pixels::Rgba8(bytes) => (bytes.len(), 1),
+        Pixels::Rgba16(values) => (values.len(), 2),
+        Pixels::RgbF32(_) => return Ok(picture),
     };
-    let coded = bytes.len();
-    reader.budget.take_many(&place.pointer(), coded / 4, 12)?;
-    picture.pixels = radiances(bytes);
-    reader.budget.give(coded as u64);
+    (reader.budget).take_many(&place.pointer(), values / 4, 12)?;
+    picture.pixels = radiances(&picture.pixels);
+    reader.budget.give(bytes_each * values as u64);
     Ok(picture)
 }
 
-/// Four bytes a pixel as what they are meant to show, alpha left out.
-pub(super) fn radiances(bytes: &[u8]) -> Pixels {
-    let colours = bytes.chunks_exact(4).flat_map(|pixel| &pixel[..3]);
-    Pixels::RgbF32(colours.map(|&c| SRGB[usize::from(c)]).collect())
+/// Coded pixels as what they are meant to show, alpha left out.
+pub(super) fn radiances(pixels: &Pixels) -> Pixels {
+    /// Of four values a pixel the first three.
+    fn colours<T>(values: &[T]) -> impl Iterator<Item = &T> {
+        values.chunks_exact(4).flat_map(|pixel| &pixel[..3])
+    }
+    let decoded = match pixels {
+        Pixels::Rgba8(bytes) => colours(bytes).map(|&c| SRGB[usize::from(c)]).collect(),
+        Pixels::Rgba16(values) => {
+            let radiance = |&c: &u16| srgb_to_linear(share(c));
+            colours(values).map(radiance).collect()
+        }
+        Pixels::RgbF32(values) => values.clone(),
+    };
+    Pixels::RgbF32(decoded)
 }
 
 fn picture<'a>(reader: &mut Reader<'a>, place: &Cursor<'a>) -> Result<ImageData> {

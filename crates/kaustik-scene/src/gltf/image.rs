@@ -3,7 +3,7 @@
 use std::io;
 use std::sync::Arc;
 
-use image::{DynamicImage, ImageDecoder, ImageError, ImageFormat, ImageReader, Limits};
+use image::{ColorType, DynamicImage, ImageDecoder, ImageError, ImageFormat, ImageReader, Limits};
 
 use super::json::{Cursor, shorten};
 use super::reader::Reader;
@@ -211,7 +211,8 @@ impl<'a> Encoded<'a> {
             1
         };
         let scratch = decoder.total_bytes().saturating_mul(planes);
-        let kept = 4 * pixels + bytes as u64 + self.name.len() as u64;
+        let pixel = if is_wide(decoder.color_type()) { 8 } else { 4 };
+        let kept = pixel * pixels + bytes as u64 + self.name.len() as u64;
         let all = scratch.saturating_add(kept);
         reader.budget.take(&place.pointer(), all)?;
         Ok(Room {
@@ -236,7 +237,7 @@ impl<'a> Encoded<'a> {
             name: self.name,
             width,
             height,
-            pixels: Pixels::Rgba8(pixels),
+            pixels,
             encoded: Arc::unwrap_or_clone(self.bytes),
         })
     }
@@ -249,8 +250,14 @@ impl<'a> Encoded<'a> {
     }
 }
 
-/// Four bytes a pixel, or why there are none.
-type Decoded = std::result::Result<Vec<u8>, ImageError>;
+/// Four bytes a pixel, or four numbers of 16 bits where the file has these; or why there are none.
+type Decoded = std::result::Result<Pixels, ImageError>;
+
+/// More than eight bits a channel? What is not is kept as bytes.
+fn is_wide(color: ColorType) -> bool {
+    use ColorType::{L16, La16, Rgb16, Rgba16};
+    matches!(color, L16 | La16 | Rgb16 | Rgba16)
+}
 
 impl<'b> Job<'b> {
     fn decoder(self) -> std::result::Result<impl ImageDecoder + 'b, ImageError> {
@@ -261,7 +268,11 @@ impl<'b> Job<'b> {
 
     fn pixels(self) -> Decoded {
         let decoded = DynamicImage::from_decoder(self.decoder()?)?;
-        Ok(decoded.into_rgba8().into_raw())
+        Ok(if is_wide(decoded.color()) {
+            Pixels::Rgba16(decoded.into_rgba16().into_raw())
+        } else {
+            Pixels::Rgba8(decoded.into_rgba8().into_raw())
+        })
     }
 }
 
@@ -277,7 +288,7 @@ fn all_pixels(jobs: Vec<Job<'_>>) -> Vec<Decoded> {
     jobs.into_iter().map(Job::pixels).collect()
 }
 
-/// Decodes an image that is none of `/images` to four bytes a pixel.
+/// Decodes an image that is none of `/images`.
 pub(super) fn decode(
     reader: &mut Reader<'_>,
     place: &Cursor<'_>,

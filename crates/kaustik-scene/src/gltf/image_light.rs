@@ -12,6 +12,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 use image::codecs::hdr::HdrEncoder;
+use kaustik_spectrum::srgb_to_linear;
 
 use super::environment::rotation;
 use super::image::Images;
@@ -20,7 +21,7 @@ use super::reader::Reader;
 use super::{ErrorKind, LoadError};
 use crate::description::{EnvironmentDescription, ImageData, Pixels};
 use crate::environment::{MAX_HDR_PIXELS, decode_hdr};
-use crate::texture::SRGB;
+use crate::texture::{SRGB, share};
 
 type Result<T> = std::result::Result<T, LoadError>;
 
@@ -163,14 +164,24 @@ impl Cube {
     /// A colour coded as sRGB over its alpha (RGBD); alpha is 1 where an image has none.
     fn texel(&self, face: usize, x: usize, y: usize) -> [f32; 3] {
         let at = 4 * (y * self.side + x);
-        let Pixels::Rgba8(pixels) = &self.faces[face].pixels else {
-            return [0.0; 3];
-        };
-        let Some(&[r, g, b, divisor]) = pixels.get(at..at + 4) else {
-            return [0.0; 3];
-        };
-        let divisor = f32::from(divisor.max(1)) / 255.0;
-        [r, g, b].map(|c| SRGB[usize::from(c)] / divisor)
+        match &self.faces[face].pixels {
+            Pixels::Rgba8(pixels) => {
+                let Some(&[r, g, b, divisor]) = pixels.get(at..at + 4) else {
+                    return [0.0; 3];
+                };
+                let divisor = f32::from(divisor.max(1)) / 255.0;
+                [r, g, b].map(|c| SRGB[usize::from(c)] / divisor)
+            }
+            Pixels::Rgba16(pixels) => {
+                let Some(&[r, g, b, divisor]) = pixels.get(at..at + 4) else {
+                    return [0.0; 3];
+                };
+                // no less than the least that eight bits can say: as large a quotient as there
+                let divisor = share(divisor.max(257));
+                [r, g, b].map(|c| srgb_to_linear(share(c)) / divisor)
+            }
+            Pixels::RgbF32(_) => [0.0; 3],
+        }
     }
 }
 

@@ -148,6 +148,10 @@ impl Content {
                 self.length(bytes.len());
                 self.0.update(bytes);
             }
+            Pixels::Rgba16(values) => {
+                self.text(&"rgba16");
+                self.numbers(values.iter().map(|&v| [u32::from(v)]));
+            }
             Pixels::RgbF32(numbers) => {
                 self.text(&"rgb f32");
                 self.numbers(numbers.iter().map(|v| [v.to_bits()]));

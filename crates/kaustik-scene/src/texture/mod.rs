@@ -1,9 +1,9 @@
 //! Textures ready for look-ups.
 //!
 //! The decoded bytes are kept as they are, shared with the [`Description`](crate::Description)
-//! and all other textures on the same image: a texel costs four bytes, and a colour is decoded when it
-//! is read, through a table of 256 entries. Decoding comes before interpolation, so a
-//! bilinear look-up is linear in light. There are no mip levels: a path tracer averages
+//! and all other textures on the same image: a texel costs four bytes (eight, of an image with 16 bits a
+//! channel), and a colour is decoded when it is read, through a table of all values. Decoding comes before
+//! interpolation, so a bilinear look-up is linear in light. There are no mip levels: a path tracer averages
 //! over its samples.
 //!
 //! A look-up never fails: NaN reads the texel at 0, infinite coordinates read some texel.
@@ -44,7 +44,7 @@ pub enum TextureError {
     },
 }
 
-/// How the bytes of a colour channel stand for numbers. Alpha is always linear, and so are
+/// How the stored values of a colour channel stand for numbers. Alpha is always linear, and so are
 /// float images.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Coding {
@@ -60,6 +60,15 @@ type Table = [f32; 256];
 pub(crate) static SRGB: LazyLock<Table> =
     LazyLock::new(|| std::array::from_fn(|byte| srgb_to_linear(byte as f32 / 255.0)));
 
+/// The same for 16 bits. Made when the first such image is met.
+static SRGB_16: LazyLock<Vec<f32>> =
+    LazyLock::new(|| (0..=u16::MAX).map(|v| srgb_to_linear(share(v))).collect());
+
+/// A number of 16 bits as a share of the largest.
+pub(crate) fn share(value: u16) -> f32 {
+    f32::from(value) / f32::from(u16::MAX)
+}
+
 static LINEAR: LazyLock<Table> = LazyLock::new(|| std::array::from_fn(|byte| byte as f32 / 255.0));
 
 /// An image with its sampling.
@@ -70,6 +79,8 @@ pub struct Texture {
     filtering: Filtering,
     opaque: bool,
     tables: [&'static Table; 2],
+    /// For 16 bits; empty where the image has none.
+    wide: &'static [f32],
 }
 
 impl Texture {
@@ -81,8 +92,13 @@ impl Texture {
     ) -> Result<Self, TextureError> {
         check(&image)?;
         let opaque = match &image.pixels {
-            Pixels::Rgba8(bytes) => bytes.chunks_exact(4).all(|texel| texel[3] == 255),
+            Pixels::Rgba8(bytes) => bytes.chunks_exact(4).all(|texel| texel[3] == u8::MAX),
+            Pixels::Rgba16(values) => values.chunks_exact(4).all(|texel| texel[3] == u16::MAX),
             Pixels::RgbF32(_) => true,
+        };
+        let wide: &[f32] = match &image.pixels {
+            Pixels::Rgba16(_) => &SRGB_16,
+            Pixels::Rgba8(_) | Pixels::RgbF32(_) => &[],
         };
         Ok(Self {
             image,
@@ -90,6 +106,7 @@ impl Texture {
             filtering: description.filtering,
             opaque,
             tables: [&SRGB, &LINEAR],
+            wide,
         })
     }
 
@@ -161,6 +178,17 @@ impl Texture {
                 let [r, g, b, a] = std::array::from_fn(|i| usize::from(bytes[4 * index + i]));
                 [table[r], table[g], table[b], self.tables[1][a]]
             }
+            Pixels::Rgba16(values) => {
+                let texel: [u16; 4] = std::array::from_fn(|i| values[4 * index + i]);
+                let [r, g, b, a] = texel.map(share);
+                match coding {
+                    Coding::Srgb => {
+                        let [r, g, b, _] = texel.map(|value| self.wide[usize::from(value)]);
+                        [r, g, b, a]
+                    }
+                    Coding::Linear => [r, g, b, a],
+                }
+            }
             Pixels::RgbF32(values) => {
                 let [r, g, b] = std::array::from_fn(|i| values[3 * index + i]);
                 [r, g, b, 1.0]
@@ -183,6 +211,7 @@ pub(crate) fn check(image: &ImageData) -> Result<(), TextureError> {
     }
     let (found, channels) = match &image.pixels {
         Pixels::Rgba8(bytes) => (bytes.len(), 4),
+        Pixels::Rgba16(values) => (values.len(), 4),
         Pixels::RgbF32(values) => (values.len(), 3),
     };
     // 2^32 * 2^32 * 4 overflows u64; such an image fails below in any case

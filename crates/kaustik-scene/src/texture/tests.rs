@@ -98,6 +98,49 @@ fn the_mean_is_that_of_linear_texels_alpha_included() {
     assert!(!texture.is_opaque());
 }
 
+/// Steps between the 256 values of a byte are there, and the values of bytes mean the same.
+#[test]
+fn sixteen_bits_are_finer_than_eight() {
+    let description = TextureDescription {
+        image: 0,
+        wrap_s: Wrap::Repeat,
+        wrap_t: Wrap::Repeat,
+        filtering: Filtering::Linear,
+    };
+    let texture = |pixels| {
+        let image = ImageData {
+            name: "one texel".to_owned(),
+            width: 1,
+            height: 1,
+            pixels,
+            encoded: Vec::new(),
+        };
+        Texture::new(&description, Arc::new(image)).unwrap()
+    };
+    let bytes = texture(Pixels::Rgba8(vec![3, 128, 255, 254]));
+    let same = texture(Pixels::Rgba16([3, 128, 255, 254].map(|v| 257 * v).to_vec()));
+    let finer = texture(Pixels::Rgba16(vec![
+        3 * 257 + 1,
+        128 * 257 + 1,
+        65_535,
+        65_534,
+    ]));
+    for coding in [Coding::Srgb, Coding::Linear] {
+        let [eight, same, finer] = [&bytes, &same, &finer].map(|t| t.sample(Vec2::ZERO, coding));
+        assert!(near(eight, same), "{eight:?} {same:?}");
+        assert!(finer[0] > eight[0] && finer[1] > eight[1] && finer[3] < 1.0);
+        assert!(finer[0] - eight[0] < 2e-5 && finer[1] - eight[1] < 2e-5);
+        let exact = (128.0 * 257.0 + 1.0) / 65_535.0;
+        let exact = match coding {
+            Coding::Srgb => srgb_to_linear(exact),
+            Coding::Linear => exact,
+        };
+        assert_eq!(finer[1].to_bits(), exact.to_bits());
+    }
+    assert!(!finer.is_opaque());
+    assert!(texture(Pixels::Rgba16(vec![u16::MAX; 4])).is_opaque());
+}
+
 #[test]
 fn sizes_are_checked() {
     let description = TextureDescription {
@@ -119,6 +162,7 @@ fn sizes_are_checked() {
     };
     assert!(refuse(0, 2, Pixels::Rgba8(vec![])).contains("empty"));
     assert!(refuse(2, 2, Pixels::Rgba8(vec![0; 15])).contains("expected 16"));
+    assert!(refuse(2, 1, Pixels::Rgba16(vec![0; 4])).contains("expected 8"));
     assert!(refuse(1, 1, Pixels::RgbF32(vec![0.0; 4])).contains("expected 3"));
     assert!(refuse(u32::MAX, u32::MAX, Pixels::Rgba8(vec![])).contains("holds 0"));
 }

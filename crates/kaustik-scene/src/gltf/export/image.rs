@@ -2,7 +2,9 @@ use std::borrow::Cow;
 
 use image::codecs::hdr::HdrEncoder;
 use image::codecs::png::PngEncoder;
-use image::{ExtendedColorType, ImageEncoder as _, ImageResult, Rgb};
+use image::{
+    ExtendedColorType, ImageBuffer, ImageEncoder as _, ImageFormat, ImageResult, Rgb, Rgba,
+};
 use serde_json::{Value, json};
 
 use super::ExportError;
@@ -23,7 +25,7 @@ pub(super) fn images(writer: &mut Writer, description: &Description) -> Result<(
             return Err(ExportError::Unsupported {
                 place,
                 found: "an image of floats".into(),
-                expected: "four bytes a pixel, as glTF's textures are PNG, JPEG or WebP".into(),
+                expected: "four integers a pixel, as glTF's textures are PNG, JPEG or WebP".into(),
             });
         }
         let (bytes, generated) = encoded(image, &place)?;
@@ -51,6 +53,7 @@ fn encoded<'a>(image: &'a ImageData, place: &str) -> Result<(Cow<'a, [u8]>, bool
     }
     let bytes = match &image.pixels {
         Pixels::Rgba8(pixels) => png(image, pixels),
+        Pixels::Rgba16(pixels) => png_of_16_bits(image, pixels),
         Pixels::RgbF32(pixels) => hdr(image, pixels),
     };
     let bytes = bytes.map_err(|e| ExportError::Unsupported {
@@ -71,6 +74,15 @@ fn png(image: &ImageData, pixels: &[u8]) -> ImageResult<Vec<u8>> {
         ExtendedColorType::Rgba8,
     )?;
     Ok(bytes)
+}
+
+fn png_of_16_bits(image: &ImageData, pixels: &[u16]) -> ImageResult<Vec<u8>> {
+    check_length(pixels.len(), image, 4)?;
+    let mut bytes = std::io::Cursor::new(Vec::new());
+    if let Some(buffer) = ImageBuffer::<Rgba<u16>, _>::from_raw(image.width, image.height, pixels) {
+        buffer.write_to(&mut bytes, ImageFormat::Png)?;
+    }
+    Ok(bytes.into_inner())
 }
 
 /// Shared exponents hold what once came from such a file; whether anything is lost, the check

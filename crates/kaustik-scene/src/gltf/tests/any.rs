@@ -6,7 +6,7 @@ use glam::{Affine3A, Quat, Vec2, Vec3, Vec4};
 use kaustik_geometry::Mesh;
 use kaustik_spectrum::{Glass, Metal};
 
-use super::file::{jpeg, png, webp};
+use super::file::{jpeg, png, png_of_16_bits, webp};
 use crate::Description;
 use crate::description::*;
 use crate::testing::Rng;
@@ -248,9 +248,19 @@ fn images() -> Vec<Arc<ImageData>> {
         pixels: Pixels::Rgba8(pixels.into_raw()),
         encoded,
     };
+    let encoded = png_of_16_bits(2, 3);
+    let pixels = image::load_from_memory(&encoded).unwrap().into_rgba16();
+    let deep = ImageData {
+        name: "deep".to_owned(),
+        width: 2,
+        height: 3,
+        pixels: Pixels::Rgba16(pixels.into_raw()),
+        encoded,
+    };
     vec![
         image("a", 4, 4, false),
         image("", 9, 2, true),
+        Arc::new(deep),
         Arc::new(made),
         Arc::new(lossless),
     ]
@@ -318,10 +328,8 @@ fn environment(rng: &mut Rng) -> EnvironmentDescription {
         1 => sky.encoded = small_hdr(),
         2 => sky.encoded = Vec::new(),
         _ => {
-            sky = ImageData::clone(&images()[below(rng, 2)]);
-            if let Pixels::Rgba8(bytes) = &sky.pixels {
-                sky.pixels = crate::gltf::environment::radiances(bytes);
-            }
+            sky = ImageData::clone(&images()[below(rng, 3)]);
+            sky.pixels = crate::gltf::environment::radiances(&sky.pixels);
         }
     }
     EnvironmentDescription::Image {

@@ -163,6 +163,16 @@ pub(super) fn png(width: u32, height: u32) -> Vec<u8> {
     encode(width, height, pixel, image::ImageFormat::Png)
 }
 
+/// A PNG of 16 bits a channel, whose lower bytes differ from the upper ones.
+pub(super) fn png_of_16_bits(width: u32, height: u32) -> Vec<u8> {
+    let pixel = |x: u32, y: u32| image::Rgba([257 * x as u16 + 1, y as u16, 700, 60_000]);
+    let mut bytes = std::io::Cursor::new(Vec::new());
+    (image::ImageBuffer::from_fn(width, height, pixel))
+        .write_to(&mut bytes, image::ImageFormat::Png)
+        .unwrap();
+    bytes.into_inner()
+}
+
 /// A lossless WebP of four bytes a pixel.
 pub(super) fn webp(width: u32, height: u32) -> Vec<u8> {
     let pixel = |x: u32, y: u32| image::Rgba([(9 * x) as u8, (5 * y) as u8, 7, 200 + x as u8]);

@@ -1,11 +1,13 @@
 //! Images that are decoded side by side: what is told and what is taken is as one by one.
 
+use std::sync::Arc;
+
 use serde_json::{Value, json};
 
-use super::file::{File, png};
+use super::file::{File, png, png_of_16_bits};
 use super::surface::crc32;
 use crate::description::Pixels;
-use crate::gltf::{ErrorKind, LoadOptions};
+use crate::gltf::{ErrorKind, LoadOptions, export_bytes, load_bytes};
 
 const SIDE: u32 = 64;
 
@@ -67,6 +69,30 @@ fn images_keep_their_order() {
         };
         let last = image.width as u8 - 1;
         assert_eq!(pixels[pixels.len() - 4..], [last, 0, 7, 200]);
+    }
+}
+
+/// What a PNG of 16 bits holds is kept, takes its memory, and comes back from an export, be the file
+/// kept or made anew.
+#[test]
+fn all_bits_of_16_are_kept() {
+    let file = with_images(vec![Some(png_of_16_bits(3, 2))]);
+    let loaded = file.load();
+    let mut description = loaded.description;
+    let last = [2 * 257 + 1, 1, 700, 60_000];
+    let Pixels::Rgba16(values) = &description.images[0].pixels else {
+        panic!("16 bits expected");
+    };
+    assert_eq!((values.len(), &values[20..]), (24, &last[..]));
+    let eight = with_images(vec![Some(png(3, 2))]).load();
+    assert!(loaded.memory >= eight.memory + 4 * 6);
+    for made in [false, true] {
+        if made {
+            Arc::make_mut(&mut description.images[0]).encoded = Vec::new();
+        }
+        let written = export_bytes(&description).unwrap();
+        let back = load_bytes(&written, "test.glb", &LoadOptions::default()).unwrap();
+        assert_eq!(back.description, description, "made: {made}");
     }
 }
 

@@ -135,7 +135,7 @@ fn what_would_not_come_back_is_refused() {
         ),
         (|d| Arc::make_mut(&mut d.images[0]).width += 1, "images[0]"),
         (
-            |d| Arc::make_mut(&mut d.images[2]).width += 1,
+            |d| Arc::make_mut(&mut d.images[3]).width += 1,
             "as many pixels",
         ),
         (
