@@ -3,8 +3,8 @@
 use crate::decide::{decide, exchange_acceptance};
 use crate::permutation::Permutations;
 use crate::{
-    Draws, Family, IndexProcess, Kernel, LadderStatistics, Metropolis, Mutation, Point, Recorder,
-    Region, Schedule, Scouted, Scouting, SteppingStone, SwapGraph, Target, Visit,
+    Both, Draws, Family, IndexProcess, Kernel, LadderStatistics, Metropolis, Mutation, Point,
+    Recorder, Region, Schedule, Scouted, Scouting, SteppingStone, SwapGraph, Target,
 };
 
 /// K chains, one a level, that exchange their states (Swendsen and Wang 1986; Geyer 1991; for
@@ -466,21 +466,6 @@ impl<M: Mutation, V, const K: usize> Ladder<Point<M>, V, K> {
     {
         let mut both = Both(&mut self.stepping_stone, recorder);
         self.replicas[level].scout(scouting, spare, family, draws, &mut both)
-    }
-}
-
-/// Two recorders, told the same.
-struct Both<'a, A: ?Sized, B: ?Sized>(&'a mut A, &'a mut B);
-
-impl<V, A, B, const K: usize> Recorder<V, K> for Both<'_, A, B>
-where
-    A: Recorder<V, K> + ?Sized,
-    B: Recorder<V, K> + ?Sized,
-{
-    #[inline]
-    fn record(&mut self, visit: Visit<'_, V, K>) {
-        self.0.record(visit);
-        self.1.record(visit);
     }
 }
 

@@ -238,7 +238,7 @@ pub use stepping_stone::SteppingStone;
 pub use stratified::{Stratification, Stratified};
 pub use swap_graph::{SwapGraph, SwapGraphError};
 pub use target::{FnTarget, Target, target};
-pub use visit::{Ignore, Recorder, Visit};
+pub use visit::{Both, Ignore, Recorder, Visit};
 
 /// The generator that [`generator`] and [`sample_generator`] make.
 pub use rand_pcg::Pcg64Dxsm;

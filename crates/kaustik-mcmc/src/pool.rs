@@ -48,13 +48,7 @@ impl Pool {
     /// are counted as defects and kept as zero, so that an index stays an index.
     pub fn new(densities: impl IntoIterator<Item = f64>) -> Self {
         let mut pool = Self::default();
-        for density in densities {
-            let sound = density.is_finite() && density >= 0.0;
-            let density = if sound { density } else { 0.0 };
-            pool.defects += u64::from(!sound);
-            pool.normaliser.push(density);
-            pool.densities.push(density);
-        }
+        pool.extend(densities);
         pool
     }
 
@@ -91,6 +85,20 @@ impl Pool {
     /// How many samples had no valid density.
     pub fn defects(&self) -> u64 {
         self.defects
+    }
+}
+
+/// Takes further samples, whose indices go on from the last: a pool that is made part by part is the one that is
+/// made at once.
+impl Extend<f64> for Pool {
+    fn extend<I: IntoIterator<Item = f64>>(&mut self, densities: I) {
+        for density in densities {
+            let sound = density.is_finite() && density >= 0.0;
+            let density = if sound { density } else { 0.0 };
+            self.defects += u64::from(!sound);
+            self.normaliser.push(density);
+            self.densities.push(density);
+        }
     }
 }
 
@@ -194,6 +202,15 @@ mod tests {
             assert_eq!(pool.choose(&mut rng), None);
             assert!(pool.normaliser().mean().abs() < 1e-300);
         }
+    }
+
+    #[test]
+    fn parts_make_the_pool_that_is_made_at_once() {
+        let densities = [0.3, f64::NAN, 2.0, 0.0, 7.5, -1.0];
+        let mut parts = Pool::new(densities[..2].iter().copied());
+        parts.extend(densities[2..].iter().copied());
+        assert_eq!(parts, Pool::new(densities));
+        assert_eq!(parts.defects(), 2);
     }
 
     #[test]

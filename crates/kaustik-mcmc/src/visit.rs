@@ -71,3 +71,35 @@ pub struct Ignore;
 impl<V, const K: usize> Recorder<V, K> for Ignore {
     fn record(&mut self, _: Visit<'_, V, K>) {}
 }
+
+/// Two recorders, told the same, the first one first. More than two: `Both(&mut a, &mut Both(&mut b, &mut c))`.
+///
+/// ```
+/// use kaustik_mcmc::{Both, Recorder, Visit};
+///
+/// let (mut steps, mut sum) = (0.0, 0.0);
+/// let mut count = |visit: Visit<'_, f64, 1>| steps += visit.weight;
+/// let mut add = |visit: Visit<'_, f64, 1>| sum += visit.weight * *visit.value;
+/// Both(&mut count, &mut add).record(Visit {
+///     level: 0,
+///     value: &3.0,
+///     densities: &[1.0],
+///     weight: 2.0,
+///     independent: 0.0,
+/// });
+/// assert_eq!((steps, sum), (2.0, 6.0));
+/// ```
+#[derive(Debug)]
+pub struct Both<'a, A: ?Sized, B: ?Sized>(pub &'a mut A, pub &'a mut B);
+
+impl<V, A, B, const K: usize> Recorder<V, K> for Both<'_, A, B>
+where
+    A: Recorder<V, K> + ?Sized,
+    B: Recorder<V, K> + ?Sized,
+{
+    #[inline]
+    fn record(&mut self, visit: Visit<'_, V, K>) {
+        self.0.record(visit);
+        self.1.record(visit);
+    }
+}

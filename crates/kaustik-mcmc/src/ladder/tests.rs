@@ -8,7 +8,7 @@ use super::*;
 use crate::testing::{
     Enumerator, Law, TransitionMatrix, assert_detailed_balance, assert_stationary,
 };
-use crate::{Ignore, Move, acceptance, generator};
+use crate::{Ignore, Move, Visit, acceptance, generator};
 
 const STATES: usize = 3;
 const TOLERANCE: f64 = 1e-12;
