@@ -106,6 +106,42 @@ fn the_direct_part_is_path_up_to_two_edges() {
     }
 }
 
+/// What is seen by way of glass or a varnish is there once, whether chains see to it or samples of its own.
+#[test]
+fn what_is_seen_through_glass_is_there_once() {
+    let methods = [
+        Method::Pssmlt,
+        Method::Relt,
+        Method::Mlt,
+        Method::MltMultistage,
+    ];
+    for words in [
+        "material-ball?material=glass",
+        "material-ball?material=coated",
+    ] {
+        let scene = scene(words, SIDE);
+        let path = tiles_of_seeds(&scene, &settings(Method::Path, SIDE, 512), SEEDS);
+        for method in methods {
+            let sum = tiles_of_seeds(&scene, &settings(method, SIDE, 256), SEEDS);
+            assert_agree(&format!("{words}, {method}"), &path, &sum, 0.1);
+        }
+    }
+}
+
+/// Where nothing is seen but by way of glass, chains on paths have nothing, and the picture is right after a few samples.
+#[test]
+fn all_may_be_seen_through_glass() {
+    let scene = scene("furnace?kind=glass", SIDE);
+    for method in [Method::Mlt, Method::MltMultistage] {
+        let image = rendered(&scene, &settings(method, SIDE, 16), 0).image;
+        let values = || image.rgb().into_iter().flatten();
+        let mean = values().map(|&v| f64::from(v)).sum::<f64>() / values().count() as f64;
+        assert!((mean - 1.0).abs() < 0.02, "{method}: {mean}");
+        let least = values().fold(f32::MAX, |least, &v| least.min(v));
+        assert!(least > 0.3, "{method}: {least}");
+    }
+}
+
 /// Where chains find no light, lamps and direct light take the budget's passes all the same, and it comes to an end.
 #[test]
 fn chains_in_the_dark_use_up_their_budget() {

@@ -69,7 +69,9 @@ impl PathSpace<'_> {
     /// Sums up the path from its vertices and edges; `false` if it brings nothing. A density that is not a
     /// number is left for the chain to count.
     pub(crate) fn evaluate(&self, path: &mut Path) -> bool {
-        if path.edges() < self.settings.min_edges as usize {
+        if path.edges() < self.settings.min_edges as usize
+            || !self.admits((1..path.edges()).map(|i| path.is_specular(i)))
+        {
             return false;
         }
         let (density, colour) = self.light_of(path, path.importance);

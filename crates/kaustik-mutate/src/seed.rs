@@ -107,7 +107,10 @@ impl<'a> Seeds<'a> {
     fn may_join(&self, space: &PathSpace<'_>, [s, t]: [usize; 2], escaped: bool) -> bool {
         let outside = escaped && t == self.eye_survival.len();
         let ends = match s {
-            0 => outside || (t > 1 && self.emits(space, t)),
+            0 => {
+                let specular = (2..t).map(|t| self.eye.at(self.eye.len() - t).specular);
+                (outside || (t > 1 && self.emits(space, t))) && space.admits(specular)
+            }
             _ => !outside,
         };
         ends && space.lengths().contains(&(s + t - 1))

@@ -1,6 +1,6 @@
 use glam::{DVec2, DVec3};
 use kaustik_mcmc::Draws;
-use kaustik_path::{BuilderSettings, ScalarTarget};
+use kaustik_path::{BuilderSettings, PureSpecular, ScalarTarget};
 use kaustik_scene::Scene;
 
 /// The light paths of a scene: what kernels move in.
@@ -49,6 +49,13 @@ impl PathSpace<'_> {
     #[inline]
     pub(crate) fn lengths(&self) -> std::ops::RangeInclusive<usize> {
         self.settings.min_edges as usize..=self.settings.max_edges as usize
+    }
+
+    /// Is a path made whose vertices between its ends scatter so, true for into a Dirac direction?
+    #[inline]
+    pub(crate) fn admits(&self, mut specular: impl Iterator<Item = bool>) -> bool {
+        let rule = self.settings.pure_specular;
+        rule == PureSpecular::Kept || rule.admits(specular.all(|specular| specular))
     }
 
     /// Density of a raster point: uniform over the window.

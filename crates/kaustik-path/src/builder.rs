@@ -3,7 +3,7 @@ use kaustik_pss::Coordinates;
 use kaustik_scene::Scene;
 use kaustik_spectrum::WavelengthSampling;
 
-use crate::Contributions;
+use crate::{Contributions, PureSpecular};
 
 /// Makes paths from a point of the primary sample space: `S(u)` and `F*(u)` of Kelemen sec. 2.
 ///
@@ -21,6 +21,9 @@ pub struct BuilderSettings {
     pub min_edges: u32,
     /// Longest path in edges, at least 1 (1: emitters seen directly).
     pub max_edges: u32,
+    /// What becomes of purely specular paths. [`Alone`](PureSpecular::Alone) is for
+    /// [`Unidirectional`](crate::Unidirectional) without next event: other strategies make none of them.
+    pub pure_specular: PureSpecular,
     /// Keep the largest single `C_{s,t}` ([`Contributions::largest`]), for Kelemen's maximum: it costs
     /// a colour for each.
     pub largest: bool,
@@ -38,6 +41,7 @@ impl Default for BuilderSettings {
         Self {
             min_edges: 1,
             max_edges: 64,
+            pure_specular: PureSpecular::Kept,
             largest: false,
             wavelengths: WavelengthSampling::Hero,
             window_min: DVec2::ZERO,
@@ -47,6 +51,13 @@ impl Default for BuilderSettings {
 }
 
 impl BuilderSettings {
+    /// Is a path made of so many edges that ends in an emitter which it has run into, `pure` if it scattered into
+    /// Dirac directions alone?
+    #[inline]
+    pub(crate) fn makes(&self, edges: u32, pure: bool) -> bool {
+        edges >= self.min_edges && self.pure_specular.admits(pure)
+    }
+
     /// The raster point of two coordinates in [0, 1): uniform over the window.
     #[inline]
     pub fn raster(&self, u: DVec2) -> DVec2 {

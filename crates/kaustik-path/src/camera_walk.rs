@@ -57,6 +57,7 @@ pub(crate) fn start<'w>(
         start: 1.0,
         dispersive: false,
         specular: false,
+        pure: true,
         edges: 0,
     };
     walk.tell_start();

@@ -41,7 +41,7 @@ impl Endpoint {
         let (mut vertex, mut bsdf) = (Vertex::default(), Bsdf::black());
         while walk.advance(scene, u, &mut vertex).is_some() {
             let settings = &self.settings;
-            if walk.edges >= settings.min_edges {
+            if settings.makes(walk.edges, walk.pure) {
                 emission(scene, walk, &vertex, origin, share, gathered);
             }
             if walk.edges == settings.max_edges {
@@ -72,7 +72,7 @@ impl Endpoint {
                 return;
             }
         }
-        if walk.edges >= self.settings.min_edges {
+        if self.settings.makes(walk.edges, walk.pure) {
             escape(scene, walk, origin, share, gathered);
         }
     }

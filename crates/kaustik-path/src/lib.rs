@@ -19,6 +19,7 @@ pub mod layout;
 mod light;
 mod next_event;
 mod photon;
+mod pure_specular;
 mod rays;
 mod roulette;
 mod scalar;
@@ -42,6 +43,7 @@ pub use photon::{
     Disc, Lookup, MeasurementPoint, MeasurementPoints, MeasurementWalk, Photon, PhotonPath,
     PhotonTracing, Remainder,
 };
+pub use pure_specular::PureSpecular;
 pub use rays::Rays;
 pub use scalar::ScalarTarget;
 pub use sighting::{Beginning, Sighting, sight};

@@ -104,13 +104,13 @@ pub(crate) fn sees_light(
     walk: &Walk<'_>,
     vertex: &Vertex,
 ) -> bool {
-    let counts = walk.specular && walk.edges >= settings.min_edges;
+    let counts = walk.specular && settings.makes(walk.edges, walk.pure);
     counts && !(scene.emitted(vertex, -walk.direction, walk.wavelengths)).is_zero()
 }
 
 /// The same of a walk that has left the scene.
 #[inline]
 pub(crate) fn sees_environment(settings: &BuilderSettings, scene: &Scene, walk: &Walk<'_>) -> bool {
-    let counts = walk.specular && walk.edges >= settings.min_edges;
+    let counts = walk.specular && settings.makes(walk.edges, walk.pure);
     counts && !(scene.environment(walk.direction, walk.wavelengths)).is_zero()
 }

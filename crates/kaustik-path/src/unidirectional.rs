@@ -1,7 +1,7 @@
 //! Path tracing: walks from the camera, with or without next-event estimation.
 
 use glam::DVec3;
-use kaustik_bsdf::Bsdf;
+use kaustik_bsdf::{Bsdf, Lobe};
 use kaustik_pss::Coordinates;
 use kaustik_scene::{Scene, Vertex};
 use kaustik_spectrum::Spectrum;
@@ -10,7 +10,7 @@ use crate::contributions::Gathered;
 use crate::next_event::{Shares, next_event};
 use crate::trace::{Event, note};
 use crate::walk::{Walk, power_heuristic};
-use crate::{BuilderSettings, Class, Contributions, PathBuilder, camera_walk};
+use crate::{BuilderSettings, Class, Contributions, PathBuilder, PureSpecular, camera_walk};
 
 /// Walks from the camera; emitters are found by next-event estimation at every vertex and by
 /// running into them, weighted by the power heuristic (Veach 1997, 9.2), or by
@@ -58,13 +58,17 @@ impl Unidirectional {
         let (mut vertex, mut bsdf) = (Vertex::default(), Bsdf::black());
         while walk.advance(scene, u, &mut vertex).is_some() {
             let Self { settings, .. } = self;
-            if walk.edges >= settings.min_edges {
+            if settings.makes(walk.edges, walk.pure) {
                 emission(scene, walk, &vertex, origin, 1.0, gathered);
             }
             if walk.edges == settings.max_edges {
                 return;
             }
             let scatter = walk.scatter(scene, &vertex, &mut bsdf);
+            let alone = settings.pure_specular == PureSpecular::Alone;
+            if alone && !scatter.bsdf.has_choice() && !scatter.bsdf.is_delta() {
+                return;
+            }
             if self.next_event && walk.edges + 1 >= settings.min_edges {
                 next_event(scene, walk, &scatter, Shares::BOTH, u, gathered);
             }
@@ -72,12 +76,15 @@ impl Unidirectional {
                 return;
             };
             let rivalled = self.next_event && !sample.delta;
+            if alone && !sample.delta {
+                return;
+            }
             origin = rivalled.then(|| Origin::new(scatter.vertex.position, sample.pdf));
             if !walk.survives(u) {
                 return;
             }
         }
-        if walk.edges >= self.settings.min_edges {
+        if self.settings.makes(walk.edges, walk.pure) {
             escape(scene, walk, origin, 1.0, gathered);
         }
     }

@@ -30,6 +30,8 @@ pub(crate) struct Walk<'w> {
     pub(crate) dispersive: bool,
     /// Has scattered into a Dirac direction.
     pub(crate) specular: bool,
+    /// Has scattered into Dirac directions alone, or not at all.
+    pub(crate) pure: bool,
     /// Edges so far.
     pub(crate) edges: u32,
 }
@@ -62,6 +64,7 @@ impl<'w> Walk<'w> {
             start: throughput.mean(),
             dispersive: false,
             specular: false,
+            pure: true,
             edges: 0,
         };
         walk.tell_start();
@@ -195,6 +198,7 @@ impl<'w> Walk<'w> {
         let vertex = scatter.vertex;
         self.dispersive |= sample.dispersive;
         self.specular |= sample.delta;
+        self.pure &= sample.delta;
         self.direction = vertex.frame.to_world(sample.wi);
         if sample.transmitted {
             scene.cross(vertex, self.direction, &mut self.interior);

@@ -5,7 +5,7 @@ use std::ops::Range;
 use std::sync::atomic::AtomicBool;
 
 use kaustik_film::{Counters, Image, Layer};
-use kaustik_path::{Event, Rays};
+use kaustik_path::{Event, PureSpecular, Rays};
 use kaustik_scene::Scene;
 
 use crate::engine::{Engine, add_counters, add_nonfinite, add_rays};
@@ -35,7 +35,19 @@ pub(crate) fn is_apart(settings: &RenderSettings) -> bool {
     chains && settings.options.direct == Direct::Apart
 }
 
-/// Are emitters and surroundings seen directly rendered beside the chains, and nothing else?
+/// What becomes of purely specular paths in the method's own samples.
+///
+/// Chains on paths seldom propose one that is new from end to end, so that they may never come to a lamp behind glass.
+/// The other methods do so with every large step, which serves as well as samples beside them.
+pub(crate) fn pure_specular(settings: &RenderSettings) -> PureSpecular {
+    match settings.method {
+        Method::Mlt | Method::MltMultistage if are_lamps(settings) => PureSpecular::LeftOut,
+        _ => PureSpecular::Kept,
+    }
+}
+
+/// Are emitters and surroundings seen directly rendered beside the chains (of some methods also those seen
+/// by way of mirrors and glass alone: [`pure_specular`]), and nothing else?
 pub(crate) fn are_lamps(settings: &RenderSettings) -> bool {
     match settings.method {
         Method::Pssmlt | Method::Mmlt | Method::Relt | Method::Mlt => {

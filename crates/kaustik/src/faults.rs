@@ -299,7 +299,7 @@ fn faults_of_lamps_are_found() {
         let paths = Unidirectional {
             settings: kaustik_path::BuilderSettings {
                 min_edges: 1,
-                max_edges: 1,
+                pure_specular: kaustik_path::PureSpecular::Alone,
                 ..builder_settings(&settings)
             },
             next_event: false,

@@ -229,6 +229,7 @@ pub(crate) fn builder_settings(settings: &RenderSettings) -> BuilderSettings {
     BuilderSettings {
         min_edges: direct::min_edges(settings),
         max_edges: settings.max_depth,
+        pure_specular: direct::pure_specular(settings),
         largest: settings.options.contribution == Contribution::Maximum,
         wavelengths: settings.options.wavelengths,
         window_min: DVec2::from(bounds.min) / size,

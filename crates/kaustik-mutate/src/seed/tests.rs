@@ -1,11 +1,26 @@
 //! Sums that are cut at a joint against those over the whole path.
 
 use kaustik_mcmc::generator;
+use kaustik_path::PureSpecular;
 
 use super::{PathSpace, Seeds};
 use crate::Path;
 use crate::tests::space;
 use crate::tests::stage::scene;
+
+const SCENES: [&str; 11] = [
+    "diffuse",
+    "glossy",
+    "glass",
+    "frosted",
+    "inlay",
+    "point",
+    "sun",
+    "sky",
+    "lens",
+    "orthographic",
+    "veil",
+];
 
 /// The weights of all paths of the last sample, each path put together and weighed as a whole; how many there are.
 fn weighed_as_wholes(seeds: &mut Seeds<'_>, space: &PathSpace<'_>, escaped: bool) -> (f64, usize) {
@@ -21,6 +36,8 @@ fn weighed_as_wholes(seeds: &mut Seeds<'_>, space: &PathSpace<'_>, escaped: bool
                 continue;
             }
             let path = &seeds.joined;
+            let pure = (1..path.edges()).all(|i| path.is_specular(i));
+            assert!(space.settings.pure_specular.admits(pure));
             sum += path.density / (space.all_ways(path, 0, s + t) * seeds.survival([s, t]));
             count += 1;
         }
@@ -30,21 +47,14 @@ fn weighed_as_wholes(seeds: &mut Seeds<'_>, space: &PathSpace<'_>, escaped: bool
 
 #[test]
 fn a_weight_is_that_of_the_whole_path() {
-    for name in [
-        "diffuse",
-        "glossy",
-        "glass",
-        "frosted",
-        "inlay",
-        "point",
-        "sun",
-        "sky",
-        "lens",
-        "orthographic",
-        "veil",
-    ] {
+    let rules = [PureSpecular::Kept, PureSpecular::LeftOut];
+    for (pure_specular, name) in rules
+        .into_iter()
+        .flat_map(|rule| SCENES.map(|name| (rule, name)))
+    {
         let scene = scene(name);
-        let space = space(&scene, 8);
+        let mut space = space(&scene, 8);
+        space.settings.pure_specular = pure_specular;
         let mut seeds = Seeds::new(&space);
         let mut path = Path::default();
         let mut rng = generator(11, 0);
@@ -56,7 +66,7 @@ fn a_weight_is_that_of_the_whole_path() {
             let (wanted, count) = weighed_as_wholes(&mut seeds, &space, escaped);
             assert!(
                 (sum - wanted).abs() <= 1e-9 * wanted,
-                "{name}: {sum}, {wanted}"
+                "{name}, {pure_specular:?}: {sum}, {wanted}"
             );
             paths += count;
         }

@@ -13,6 +13,7 @@ use super::workspace::{Subpath, Workspace};
 use super::{Form, Job};
 use crate::Class;
 use crate::contributions::Gathered;
+use crate::walk::Walk;
 
 /// What the vertices of the eye are joined to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -59,7 +60,7 @@ fn follow(
             return;
         }
         going.keep(job, eye);
-        emission(job, going.walk.specular, eye.vertices(), gathered, witness);
+        emission(job, &going.walk, eye.vertices(), gathered, witness);
         if going.walk.edges == job.builder.settings.max_edges {
             return;
         }
@@ -106,13 +107,13 @@ fn join_all(
 /// s = 0: what the surface just met emits.
 pub(super) fn emission(
     job: &Job<'_>,
-    specular: bool,
+    walk: &Walk<'_>,
     eye: &[PathVertex],
     gathered: &mut Gathered<'_>,
     witness: &mut impl Witness,
 ) {
     let z = &eye[eye.len() - 1];
-    if z.edges < job.builder.settings.min_edges {
+    if !job.builder.settings.makes(z.edges, walk.pure) {
         return;
     }
     let radiance = job.scene.emitted(&z.vertex, z.back, job.wavelengths);
@@ -123,7 +124,7 @@ pub(super) fn emission(
     let weight = job.weights().implicit(z.edges, &pdf, &z.running);
     let value = z.throughput * radiance * weight as f32;
     seen(witness, z.edges, eye, (pdf, z.back), weight, value);
-    gathered.add(Class::implicit(specular), value, z.dispersive);
+    gathered.add(Class::implicit(walk.specular), value, z.dispersive);
 }
 
 /// s = 0: what a walk that left the scene sees.
@@ -135,7 +136,7 @@ pub(super) fn escape(
     witness: &mut impl Witness,
 ) {
     let walk = &going.walk;
-    if walk.edges < job.builder.settings.min_edges {
+    if !job.builder.settings.makes(walk.edges, walk.pure) {
         return;
     }
     let radiance = job.scene.environment(walk.direction, job.wavelengths);

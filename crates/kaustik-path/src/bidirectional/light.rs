@@ -147,7 +147,7 @@ pub(super) fn meet_lens(
     witness: &mut impl Witness,
 ) {
     let walk = &going.walk;
-    if walk.edges < job.builder.settings.min_edges {
+    if !job.builder.settings.makes(walk.edges, walk.pure) {
         return;
     }
     let camera = job.scene.camera();

@@ -263,8 +263,7 @@ impl Job<'_> {
             }
             going.keep(self, eye);
             if s == 0 && last {
-                let specular = going.walk.specular;
-                eye::emission(self, specular, eye.vertices(), gathered, witness);
+                eye::emission(self, &going.walk, eye.vertices(), gathered, witness);
                 return;
             }
             going.open(self, eye);

@@ -3,7 +3,7 @@ use kaustik_geometry::Mesh;
 use kaustik_mcmc::{Independent, generator};
 use kaustik_path::{
     Bidirectional, BuilderSettings, Class, Contributions, Form, Heuristic, PathBuilder,
-    Unidirectional,
+    PureSpecular, Unidirectional,
 };
 use kaustik_pss::{Recording, Stream};
 use kaustik_scene::{Scene, builtin};
@@ -15,6 +15,7 @@ const PATH: Unidirectional = Unidirectional {
     settings: BuilderSettings {
         largest: false,
         min_edges: 1,
+        pure_specular: PureSpecular::Kept,
         max_edges: 64,
         wavelengths: WavelengthSampling::Hero,
         window_min: glam::DVec2::ZERO,

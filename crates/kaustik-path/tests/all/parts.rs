@@ -1,7 +1,7 @@
 use kaustik_mcmc::{Independent, generator};
 use kaustik_path::{
     Bidirectional, BuilderSettings, Contributions, Endpoint, Form, Heuristic, LightTracing,
-    Multiplexed, PathBuilder, Techniques, Unidirectional,
+    Multiplexed, PathBuilder, PureSpecular, Techniques, Unidirectional,
 };
 use kaustik_pss::Recording;
 use kaustik_scene::Scene;
@@ -122,4 +122,71 @@ fn a_length_too_many_or_too_few_is_noticed() {
             assert!(off > 1e-2, "{builder}, {first_long}: {off}");
         }
     }
+}
+
+/// Of all points: the largest difference between all paths and those that are not purely specular together with what a
+/// walk finds that makes no others, as a share of all; and how many points have light of each.
+fn worst_of_pure(scene: &Scene, make: Make, first_edges: u32) -> (f64, [u32; 2]) {
+    let settings = |min_edges, pure_specular| BuilderSettings {
+        min_edges,
+        max_edges: EDGES,
+        pure_specular,
+        ..BuilderSettings::default()
+    };
+    let all = make(settings(1, PureSpecular::Kept));
+    let rest = make(settings(1, PureSpecular::LeftOut));
+    let pure = Unidirectional {
+        settings: settings(first_edges, PureSpecular::Alone),
+        next_event: false,
+    };
+    let mut source = Independent::new(generator(13, 0));
+    let mut out = Contributions::default();
+    let (mut worst, mut lit) = (0.0_f64, [0; 2]);
+    for _ in 0..POINTS {
+        let mut recording = Recording::new(&mut source);
+        all.build(scene, &mut recording, &mut out);
+        let mut point = recording.finish();
+        let whole = light(&out);
+        rest.build(scene, &mut point, &mut out);
+        let of_rest = light(&out);
+        pure.build(scene, &mut point, &mut out);
+        let of_pure = light(&out);
+        assert_eq!(point.missing(), None);
+        for (i, whole) in whole.into_iter().enumerate() {
+            let off: f64 = whole - of_rest[i] - of_pure[i];
+            worst = worst.max(off.abs() / whole.max(1e-30));
+        }
+        lit[0] += u32::from(of_rest[0] > 0.0);
+        lit[1] += u32::from(of_pure[0] > 0.0);
+    }
+    (worst, lit)
+}
+
+/// Builders whose walk from the eye goes as far as any, and which make purely specular paths by it alone.
+const WALKERS: [usize; 3] = [0, 1, 4];
+
+/// Point by point: what is left out is what a walk finds that goes on by mirrors and smooth glass alone, no more
+/// and no less. (Where the lens has area, walks from a light find some of it as well.)
+#[test]
+fn purely_specular_and_other_paths_are_together_all() {
+    let mut lit = [0; 2];
+    for (name, stage) in SCENES {
+        let scene = stage().build();
+        if scene.camera().has_aperture() {
+            continue;
+        }
+        for (builder, make) in WALKERS.map(|i| BUILDERS[i]) {
+            let (worst, found) = worst_of_pure(&scene, make, 1);
+            assert!(worst < 1e-4, "{name}, {builder}: {worst}");
+            lit = [lit[0] + found[0], lit[1] + found[1]];
+        }
+    }
+    assert!(lit[0] > 3_000 && lit[1] > 300, "{lit:?}");
+}
+
+/// The test of the test: what is seen directly in neither part.
+#[test]
+fn a_purely_specular_path_that_is_lost_is_noticed() {
+    let off = SCENES.map(|(_, stage)| worst_of_pure(&stage().build(), BUILDERS[1].1, 2).0);
+    assert!(off.into_iter().fold(0.0, f64::max) > 1e-2, "{off:?}");
 }

@@ -1,7 +1,7 @@
 use kaustik_mcmc::{Exponential, Independent, Mean, Point, Step, generator};
 use kaustik_path::{
     Beginning, Bidirectional, BuilderSettings, Class, Contributions, Form, Heuristic, PathBuilder,
-    ScalarTarget, Sighting, sight, sight_ways,
+    PureSpecular, ScalarTarget, Sighting, sight, sight_ways,
 };
 use kaustik_pss::{Coordinates, Recording};
 use kaustik_scene::{Scene, builtin};
@@ -35,10 +35,12 @@ fn what_is_sighted_is_what_the_full_form_finds() {
     let mut out = Contributions::default();
     let mut found = [0; 2];
     for (name, scene) in scenes() {
-        for min_edges in [1, 2, 4] {
+        let all = [1, 2, 4].map(|min_edges| (min_edges, PureSpecular::Kept));
+        for (min_edges, pure_specular) in all.into_iter().chain([(2, PureSpecular::LeftOut)]) {
             let settings = BuilderSettings {
                 min_edges,
                 max_edges: 12,
+                pure_specular,
                 ..BuilderSettings::default()
             };
             let full = Bidirectional {
@@ -56,7 +58,7 @@ fn what_is_sighted_is_what_the_full_form_finds() {
                     let seen = sight(&settings, &scene, beginning, &mut recorded);
                     seen == Sighting::Light
                 };
-                let place = format!("{name}, {min_edges} edges at least, point {point}");
+                let place = format!("{name}, {settings:?}, point {point}");
                 assert_eq!(light > 0.0, sees(Beginning::Any), "{place}: {light}");
                 // each sees its own part
                 let parts = [Beginning::Dirac, Beginning::Other].map(&mut sees);
@@ -101,11 +103,17 @@ fn found(scene: &Scene, full: &Bidirectional, ways: u32, u: &mut dyn Coordinates
     found
 }
 
+/// With purely specular paths where the shortest have one edge: with those that are one edge long, all are.
 fn full(min_edges: u32) -> Bidirectional {
+    let pure_specular = match min_edges {
+        1 => PureSpecular::Kept,
+        _ => PureSpecular::LeftOut,
+    };
     Bidirectional {
         settings: BuilderSettings {
             min_edges,
             max_edges: 12,
+            pure_specular,
             ..BuilderSettings::default()
         },
         form: Form::Full,
