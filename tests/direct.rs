@@ -121,6 +121,13 @@ fn what_is_seen_through_glass_is_there_once() {
     ] {
         let scene = scene(words, SIDE);
         let path = tiles_of_seeds(&scene, &settings(Method::Path, SIDE, 512), SEEDS);
+        let sum = tiles_of_seeds(&scene, &apart(Method::Mlt, 256), SEEDS);
+        assert_agree(
+            &format!("{words}, mlt, direct light apart"),
+            &path,
+            &sum,
+            0.1,
+        );
         for method in methods {
             let sum = tiles_of_seeds(&scene, &settings(method, SIDE, 256), SEEDS);
             assert_agree(&format!("{words}, {method}"), &path, &sum, 0.1);

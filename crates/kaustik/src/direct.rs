@@ -1,7 +1,7 @@
 //! Direct light beside chains that leave it out.
 
 use std::io;
-use std::ops::Range;
+use std::ops::{Range, RangeInclusive};
 use std::sync::atomic::AtomicBool;
 
 use kaustik_film::{Counters, Image, Layer};
@@ -41,9 +41,26 @@ pub(crate) fn is_apart(settings: &RenderSettings) -> bool {
 /// The other methods do so with every large step, which serves as well as samples beside them.
 pub(crate) fn pure_specular(settings: &RenderSettings) -> PureSpecular {
     match settings.method {
-        Method::Mlt | Method::MltMultistage if are_lamps(settings) => PureSpecular::LeftOut,
+        Method::Mlt | Method::MltMultistage if are_lamps(settings) || is_apart(settings) => {
+            PureSpecular::LeftOut
+        }
         _ => PureSpecular::Kept,
     }
+}
+
+/// How many edges the paths have that [`Lamps`](crate::lamps::Lamps) see to; `None` if there are none of them.
+pub(crate) fn edges_of_lamps(settings: &RenderSettings) -> Option<RangeInclusive<u32>> {
+    let least = if is_apart(settings) {
+        MOST_EDGES + 1
+    } else {
+        1
+    };
+    let most = match pure_specular(settings) {
+        PureSpecular::LeftOut => settings.max_depth,
+        _ if are_lamps(settings) => 1,
+        _ => 0,
+    };
+    (least <= most).then_some(least..=most)
 }
 
 /// Are emitters and surroundings seen directly rendered beside the chains (of some methods also those seen

@@ -76,16 +76,13 @@ impl<'a> Lamps<'a> {
         scene: &'a Scene,
         settings: &RenderSettings,
     ) -> Result<Option<Self>, RenderError> {
-        if !direct::are_lamps(settings) {
+        let Some(edges) = direct::edges_of_lamps(settings) else {
             return Ok(None);
-        }
+        };
         let paths = Unidirectional {
             settings: BuilderSettings {
-                min_edges: 1,
-                max_edges: match direct::pure_specular(settings) {
-                    PureSpecular::LeftOut => settings.max_depth,
-                    _ => 1,
-                },
+                min_edges: *edges.start(),
+                max_edges: *edges.end(),
                 pure_specular: PureSpecular::Alone,
                 ..builder_settings(settings)
             },
@@ -154,9 +151,9 @@ impl<'a> Lamps<'a> {
             .collect()
     }
 
-    /// How often each cell is sampled in a pass: once, and as many samples as that are of all cells again fall to those where
-    /// something was seen, and their neighbours: half of them to all of these alike, half by how
-    /// bright it is there.
+    /// How often each cell is sampled in a pass: once, and as many samples again as there are cells fall to those
+    /// where something was seen, and to their neighbours: half of them to all of these alike, half by
+    /// how bright it is there.
     fn closely(&self, seen: &[Look]) -> Vec<u64> {
         let (columns, rows) = (self.cells.columns() as i64, self.cells.rows() as i64);
         let root = |x: i64, y: i64| {
