@@ -15,8 +15,8 @@ pub(crate) const START: &[Fault] = &[
     fault(
         "dark samples are left out of the normaliser",
         "pool.rs",
-        "            pool.normaliser.push(density);\n",
-        "            if density > 0.0 {\n                pool.normaliser.push(density);\n            }\n",
+        "            self.normaliser.push(density);\n",
+        "            if density > 0.0 {\n                self.normaliser.push(density);\n            }\n",
         "unbiased::expected_values_are_unbiased lib:pool::tests::defects_are_counted_and_never_chosen",
     ),
     fault(
