@@ -60,12 +60,13 @@ pub(crate) struct Lamps<'a> {
     nonfinite: Nonfinite,
 }
 
-/// What a few samples of a cell saw.
-#[derive(Clone, Copy, Debug, Default)]
+/// What a few samples of a cell saw. Less than a film has of a pixel.
+#[derive(Clone, Copy, Debug)]
 struct Look {
-    /// X + Y + Z, and its square, of all samples together.
+    /// X + Y + Z of all samples together.
     light: f64,
-    squares: f64,
+    /// Root of the sum of its squares.
+    root: f32,
     /// Was some of it seen by way of a mirror or glass?
     specular: bool,
 }
@@ -133,18 +134,22 @@ impl<'a> Lamps<'a> {
     fn look(&self) -> Vec<Look> {
         let cells = 0..self.cells.count() as usize;
         let look = |value: &mut Contributions, cell| {
-            let mut look = Look::default();
+            let (mut sum, mut squares, mut specular) = (0.0, 0.0, false);
             for index in 0..LOOK {
                 // far from the indices that passes will have
                 let index = u64::MAX / self.cells.count() / 2 + index;
                 self.build(cell as u64, index, value);
                 let splats = value.splats();
                 let light: f64 = splats.iter().map(|s| f64::from(s.xyz.sum())).sum();
-                look.light += light;
-                look.squares += light * light;
-                look.specular |= splats.iter().any(|splat| splat.class == Class::L0);
+                sum += light;
+                squares += light * light;
+                specular |= splats.iter().any(|splat| splat.class == Class::L0);
             }
-            look
+            Look {
+                light: sum,
+                root: squares.sqrt() as f32,
+                specular,
+            }
         };
         (cells.into_par_iter().with_min_len(256))
             .map_init(Contributions::default, look)
@@ -159,7 +164,7 @@ impl<'a> Lamps<'a> {
         let root = |x: i64, y: i64| {
             let inside = (0..columns).contains(&x) && (0..rows).contains(&y);
             if inside {
-                seen[(y * columns + x) as usize].squares.sqrt()
+                seen[(y * columns + x) as usize].root
             } else {
                 0.0
             }
@@ -168,15 +173,15 @@ impl<'a> Lamps<'a> {
         let near = |cell: i64| {
             let (x, y) = (cell % columns, cell / columns);
             let around = (-1..=1).flat_map(|dy| (-1..=1).map(move |dx| (dx, dy)));
-            (around.map(|(dx, dy)| root(x + dx, y + dy))).fold(0.0, f64::max)
+            (around.map(|(dx, dy)| root(x + dx, y + dy))).fold(0.0, f32::max)
         };
-        let near: Vec<f64> = (0..columns * rows).map(near).collect();
+        let near: Vec<f32> = (0..columns * rows).map(near).collect();
         let lit = near.iter().filter(|&&root| root > 0.0).count().max(1);
-        let sum = near.iter().sum::<f64>().max(f64::MIN_POSITIVE);
+        let sum = (near.iter().map(|&root| f64::from(root)).sum::<f64>()).max(f64::MIN_POSITIVE);
         let half = 0.5 * self.cells.count() as f64;
-        let often = |root: f64| {
+        let often = |root: f32| {
             let alike = if root > 0.0 { half / lit as f64 } else { 0.0 };
-            ((alike + half * (root / sum)) as u64).clamp(1, CLOSELY)
+            ((alike + half * (f64::from(root) / sum)) as u64).clamp(1, CLOSELY)
         };
         near.into_iter().map(often).collect()
     }
