@@ -58,17 +58,9 @@ fn light(out: &Contributions) -> [f64; 2] {
     })
 }
 
-/// Of all points: the largest difference between all paths and the sum of both parts, as a share of all, and how
-/// many points have light in the short and in the long ones.
-fn worst(scene: &Scene, make: Make, first_long: u32) -> (f64, [u32; 2]) {
-    let of = |min_edges, max_edges| {
-        make(BuilderSettings {
-            min_edges,
-            max_edges,
-            ..BuilderSettings::default()
-        })
-    };
-    let (all, short, long) = (of(1, EDGES), of(1, SHORT), of(first_long, EDGES));
+/// Of all points: the largest difference between all paths and the sum of two parts, as a share of all, and how
+/// many points have light in each part.
+fn worst_of(scene: &Scene, all: &dyn PathBuilder, parts: [&dyn PathBuilder; 2]) -> (f64, [u32; 2]) {
     let mut source = Independent::new(generator(12, 0));
     let mut out = Contributions::default();
     let (mut worst, mut lit) = (0.0_f64, [0; 2]);
@@ -77,19 +69,33 @@ fn worst(scene: &Scene, make: Make, first_long: u32) -> (f64, [u32; 2]) {
         all.build(scene, &mut recording, &mut out);
         let mut point = recording.finish();
         let whole = light(&out);
-        short.build(scene, &mut point, &mut out);
-        let of_short = light(&out);
-        long.build(scene, &mut point, &mut out);
-        let of_long = light(&out);
+        let parts = parts.map(|part| {
+            part.build(scene, &mut point, &mut out);
+            light(&out)
+        });
         assert_eq!(point.missing(), None);
         for (i, whole) in whole.into_iter().enumerate() {
-            let off: f64 = whole - of_short[i] - of_long[i];
+            let off: f64 = whole - parts[0][i] - parts[1][i];
             worst = worst.max(off.abs() / whole.max(1e-30));
         }
-        lit[0] += u32::from(of_short[0] > 0.0);
-        lit[1] += u32::from(of_long[0] > 0.0);
+        for (lit, part) in lit.iter_mut().zip(parts) {
+            *lit += u32::from(part[0] > 0.0);
+        }
     }
     (worst, lit)
+}
+
+/// The same of the short and the long paths of a builder.
+fn worst(scene: &Scene, make: Make, first_long: u32) -> (f64, [u32; 2]) {
+    let of = |min_edges, max_edges| {
+        make(BuilderSettings {
+            min_edges,
+            max_edges,
+            ..BuilderSettings::default()
+        })
+    };
+    let parts = [of(1, SHORT), of(first_long, EDGES)];
+    worst_of(scene, &*of(1, EDGES), [&*parts[0], &*parts[1]])
 }
 
 /// Point by point: what is left out is what the short paths bring, no more and no less.
@@ -124,8 +130,7 @@ fn a_length_too_many_or_too_few_is_noticed() {
     }
 }
 
-/// Of all points: the largest difference between all paths and those that are not purely specular together with what a
-/// walk finds that makes no others, as a share of all; and how many points have light of each.
+/// The same of the paths that are not purely specular, and of what a walk finds that makes no others.
 fn worst_of_pure(scene: &Scene, make: Make, first_edges: u32) -> (f64, [u32; 2]) {
     let settings = |min_edges, pure_specular| BuilderSettings {
         min_edges,
@@ -139,27 +144,7 @@ fn worst_of_pure(scene: &Scene, make: Make, first_edges: u32) -> (f64, [u32; 2])
         settings: settings(first_edges, PureSpecular::Alone),
         next_event: false,
     };
-    let mut source = Independent::new(generator(13, 0));
-    let mut out = Contributions::default();
-    let (mut worst, mut lit) = (0.0_f64, [0; 2]);
-    for _ in 0..POINTS {
-        let mut recording = Recording::new(&mut source);
-        all.build(scene, &mut recording, &mut out);
-        let mut point = recording.finish();
-        let whole = light(&out);
-        rest.build(scene, &mut point, &mut out);
-        let of_rest = light(&out);
-        pure.build(scene, &mut point, &mut out);
-        let of_pure = light(&out);
-        assert_eq!(point.missing(), None);
-        for (i, whole) in whole.into_iter().enumerate() {
-            let off: f64 = whole - of_rest[i] - of_pure[i];
-            worst = worst.max(off.abs() / whole.max(1e-30));
-        }
-        lit[0] += u32::from(of_rest[0] > 0.0);
-        lit[1] += u32::from(of_pure[0] > 0.0);
-    }
-    (worst, lit)
+    worst_of(scene, &*all, [&*rest, &pure])
 }
 
 /// Builders whose walk from the eye goes as far as any, and which make purely specular paths by it alone.
