@@ -40,18 +40,18 @@ pub(crate) fn is_apart(settings: &RenderSettings) -> bool {
 /// Chains on paths seldom propose one that is new from end to end, so that they may never come to a lamp behind glass.
 /// The other methods do so with every large step, which serves as well as samples beside them.
 pub(crate) fn pure_specular(settings: &RenderSettings) -> PureSpecular {
-    match settings.method {
-        Method::Mlt | Method::MltMultistage if are_lamps(settings) || is_apart(settings) => {
-            PureSpecular::LeftOut
-        }
-        _ => PureSpecular::Kept,
+    let seldom_whole = matches!(settings.method, Method::Mlt | Method::MltMultistage);
+    if seldom_whole && settings.options.direct != Direct::Together {
+        PureSpecular::LeftOut
+    } else {
+        PureSpecular::Kept
     }
 }
 
 /// How many edges the paths have that [`Lamps`](crate::lamps::Lamps) see to; `None` if there are none of them.
 pub(crate) fn edges_of_lamps(settings: &RenderSettings) -> Option<RangeInclusive<u32>> {
     let least = if is_apart(settings) {
-        MOST_EDGES + 1
+        min_edges(settings)
     } else {
         1
     };

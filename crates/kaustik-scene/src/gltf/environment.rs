@@ -1,14 +1,13 @@
 use std::sync::Arc;
 
 use glam::Quat;
-use kaustik_spectrum::srgb_to_linear;
 
 use super::json::{Cursor, shorten};
 use super::reader::Reader;
 use super::{ErrorKind, LoadError, extras, image};
 use crate::description::{EnvironmentDescription, ImageData, Pixels};
 use crate::environment::decode_hdr;
-use crate::texture::{SRGB, share};
+use crate::texture::{SRGB, SRGB_16};
 
 type Result<T> = std::result::Result<T, LoadError>;
 
@@ -81,7 +80,7 @@ fn with_radiances(
         Pixels::Rgba16(values) => (values.len(), 2),
         Pixels::RgbF32(_) => return Ok(picture),
     };
-    (reader.budget).take_many(&place.pointer(), values / 4, 12)?;
+    reader.budget.take_many(&place.pointer(), values / 4, 12)?;
     picture.pixels = radiances(&picture.pixels);
     reader.budget.give(bytes_each * values as u64);
     Ok(picture)
@@ -95,10 +94,7 @@ pub(super) fn radiances(pixels: &Pixels) -> Pixels {
     }
     let decoded = match pixels {
         Pixels::Rgba8(bytes) => colours(bytes).map(|&c| SRGB[usize::from(c)]).collect(),
-        Pixels::Rgba16(values) => {
-            let radiance = |&c: &u16| srgb_to_linear(share(c));
-            colours(values).map(radiance).collect()
-        }
+        Pixels::Rgba16(values) => (colours(values).map(|&c| SRGB_16[usize::from(c)])).collect(),
         Pixels::RgbF32(values) => values.clone(),
     };
     Pixels::RgbF32(decoded)

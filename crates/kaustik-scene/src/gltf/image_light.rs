@@ -12,7 +12,6 @@ use std::sync::Arc;
 
 use glam::DVec3;
 use image::codecs::hdr::HdrEncoder;
-use kaustik_spectrum::srgb_to_linear;
 
 use super::environment::rotation;
 use super::image::Images;
@@ -21,7 +20,7 @@ use super::reader::Reader;
 use super::{ErrorKind, LoadError};
 use crate::description::{EnvironmentDescription, ImageData, Pixels};
 use crate::environment::{MAX_HDR_PIXELS, decode_hdr};
-use crate::texture::{SRGB, share};
+use crate::texture::{SRGB, SRGB_16, share};
 
 type Result<T> = std::result::Result<T, LoadError>;
 
@@ -164,24 +163,26 @@ impl Cube {
     /// A colour coded as sRGB over its alpha (RGBD); alpha is 1 where an image has none.
     fn texel(&self, face: usize, x: usize, y: usize) -> [f32; 3] {
         let at = 4 * (y * self.side + x);
-        match &self.faces[face].pixels {
+        let (colour, divisor) = match &self.faces[face].pixels {
             Pixels::Rgba8(pixels) => {
-                let Some(&[r, g, b, divisor]) = pixels.get(at..at + 4) else {
+                let Some(&[r, g, b, a]) = pixels.get(at..at + 4) else {
                     return [0.0; 3];
                 };
-                let divisor = f32::from(divisor.max(1)) / 255.0;
-                [r, g, b].map(|c| SRGB[usize::from(c)] / divisor)
+                (
+                    [r, g, b].map(|c| SRGB[usize::from(c)]),
+                    f32::from(a) / 255.0,
+                )
             }
             Pixels::Rgba16(pixels) => {
-                let Some(&[r, g, b, divisor]) = pixels.get(at..at + 4) else {
+                let Some(&[r, g, b, a]) = pixels.get(at..at + 4) else {
                     return [0.0; 3];
                 };
-                // no less than the least that eight bits can say: as large a quotient as there
-                let divisor = share(divisor.max(257));
-                [r, g, b].map(|c| srgb_to_linear(share(c)) / divisor)
+                ([r, g, b].map(|c| SRGB_16[usize::from(c)]), share(a))
             }
-            Pixels::RgbF32(_) => [0.0; 3],
-        }
+            Pixels::RgbF32(_) => return [0.0; 3],
+        };
+        // the least that eight bits can say: 16 divide by no less
+        colour.map(|c| c / divisor.max(1.0 / 255.0))
     }
 }
 

@@ -60,8 +60,8 @@ type Table = [f32; 256];
 pub(crate) static SRGB: LazyLock<Table> =
     LazyLock::new(|| std::array::from_fn(|byte| srgb_to_linear(byte as f32 / 255.0)));
 
-/// The same for 16 bits. Made when the first such image is met.
-static SRGB_16: LazyLock<Vec<f32>> =
+/// The same for 16 bits. Made when the first such image is read.
+pub(crate) static SRGB_16: LazyLock<Vec<f32>> =
     LazyLock::new(|| (0..=u16::MAX).map(|v| srgb_to_linear(share(v))).collect());
 
 /// A number of 16 bits as a share of the largest.
@@ -79,8 +79,6 @@ pub struct Texture {
     filtering: Filtering,
     opaque: bool,
     tables: [&'static Table; 2],
-    /// For 16 bits; empty where the image has none.
-    wide: &'static [f32],
 }
 
 impl Texture {
@@ -96,17 +94,12 @@ impl Texture {
             Pixels::Rgba16(values) => values.chunks_exact(4).all(|texel| texel[3] == u16::MAX),
             Pixels::RgbF32(_) => true,
         };
-        let wide: &[f32] = match &image.pixels {
-            Pixels::Rgba16(_) => &SRGB_16,
-            Pixels::Rgba8(_) | Pixels::RgbF32(_) => &[],
-        };
         Ok(Self {
             image,
             wrap: [description.wrap_s, description.wrap_t],
             filtering: description.filtering,
             opaque,
             tables: [&SRGB, &LINEAR],
-            wide,
         })
     }
 
@@ -180,14 +173,11 @@ impl Texture {
             }
             Pixels::Rgba16(values) => {
                 let texel: [u16; 4] = std::array::from_fn(|i| values[4 * index + i]);
-                let [r, g, b, a] = texel.map(share);
-                match coding {
-                    Coding::Srgb => {
-                        let [r, g, b, _] = texel.map(|value| self.wide[usize::from(value)]);
-                        [r, g, b, a]
-                    }
-                    Coding::Linear => [r, g, b, a],
-                }
+                let [r, g, b] = [0, 1, 2].map(|i| match coding {
+                    Coding::Srgb => SRGB_16[usize::from(texel[i])],
+                    Coding::Linear => share(texel[i]),
+                });
+                [r, g, b, share(texel[3])]
             }
             Pixels::RgbF32(values) => {
                 let [r, g, b] = std::array::from_fn(|i| values[3 * index + i]);
