@@ -5,12 +5,12 @@
 //! windows (`crop`) of the image, first for as short as each other, then for as long as the spread over the seeds
 //! so far says. What decides how long is the spread alone; means are looked at in the end.
 
-use std::fs;
 use std::path::PathBuf;
+use std::{fmt, fs};
 
 use kaustik::film::Window;
 use kaustik::scene::Scene;
-use kaustik::{Method, RenderSettings};
+use kaustik::{Builder, Method, RenderSettings, Starts};
 
 use crate::support::{
     TILE, Tile, Verdict, agree, by_tile, keep, kept_file, picture, scene, settings, shown_by_light,
@@ -38,6 +38,8 @@ struct Tally {
 /// A method and how it is to be rendered.
 struct Contender {
     method: Method,
+    /// What tells its settings from those of others of the same method.
+    variant: &'static str,
     /// Tiles along a side of a window.
     block: usize,
     /// Samples a pixel of each window at first.
@@ -70,7 +72,13 @@ impl Contender {
     }
 
     fn file(&self, words: &str) -> Option<PathBuf> {
-        kept_file(&format!("{words} {} by {}", self.method, self.block))
+        kept_file(&format!("{words} {self} by {}", self.block))
+    }
+}
+
+impl fmt::Display for Contender {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(out, "{}{}", self.method, self.variant)
     }
 }
 
@@ -187,8 +195,8 @@ fn compare(words: &str, contenders: &[Contender], seeds: usize, share: f64) -> V
                 let mut verdict = agree(&tiles[i], &tiles[j], |t| a.shown[t] && b.shown[t], share);
                 println!(
                     "{words}: {} and {}: differ in {:?}, worst error {:.4}, above {share}: {:?}",
-                    a.contender.method,
-                    b.contender.method,
+                    a.contender,
+                    b.contender,
                     verdict.rejected,
                     verdict.worst_error,
                     verdict.uncertain
@@ -264,6 +272,7 @@ fn hardest(entries: &[Entry]) -> Vec<usize> {
 
 const PATH: Contender = Contender {
     method: Method::Path,
+    variant: "",
     block: 1,
     first: 300,
     error: 0.0027,
@@ -274,6 +283,7 @@ const PATH: Contender = Contender {
 /// independent samples.
 const PSSMLT: Contender = Contender {
     method: Method::Pssmlt,
+    variant: "",
     block: 2,
     first: 1_000,
     error: 0.0042,
@@ -292,6 +302,7 @@ const BDPT: Contender = Contender {
 
 const LIGHT: Contender = Contender {
     method: Method::Light,
+    variant: "",
     block: TILES,
     first: 200,
     error: 0.0025,
@@ -301,6 +312,7 @@ const LIGHT: Contender = Contender {
 /// Chains on paths: a window of a quarter, so that each has room for its caustics.
 const MLT: Contender = Contender {
     method: Method::Mlt,
+    variant: "",
     block: TILES / 2,
     first: 1_000,
     error: 0.0042,
@@ -317,6 +329,26 @@ const ERPT_PSS: Contender = Contender {
     method: Method::ErptPss,
     first: 50,
     ..MLT
+};
+
+/// Redistribution is as uncertain as the samples that it starts from: where a path tracer seldom meets the light,
+/// they are bidirectional.
+const ERPT_BIDIRECTIONAL: Contender = Contender {
+    variant: " bidirectional",
+    change: |settings| {
+        settings.options.pilot = 100_000;
+        settings.options.seeds = Starts::Bidirectional;
+    },
+    ..ERPT
+};
+
+const ERPT_PSS_BIDIRECTIONAL: Contender = Contender {
+    variant: " bidirectional",
+    change: |settings| {
+        settings.options.pilot = 100_000;
+        settings.options.builder = Builder::Bidirectional;
+    },
+    ..ERPT_PSS
 };
 
 #[test]
@@ -359,22 +391,22 @@ fn path_light_and_pssmlt_agree_on_water() {
 
 /// One long test a scene: chains on paths and redistribution against independent bidirectional paths.
 macro_rules! mutations_agree_on {
-    ($($name:ident: $words:literal;)*) => {$(
+    ($($name:ident: $words:literal, $erpt:expr, $erpt_pss:expr;)*) => {$(
         #[test]
         #[ignore = "long; KAUSTIK_KEEP keeps what is done"]
         fn $name() {
-            assert_agreement($words, &[BDPT, MLT, ERPT, ERPT_PSS]);
+            assert_agreement($words, &[BDPT, MLT, $erpt, $erpt_pss]);
         }
     )*};
 }
 
 mutations_agree_on! {
-    mutations_agree_on_cornell: "cornell";
-    mutations_agree_on_direct_light: "cornell-direct";
-    mutations_agree_on_indirect_light: "cornell-indirect";
-    mutations_agree_on_ring_and_sphere: "ring-and-sphere?light=0.8";
-    mutations_agree_on_glass_cube: "glass-cube?light=0.8";
-    mutations_agree_on_water: "water-cornell?light=0.8";
+    mutations_agree_on_cornell: "cornell", ERPT, ERPT_PSS;
+    mutations_agree_on_direct_light: "cornell-direct", ERPT, ERPT_PSS;
+    mutations_agree_on_indirect_light: "cornell-indirect", ERPT_BIDIRECTIONAL, ERPT_PSS_BIDIRECTIONAL;
+    mutations_agree_on_ring_and_sphere: "ring-and-sphere?light=0.8", ERPT_BIDIRECTIONAL, ERPT_PSS_BIDIRECTIONAL;
+    mutations_agree_on_glass_cube: "glass-cube?light=0.8", ERPT_BIDIRECTIONAL, ERPT_PSS_BIDIRECTIONAL;
+    mutations_agree_on_water: "water-cornell?light=0.8", ERPT_BIDIRECTIONAL, ERPT_PSS_BIDIRECTIONAL;
 }
 
 #[test]
