@@ -207,6 +207,11 @@ impl Lobe for Bsdf {
     }
 
     #[inline]
+    fn transmits(&self) -> bool {
+        each!(self, lobe => lobe.transmits())
+    }
+
+    #[inline]
     fn is_connectable(&self) -> bool {
         each!(self, lobe => lobe.is_connectable())
     }

@@ -104,4 +104,9 @@ impl Lobe for Coated {
         let f = self.coat(wo) as f32;
         self.share * (1.0 - f) + Spectrum::splat(f)
     }
+
+    #[inline]
+    fn transmits(&self) -> bool {
+        false
+    }
 }

@@ -44,4 +44,9 @@ impl Lobe for Conductor {
     fn is_delta(&self) -> bool {
         true
     }
+
+    #[inline]
+    fn transmits(&self) -> bool {
+        false
+    }
 }

@@ -50,4 +50,9 @@ impl Lobe for Lambertian {
     fn albedo(&self, _wo: DVec3) -> Spectrum {
         self.reflectance
     }
+
+    #[inline]
+    fn transmits(&self) -> bool {
+        false
+    }
 }

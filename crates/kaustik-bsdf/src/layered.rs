@@ -357,4 +357,9 @@ impl Lobe for Layered {
         self.base
             .is_some_and(|base| base.dispersive_between(wo, wi))
     }
+
+    #[inline]
+    fn transmits(&self) -> bool {
+        self.base.is_some_and(|base| base.transmits())
+    }
 }

@@ -51,6 +51,12 @@ pub trait Lobe {
         false
     }
 
+    /// May light come through to the other side? If not, `eval` is zero for directions on different sides, and
+    /// `sample` stays on its own.
+    fn transmits(&self) -> bool {
+        true
+    }
+
     /// Can a connection or a light be joined here (has a continuous part)?
     fn is_connectable(&self) -> bool {
         !self.is_delta()

@@ -102,4 +102,9 @@ impl Lobe for OrenNayar {
         self.reflectance * (self.once(mu) as f32)
             + self.again * ((PI * self.lost(mu)) as f32 * (1.0 - mean))
     }
+
+    #[inline]
+    fn transmits(&self) -> bool {
+        false
+    }
 }

@@ -121,6 +121,11 @@ impl Lobe for Phong {
     fn albedo(&self, wo: DVec3) -> Spectrum {
         self.diffuse + self.specular * (self.level(wo).min(1.0) as f32)
     }
+
+    #[inline]
+    fn transmits(&self) -> bool {
+        false
+    }
 }
 
 /// A direction with density `(n + 1) / (2 pi) cos^n` about the mirror direction of `wo`.

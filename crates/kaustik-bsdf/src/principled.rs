@@ -278,4 +278,9 @@ impl Lobe for Principled {
         self.clear
             .is_some_and(|clear| clear.dispersive_between(wo, wi))
     }
+
+    #[inline]
+    fn transmits(&self) -> bool {
+        self.clear.is_some()
+    }
 }

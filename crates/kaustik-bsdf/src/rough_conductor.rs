@@ -61,4 +61,9 @@ impl Lobe for RoughConductor {
     fn albedo(&self, wo: DVec3) -> Spectrum {
         self.facets.albedo(local::lift(wo))
     }
+
+    #[inline]
+    fn transmits(&self) -> bool {
+        false
+    }
 }

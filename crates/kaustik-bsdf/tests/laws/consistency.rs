@@ -180,6 +180,32 @@ fn densities_do_not_depend_on_the_mode() {
 }
 
 #[test]
+fn nothing_comes_through_what_is_said_to_be_opaque() {
+    let mut random = Random::new(8);
+    let (mut opaque, mut clear) = (0, 0);
+    for case in some() {
+        let through = |(wo, wi): (DVec3, DVec3)| {
+            let across = DVec3::new(wi.x, wi.y, -wi.z.abs() * wo.z.signum());
+            let uc = random.uniform();
+            let u = [random.uniform(), random.uniform()];
+            let sample = case.bsdf.sample(wo, uc, u, Mode::Radiance);
+            let drawn = sample.is_some_and(|sample| sample.transmitted);
+            let value = case.bsdf.eval(wo, across, Mode::Radiance);
+            drawn || !value.is_zero()
+        };
+        let mut other = Random::new(9);
+        let seen = pairs(&case, &mut other).into_iter().any(through);
+        if case.bsdf.transmits() {
+            clear += u32::from(seen);
+        } else {
+            opaque += 1;
+            assert!(!seen, "{}", case.name);
+        }
+    }
+    assert!(opaque > 10 && clear > 10, "{opaque} {clear}");
+}
+
+#[test]
 fn both_sides_of_what_is_opaque_are_alike() {
     let mut random = Random::new(5);
     let flip = |w: DVec3| DVec3::new(w.x, w.y, -w.z);

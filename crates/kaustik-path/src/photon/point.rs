@@ -41,46 +41,59 @@ pub struct MeasurementPoint {
     manner: Manner,
 }
 
-/// How light leaves toward the eye, and whether the camera walk has refracted where the index depends on the
-/// wavelength (the highest bit).
+/// How light leaves toward the eye, with what is true or not of that, in the highest bits.
 #[derive(Clone, Copy, Debug)]
 struct Manner(u32);
 
 /// How light leaves toward the eye.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Scattering {
-    /// Evenly, from the front or from the back: the value is in the throughput.
-    Diffuse { front: bool },
-    /// As the entry of a list says; it is not as long as to reach the numbers that stand for the others.
+    /// Evenly: the value is in the throughput.
+    Diffuse,
+    /// As the entry of a list says; it is not as long as to reach the number that stands for the other.
     Listed(u32),
 }
 
 impl Manner {
+    /// The camera walk has refracted where the index depends on the wavelength.
     const DISPERSIVE: u32 = 1 << 31;
-    const FRONT: u32 = Self::DISPERSIVE - 1;
-    const BACK: u32 = Self::FRONT - 1;
+    /// The surface is seen from its front.
+    const FRONT: u32 = 1 << 30;
+    /// Light from the other side does not come through.
+    const OPAQUE: u32 = 1 << 29;
+    /// All bits below.
+    const DIFFUSE: u32 = Self::OPAQUE - 1;
 
-    fn new(scattering: Scattering, dispersive: bool) -> Self {
-        let low = match scattering {
-            Scattering::Diffuse { front: true } => Self::FRONT,
-            Scattering::Diffuse { front: false } => Self::BACK,
+    fn of(seen: &Seen<'_>, scattering: Scattering) -> Self {
+        let number = match scattering {
+            Scattering::Diffuse => Self::DIFFUSE,
             Scattering::Listed(index) => index,
         };
-        Self(low | (u32::from(dispersive) << 31))
+        let flag = |flag: u32, holds: bool| if holds { flag } else { 0 };
+        Self(
+            number
+                | flag(Self::DISPERSIVE, seen.dispersive)
+                | flag(Self::FRONT, seen.wo.z > 0.0)
+                | flag(Self::OPAQUE, !seen.bsdf.transmits()),
+        )
+    }
+
+    /// The same with another number in the list.
+    fn listed(self, index: u32) -> Self {
+        Self((self.0 & !Self::DIFFUSE) | index)
     }
 
     #[inline]
     fn scattering(self) -> Scattering {
-        match self.0 & !Self::DISPERSIVE {
-            Self::FRONT => Scattering::Diffuse { front: true },
-            Self::BACK => Scattering::Diffuse { front: false },
+        match self.0 & Self::DIFFUSE {
+            Self::DIFFUSE => Scattering::Diffuse,
             index => Scattering::Listed(index),
         }
     }
 
     #[inline]
-    fn is_dispersive(self) -> bool {
-        self.0 & Self::DISPERSIVE != 0
+    fn is(self, flag: u32) -> bool {
+        self.0 & flag != 0
     }
 }
 
@@ -158,8 +171,7 @@ impl MeasurementPoints {
         self.points.extend(other.points.iter().map(|point| {
             let mut point = *point;
             if let Scattering::Listed(index) = point.manner.scattering() {
-                let dispersive = point.manner.is_dispersive();
-                point.manner = Manner::new(Scattering::Listed(first + index), dispersive);
+                point.manner = point.manner.listed(first + index);
             }
             point
         }));
@@ -182,7 +194,7 @@ impl MeasurementPoints {
             // The same in all directions on this side: the value along the normal will do.
             let up = DVec3::new(0.0, 0.0, wo.z.signum());
             throughput *= seen.bsdf.eval(wo, up, Mode::Radiance);
-            Scattering::Diffuse { front: wo.z > 0.0 }
+            Scattering::Diffuse
         } else {
             let bsdf = self.functions.number(&seen.bsdf);
             self.listed.push(Listed {
@@ -202,7 +214,7 @@ impl MeasurementPoints {
             normal: vertex.normal.as_vec3(),
             shading: vertex.frame.z.as_vec3(),
             edges: seen.edges,
-            manner: Manner::new(scattering, seen.dispersive),
+            manner: Manner::of(&seen, scattering),
         });
     }
 
@@ -217,7 +229,7 @@ impl MeasurementPoints {
         let value = point.throughput * photon.power * f * (kernel as f32);
         colour(
             value,
-            dispersive || point.manner.is_dispersive() || photon.dispersive,
+            dispersive || point.manner.is(Manner::DISPERSIVE) || photon.dispersive,
             wavelengths,
         )
     }
@@ -236,7 +248,7 @@ impl MeasurementPoints {
     #[inline]
     fn scattered(&self, point: &MeasurementPoint, photon: &Photon) -> (Spectrum, bool) {
         match point.manner.scattering() {
-            Scattering::Diffuse { front } => (point.diffuse(photon, front), false),
+            Scattering::Diffuse => (point.diffuse(photon), false),
             Scattering::Listed(listed) => {
                 let listed = &self.listed[listed as usize];
                 listed.scatter(&self.functions.get(listed.bsdf), point, photon)
@@ -254,21 +266,33 @@ impl Disc {
 }
 
 impl MeasurementPoint {
-    /// May a photon that lies within the radius count here: does its surface look the same way, and is the whole path
-    /// of at most `max_edges` edges?
+    /// May a photon that lies within the radius count here: does its surface look the same way, is the whole path
+    /// of at most `max_edges` edges, and does the light of an opaque surface land on the side that is seen? What lands
+    /// behind is not to be taken for a visible path: under a sheet of land there may be more of it than before.
     #[inline]
     pub fn accepts(&self, photon: &Photon, max_edges: u32) -> bool {
-        self.normal.dot(photon.normal) >= LEAST_AGREEMENT && self.edges + photon.edges <= max_edges
+        self.normal.dot(photon.normal) >= LEAST_AGREEMENT
+            && self.edges + photon.edges <= max_edges
+            && (!self.manner.is(Manner::OPAQUE) || self.lands_on_seen_side(photon))
+    }
+
+    /// By both normals.
+    #[inline]
+    fn lands_on_seen_side(&self, photon: &Photon) -> bool {
+        let front = self.manner.is(Manner::FRONT);
+        [self.shading, self.normal].iter().all(|normal| {
+            let cosine = normal.as_dvec3().dot(photon.wi);
+            if front { cosine > 0.0 } else { cosine < 0.0 }
+        })
     }
 
     /// The value but for the colour: 0 for light that lands on the other side.
     #[inline]
-    fn diffuse(&self, photon: &Photon, front: bool) -> Spectrum {
-        let shading = self.shading.as_dvec3().dot(photon.wi);
-        let side = if front { 1.0 } else { -1.0 };
-        if side * shading <= 0.0 || side * self.normal.as_dvec3().dot(photon.wi) <= 0.0 {
+    fn diffuse(&self, photon: &Photon) -> Spectrum {
+        if !self.lands_on_seen_side(photon) {
             return Spectrum::ZERO;
         }
+        let shading = self.shading.as_dvec3().dot(photon.wi);
         Spectrum::splat(photon.per_cosine(shading))
     }
 }
@@ -329,19 +353,100 @@ mod tests {
             };
             let function = all.listed[listed as usize].bsdf;
             assert_eq!(all.functions.get(function), kinds[at % 2], "{at}");
-            assert_eq!(point.manner.is_dispersive(), at % 10 % 3 == at / 10);
+            assert_eq!(point.manner.is(Manner::DISPERSIVE), at % 10 % 3 == at / 10);
+        }
+    }
+
+    fn seen(vertex: &Vertex, bsdf: Bsdf, wo: DVec3) -> Seen<'_> {
+        Seen {
+            vertex,
+            bsdf,
+            wo,
+            throughput: Spectrum::splat(1.0),
+            dispersive: false,
+            edges: 1,
+            raster: DVec2::splat(0.5),
+            radius: 1.0,
         }
     }
 
     #[test]
     fn a_manner_has_what_it_was_made_of() {
-        let listed = [0, 1, 77, Manner::BACK - 1].map(Scattering::Listed);
-        let diffuse = [true, false].map(|front| Scattering::Diffuse { front });
-        for scattering in listed.into_iter().chain(diffuse) {
-            for dispersive in [false, true] {
-                let manner = Manner::new(scattering, dispersive);
+        let (vertex, grey) = (Vertex::default(), Bsdf::lambertian(Spectrum::splat(0.5)));
+        let listed = [0, 1, 77, Manner::DIFFUSE - 1].map(Scattering::Listed);
+        for scattering in listed.into_iter().chain([Scattering::Diffuse]) {
+            for number in 0..8 {
+                let [dispersive, front, opaque] = [1, 2, 4].map(|bit| number & bit != 0);
+                let bsdf = if opaque { grey } else { glass() };
+                let wo = DVec3::new(0.6, 0.0, if front { 0.8 } else { -0.8 });
+                let seen = Seen {
+                    dispersive,
+                    ..seen(&vertex, bsdf, wo)
+                };
+                let manner = Manner::of(&seen, scattering);
                 assert_eq!(manner.scattering(), scattering);
-                assert_eq!(manner.is_dispersive(), dispersive);
+                assert_eq!(manner.is(Manner::DISPERSIVE), dispersive);
+                assert_eq!(manner.is(Manner::FRONT), front);
+                assert_eq!(manner.is(Manner::OPAQUE), opaque);
+                let moved = manner.listed(5);
+                assert_eq!(moved.scattering(), Scattering::Listed(5));
+                assert_eq!(moved.0 & !Manner::DIFFUSE, manner.0 & !Manner::DIFFUSE);
+            }
+        }
+    }
+
+    fn glass() -> Bsdf {
+        let rough = kaustik_bsdf::PrincipledParameters {
+            metallic: 0.0,
+            roughness: 0.7,
+            transmission: 1.0,
+            ..Default::default()
+        };
+        Bsdf::Principled(kaustik_bsdf::Principled::new(&rough))
+    }
+
+    /// Of an opaque surface a photon is accepted exactly if it brings light, from either side, with a shading normal
+    /// of its own; what shines through counts from both sides.
+    #[test]
+    fn light_from_behind_meets_what_it_shines_through_alone() {
+        let metal = Bsdf::conductor(Spectrum::splat(1.5), Spectrum::splat(3.0), 0.5, false);
+        let grey = Bsdf::lambertian(Spectrum::splat(0.5));
+        let vertex = Vertex {
+            frame: Frame::from_z(DVec3::new(0.3, 0.0, 1.0).normalize()),
+            ..Vertex::default()
+        };
+        let wavelengths = Wavelengths::sample(0.3, Default::default());
+        for (bsdf, opaque) in [(grey, true), (metal, true), (glass(), false)] {
+            for above in [1.0, -1.0] {
+                let mut points = MeasurementPoints::default();
+                points.push(seen(
+                    &vertex,
+                    bsdf,
+                    DVec3::new(0.1, 0.2, 0.9 * above).normalize(),
+                ));
+                assert_eq!(points.points.len(), 1);
+                let mut met = [0, 0];
+                for number in 0..400 {
+                    let turn = f64::from(number) * 2.4;
+                    let height = f64::from(number) / 200.0 - 0.9975;
+                    let across = (1.0 - height * height).sqrt();
+                    let photon = Photon {
+                        position: Vec3::ZERO,
+                        normal: vertex.normal.as_vec3(),
+                        wi: DVec3::new(across * turn.cos(), across * turn.sin(), height),
+                        power: Spectrum::splat(1.0),
+                        edges: 1,
+                        dispersive: false,
+                    };
+                    let accepted = points.points[0].accepts(&photon, 8);
+                    let lit = points.contribution(0, &photon, &wavelengths).sum() > 0.0;
+                    assert!(accepted || !lit, "{bsdf:?} {}", photon.wi);
+                    assert!(!opaque || lit == accepted, "{bsdf:?} {}", photon.wi);
+                    met[usize::from(height * above > 0.0)] += u32::from(accepted);
+                }
+                let [behind, before] = met;
+                assert!(before > 150, "{before}");
+                assert_eq!(behind > 0, !opaque, "{behind}");
             }
         }
     }

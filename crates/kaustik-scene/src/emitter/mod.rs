@@ -46,9 +46,13 @@ const MOST_TRIANGLES: u64 = 1 << 24;
 /// may be bright where the power estimate did not look.
 const POWER_FLOOR: f64 = 1e-3;
 
-/// Share of the photons that emitters other than the environment have at least, and the environment beside
-/// them: what is near in a room may have little power beside the sky, and yet be all that is seen.
+/// Share of the photons that emitters other than the environment have at least: what is near in a room may have
+/// little power beside the sky, and yet be all that is seen.
 const PHOTON_FLOOR: f64 = 0.05;
+
+/// The same of the environment beside them. It counts with all that goes through the whole scene, and so rather
+/// with too many photons than with too few; many that carry little hide the few that carry much.
+const ENVIRONMENT_FLOOR: f64 = 0.01;
 
 #[derive(Clone, Copy, Debug)]
 enum Emitter {
@@ -392,7 +396,8 @@ fn emissive_triangles(matter: &Matter, instance: u32) -> u64 {
 /// How many photons of the environment there are for one of all other emitters, whose power is `rest`.
 fn environment_odds(environment: &Environment, disc: f64, rest: f64) -> f64 {
     let power = 4.0 * PI * environment.mean_radiance() * disc;
-    let share = PHOTON_FLOOR + (1.0 - 2.0 * PHOTON_FLOOR) * power / (power + rest);
+    let most = 1.0 - PHOTON_FLOOR;
+    let share = ENVIRONMENT_FLOOR + (most - ENVIRONMENT_FLOOR) * power / (power + rest);
     share / (1.0 - share)
 }
 
