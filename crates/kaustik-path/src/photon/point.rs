@@ -268,7 +268,7 @@ impl Disc {
 impl MeasurementPoint {
     /// May a photon that lies within the radius count here: does its surface look the same way, is the whole path
     /// of at most `max_edges` edges, and does the light of an opaque surface land on the side that is seen? What lands
-    /// behind is not to be taken for a visible path: under a sheet of land there may be more of it than before.
+    /// behind is not to be taken for a visible path: under a sheet of land there may be more of it than on top.
     #[inline]
     pub fn accepts(&self, photon: &Photon, max_edges: u32) -> bool {
         self.normal.dot(photon.normal) >= LEAST_AGREEMENT
