@@ -336,7 +336,7 @@ const ERPT_PSS: Contender = Contender {
 const ERPT_BIDIRECTIONAL: Contender = Contender {
     variant: " bidirectional",
     change: |settings| {
-        settings.options.pilot = 100_000;
+        (ERPT.change)(settings);
         settings.options.seeds = Starts::Bidirectional;
     },
     ..ERPT
@@ -345,7 +345,7 @@ const ERPT_BIDIRECTIONAL: Contender = Contender {
 const ERPT_PSS_BIDIRECTIONAL: Contender = Contender {
     variant: " bidirectional",
     change: |settings| {
-        settings.options.pilot = 100_000;
+        (ERPT_PSS.change)(settings);
         settings.options.builder = Builder::Bidirectional;
     },
     ..ERPT_PSS

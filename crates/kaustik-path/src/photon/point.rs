@@ -333,15 +333,11 @@ mod tests {
         for part in 0..2 {
             let mut points = MeasurementPoints::default();
             for at in 0..10 {
+                let wo = DVec3::new(0.6, 0.0, 0.8);
                 points.push(Seen {
-                    vertex: &Vertex::default(),
-                    bsdf: kinds[at % 2],
-                    wo: DVec3::new(0.6, 0.0, 0.8),
-                    throughput: Spectrum::splat(1.0),
                     dispersive: at % 3 == part,
                     edges: at as u32,
-                    raster: DVec2::splat(0.5),
-                    radius: 1.0,
+                    ..seen(&Vertex::default(), kinds[at % 2], wo)
                 });
             }
             all.append(&points);
