@@ -19,6 +19,7 @@ impl<const K: usize> PhotonChains<K> {
             None => chained(&stone),
             Some(visible) => {
                 let ratios = stone.ratios();
+                let above_visible = errors_above(&stone);
                 visible.push(ratios[1]);
                 let (share, error) = (visible.mean(), visible.standard_error());
                 let mut above = 1.0;
@@ -29,7 +30,8 @@ impl<const K: usize> PhotonChains<K> {
                     if level > 1 {
                         above *= ratios[level];
                     }
-                    [share * above, error * above]
+                    let value = share * above;
+                    [value, (error * above).hypot(value * above_visible[level])]
                 })
             }
         };
@@ -82,6 +84,28 @@ impl<const K: usize> PhotonChains<K> {
             }
         })
     }
+}
+
+/// Relative errors of the normalisers over that of the second level, which stands for itself.
+fn errors_above<const K: usize>(stone: &SteppingStone<K>) -> [f64; K] {
+    let found = stone.normalisers(1.0);
+    let squared = |level: usize| {
+        let error = found.estimates()[level].relative_error();
+        // Of a single ladder nothing is known.
+        if error.is_finite() {
+            error * error
+        } else {
+            0.0
+        }
+    };
+    std::array::from_fn(|level| {
+        let above = squared(level) - squared(1);
+        if level > 1 {
+            above.max(0.0).sqrt()
+        } else {
+            0.0
+        }
+    })
 }
 
 /// Each normaliser from the chain below (RELT eq. 10; G sec. 4.4), with its standard error.
