@@ -38,6 +38,8 @@ mod damaged;
 mod direct;
 /// Energy redistribution on paths.
 mod erpt;
+/// Methods agree on every built-in scene, more roughly.
+mod every_scene;
 /// Lamps as faint and as bright as numbers are.
 mod extremes;
 /// Contributions that are not finite: listed, and shown once more.
