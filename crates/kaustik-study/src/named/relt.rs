@@ -35,6 +35,7 @@ fn entry(scale: Scale, name: &str, method: Method, start: &str, more: &[&str]) -
         name: name.to_owned(),
         method,
         settings: settings(scale, start, &all),
+        amounts: None,
     }
 }
 
