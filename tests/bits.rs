@@ -55,7 +55,8 @@ fn threads_do_not_show() {
     }
 }
 
-/// A chain of photons has a ladder for some thousands of light paths: only more of them make several, which threads share.
+/// There is a ladder of chains of photons for each few thousand light paths: only many of them make several,
+/// which threads share.
 #[test]
 fn threads_do_not_show_in_ladders_of_photons() {
     let scene = scene("glass-cube?light=0.8", 16);

@@ -29,8 +29,8 @@ impl Lost {
         }
     }
 
-    /// What the filter by consecutive samples kept off the picture, on a film of its own. `per_sample` turns sums of both
-    /// films into means.
+    /// What the filter by consecutive samples kept off the picture, on a film of its own. `per_sample` turns
+    /// sums of both films into means.
     pub(crate) fn held(
         held: &Film,
         picture: &Film,

@@ -51,8 +51,9 @@ fn few_chains(scale: Scale) -> MethodEntry {
 /// Samples a pixel from which the report's chains start in all its figures.
 const SAMPLES: f64 = 24.0;
 
-/// Path tracing against both kinds of chains. As published path tracing has its own number of samples a pixel, chains have
-/// the report's 24, and few chains so many that there are as many mutations: ten a sample in place of a hundred.
+/// Path tracing against both kinds of chains. As published path tracing has its own number of samples a
+/// pixel, chains have the report's 24, and few chains so many that there are as many mutations: ten a sample
+/// in place of a hundred.
 fn path_and_chains(scale: Scale) -> Vec<MethodEntry> {
     let chains = [
         (erpt(scale, "erpt", &[]), SAMPLES),
