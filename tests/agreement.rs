@@ -335,14 +335,14 @@ fn short_chains_on_paths_are_unbiased() {
     for pool in [8, 1] {
         let verdict = short_chains(Method::Mlt, Mis::Off, pool, 60_000);
         assert!(verdict.rejected.is_empty(), "{pool}: {verdict:?}");
-        assert!(verdict.worst_error < 0.02, "{pool}: {verdict:?}");
+        assert!(verdict.worst_error < 0.005, "{pool}: {verdict:?}");
     }
 }
 
-/// The same as far as a few seconds show it.
+/// The same as far as a few seconds show it: chains that start at any lit path of their pool are found.
 #[test]
 fn a_few_short_chains_on_paths_are_right_in_the_mean() {
     let verdict = short_chains(Method::Mlt, Mis::Off, 8, 3_000);
     assert!(verdict.rejected.is_empty(), "{verdict:?}");
-    assert!(verdict.worst_error < 0.05, "{verdict:?}");
+    assert!(verdict.worst_error < 0.01, "{verdict:?}");
 }
