@@ -284,13 +284,13 @@ fn a_planted_error_of_two_percent_is_rejected() {
 
 /// Renders so short that each chain hardly leaves its start, from a pool of a few samples: only
 /// what is exactly unbiased has the right mean over many of them.
-fn short_chains(mis: Mis, pool: u64, runs: u64) -> Verdict {
+fn short_chains(method: Method, mis: Mis, pool: u64, runs: u64) -> Verdict {
     const SIDE: u32 = 8;
     let scene = scene("cornell-direct", SIDE);
     let path = tiles_of_seeds(&scene, &settings(Method::Path, SIDE, 4_096), 0..8);
     let mut short = RenderSettings {
         budget: Budget::Total(80),
-        ..settings(Method::Pssmlt, SIDE, 1)
+        ..settings(method, SIDE, 1)
     };
     short.options.ladders = 2;
     short.options.pilot = pool;
@@ -310,7 +310,7 @@ fn short_chains_are_unbiased() {
         (Mis::Split, 1),
         (Mis::Off, 1),
     ] {
-        let verdict = short_chains(mis, pool, 60_000);
+        let verdict = short_chains(Method::Pssmlt, mis, pool, 60_000);
         assert!(verdict.rejected.is_empty(), "{mis:?} {pool}: {verdict:?}");
         let error = verdict.worst_error;
         assert!(
@@ -324,6 +324,25 @@ fn short_chains_are_unbiased() {
 #[test]
 #[ignore = "long"]
 fn short_chains_with_printed_weights_are_not() {
-    let verdict = short_chains(Mis::Printed, 8, 60_000);
+    let verdict = short_chains(Method::Pssmlt, Mis::Printed, 8, 60_000);
     assert!(!verdict.rejected.is_empty(), "{verdict:?}");
+}
+
+/// Chains on paths start at paths chosen from their pool.
+#[test]
+#[ignore = "long"]
+fn short_chains_on_paths_are_unbiased() {
+    for pool in [8, 1] {
+        let verdict = short_chains(Method::Mlt, Mis::Off, pool, 60_000);
+        assert!(verdict.rejected.is_empty(), "{pool}: {verdict:?}");
+        assert!(verdict.worst_error < 0.005, "{pool}: {verdict:?}");
+    }
+}
+
+/// The same as far as a few seconds show it: chains that start at any lit path of their pool are found.
+#[test]
+fn a_few_short_chains_on_paths_are_right_in_the_mean() {
+    let verdict = short_chains(Method::Mlt, Mis::Off, 8, 3_000);
+    assert!(verdict.rejected.is_empty(), "{verdict:?}");
+    assert!(verdict.worst_error < 0.01, "{verdict:?}");
 }

@@ -55,6 +55,33 @@ fn threads_do_not_show() {
     }
 }
 
+/// There is a ladder of chains of photons for each few thousand light paths: only many of them make several,
+/// which threads share.
+#[test]
+fn threads_do_not_show_in_ladders_of_photons() {
+    let scene = scene("glass-cube?light=0.8", 16);
+    for method in [
+        Method::PhotonVisibility,
+        Method::PhotonDensity,
+        Method::PhotonSpatial,
+        Method::PhotonImage,
+    ] {
+        let with = |ladders, threads| {
+            let mut settings = settings(method, 16, 2);
+            settings.options.photon.photons = 50_000;
+            settings.options.ladders = ladders;
+            settings.threads = threads;
+            bits(&picture(&scene, &settings))
+        };
+        let one = with(3, 1);
+        assert!(one.iter().any(|&v| v != 0));
+        assert!(one != with(2, 1), "{method}: there are fewer than three");
+        for threads in [2, 8] {
+            assert!(one == with(3, threads), "{method} with {threads} threads");
+        }
+    }
+}
+
 /// Looks at a render after every round.
 #[derive(Default)]
 struct Onlooker {

@@ -132,10 +132,10 @@ fn each_fault_has_its_reason() {
     assert_eq!(reason(&|b| b[0] = b'K'), StateError::Foreign);
     assert_eq!(reason(&|b| b.truncate(5)), StateError::Foreign);
     let version = StateError::Version {
-        found: 12,
-        expected: 11,
+        found: 13,
+        expected: 12,
     };
-    assert_eq!(reason(&|b| b[8] = 12), version);
+    assert_eq!(reason(&|b| b[8] = 13), version);
     assert_eq!(reason(&|b| b[12..16].reverse()), StateError::ByteOrder);
     type Change<'a> = &'a dyn Fn(&mut Vec<u8>);
     let faults: [(Change<'_>, &str); 3] = [

@@ -7,8 +7,8 @@ use kaustik::geometry::Mesh;
 use kaustik::scene::description::{MaterialDescription, Specular};
 use kaustik::scene::{Description, Scene};
 use kaustik::{
-    Colours, Control, Direct, Energy, EnergyStatistics, Jitter, Method, Options, RenderSettings,
-    Rendered, Starts, render,
+    Builder, Colours, Control, Direct, Energy, EnergyStatistics, Jitter, Method, Options,
+    RenderSettings, Rendered, Starts, render,
 };
 
 use crate::support::{
@@ -18,7 +18,11 @@ use crate::support::{
 const SIDE: u32 = 16;
 
 fn changed(spp: u64, change: impl Fn(&mut Options)) -> RenderSettings {
-    let mut settings = settings(Method::Erpt, SIDE, spp);
+    changed_of(Method::Erpt, spp, change)
+}
+
+fn changed_of(method: Method, spp: u64, change: impl Fn(&mut Options)) -> RenderSettings {
+    let mut settings = settings(method, SIDE, spp);
     change(&mut settings.options);
     settings
 }
@@ -36,34 +40,70 @@ fn energy(rendered: &Rendered) -> EnergyStatistics {
     rendered.statistics.energy.expect("of this method")
 }
 
+/// The energy of several renders, of which what was deposited is what was seeded, in every channel.
+#[expect(clippy::print_stdout, reason = "figures for whoever runs it")]
+fn deposited_as_seeded(
+    name: &str,
+    scene: &Scene,
+    settings: &RenderSettings,
+) -> Vec<EnergyStatistics> {
+    let all: Vec<EnergyStatistics> = (0..16)
+        .map(|seed| energy(&rendered(scene, settings, seed)))
+        .collect();
+    let n = all.len() as f64;
+    for c in 0..3 {
+        let ratio = |e: &EnergyStatistics| e.deposited[c] / e.seeded[c] - 1.0;
+        let mean = all.iter().map(ratio).sum::<f64>() / n;
+        let squares: f64 = all.iter().map(|e| (ratio(e) - mean).powi(2)).sum();
+        let error = (squares / (n - 1.0) / n).sqrt();
+        println!("{name}, channel {c}: {mean} of {error}");
+        assert!(error < 0.03, "{name}, channel {c}: {error}");
+        assert!(
+            mean.abs() < 4.5 * error,
+            "{name}, channel {c}: {mean} of {error}"
+        );
+    }
+    all
+}
+
 /// What chains leave is what their starts brought, in every channel, for any light of a deposit.
 #[test]
 fn what_is_deposited_is_what_was_seeded() {
     let scene = scene("ring-and-sphere?light=0.8", SIDE);
     for chains in [0.1, 1.0, 10.0] {
         let settings = changed(16, |o| o.chains = chains);
-        let all: Vec<EnergyStatistics> = (0..16)
-            .map(|seed| energy(&rendered(&scene, &settings, seed)))
-            .collect();
-        let n = all.len() as f64;
-        for c in 0..3 {
-            let ratio = |e: &EnergyStatistics| e.deposited[c] / e.seeded[c] - 1.0;
-            let mean = all.iter().map(ratio).sum::<f64>() / n;
-            let squares: f64 = all.iter().map(|e| (ratio(e) - mean).powi(2)).sum();
-            let error = (squares / (n - 1.0) / n).sqrt();
-            assert!(error < 0.03, "{chains} chains, channel {c}: {error}");
-            assert!(
-                mean.abs() < 4.5 * error,
-                "{chains} chains, channel {c}: {mean} of {error}"
-            );
-        }
-        let found = all.iter().map(|e| e.chains_per_sample).sum::<f64>() / n;
+        let all = deposited_as_seeded(&format!("{chains} chains"), &scene, &settings);
+        let found = all.iter().map(|e| e.chains_per_sample).sum::<f64>() / all.len() as f64;
         // the brightest starts have a thousand chains at the most
         assert!((found / chains - 1.0).abs() < 0.2, "{found}");
         assert!(
             all.iter()
                 .all(|e| e.unperturbed.iter().all(|&light| light > 0.0))
         );
+    }
+}
+
+/// The same wherever chains start, whatever fixes the light of a deposit, and on primary samples.
+#[test]
+fn what_is_deposited_is_what_was_seeded_by_any_start() {
+    type Change = fn(&mut Options);
+    let scene = scene("ring-and-sphere?light=0.8", SIDE);
+    let variants: [(&str, Method, Change); 4] = [
+        ("both sides", Method::Erpt, |o| {
+            o.seeds = Starts::Bidirectional;
+        }),
+        ("earlier passes", Method::Erpt, |o| {
+            // so poor a pilot that the passes must see to it
+            (o.energy, o.pilot) = (Energy::Passes, 10);
+        }),
+        ("primary samples", Method::ErptPss, |_| ()),
+        ("primary samples from both sides", Method::ErptPss, |o| {
+            o.builder = Builder::Bidirectional;
+        }),
+    ];
+    for (name, method, change) in variants {
+        let all = deposited_as_seeded(name, &scene, &changed_of(method, 16, change));
+        assert!(all.iter().all(|e| e.chains > 0), "{name}");
     }
 }
 
@@ -134,15 +174,19 @@ fn filters_say_what_they_take() {
     type Loss = fn(&EnergyStatistics) -> Option<f64>;
     let scene = scene("ring-and-sphere", SIDE);
     let base = |o: &mut Options| (o.length, o.chains) = (100, 0.5);
-    let plain = rendered(&scene, &changed(4, base), 1);
     let (consecutive, proposed): (Loss, Loss) = (|e| e.consecutive_loss, |e| e.proposed_loss);
-    assert_eq!(consecutive(&energy(&plain)), None);
-    assert_eq!(proposed(&energy(&plain)), None);
-    for (name, loss) in [("consecutive", consecutive), ("proposed", proposed)] {
-        let settings = changed(4, |o| {
+    for (method, name, loss) in [
+        (Method::Erpt, "consecutive", consecutive),
+        (Method::Erpt, "proposed", proposed),
+        (Method::ErptPss, "consecutive", consecutive),
+    ] {
+        let plain = rendered(&scene, &changed_of(method, 4, base), 1);
+        assert_eq!(loss(&energy(&plain)), None);
+        assert!(plain.image.layer(name).is_none());
+        let settings = changed_of(method, 4, |o| {
             base(o);
             match name {
-                "consecutive" => o.consecutive = Some(2),
+                "consecutive" => o.consecutive = Some(1),
                 _ => o.proposed = Some(1.0),
             }
         });
@@ -162,7 +206,10 @@ fn filters_say_what_they_take() {
             }
         }
         let loss = loss(&energy(&filtered)).expect("a filter");
-        println!("{name}: {loss}, by the planes {}", sums[1] / sums[0]);
+        println!(
+            "{method}, {name}: {loss}, by the planes {}",
+            sums[1] / sums[0]
+        );
         assert!(loss > 0.001 && (loss / (sums[1] / sums[0]) - 1.0).abs() < 0.25);
     }
     // A pixel that may hold ever so much is left alone.

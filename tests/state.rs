@@ -136,6 +136,9 @@ pub(crate) fn cases() -> Vec<(String, RenderSettings)> {
         s.options.consecutive = Some(2);
         s.options.proposed = Some(1.5);
     });
+    add("filtered", Method::ErptPss, |s| {
+        s.options.consecutive = Some(1);
+    });
     add("shrinking", Method::Sppm, |s| {
         s.options.photon.reduction = Some(0.7);
     });

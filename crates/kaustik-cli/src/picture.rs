@@ -183,8 +183,13 @@ fn summary(statistics: &RenderStatistics) -> String {
         if chain.large_acceptance > 0.0 {
             line += &format!(" and {:.1} % of large", chain.large_acceptance * 100.0);
         }
+        line += " steps";
+        // Not kept by populations, whose particles have no past.
+        if chain.longest_stay > 0 {
+            line += &format!(", longest stay {}", chain.longest_stay);
+        }
         line += &format!(
-            " steps, b = {} +- {}",
+            ", b = {} +- {}",
             significant(chain.normalisation),
             significant(chain.normalisation_error)
         );
@@ -236,4 +241,47 @@ fn metadata(source: &Source, settings: &RenderSettings, statistics: &Value) -> V
         "set": set,
         "statistics": statistics,
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use kaustik::scene::{Scene, SceneOptions, builtin};
+    use kaustik::{Control, Method, render};
+
+    fn line(method: Method) -> String {
+        let description = builtin::load("cornell").expect("a built-in scene");
+        let options = SceneOptions {
+            width: 8,
+            height: 8,
+            ..SceneOptions::default()
+        };
+        let scene = Scene::new(&description, &options).expect("a sound scene");
+        let mut settings = RenderSettings {
+            method,
+            width: 8,
+            height: 8,
+            budget: Budget::PerPixel(4),
+            ..RenderSettings::default()
+        };
+        (settings.options.pilot, settings.options.particles) = (1000, 1000);
+        settings.options.chains = 1.0;
+        let rendered = render(&scene, &settings, &mut Control::default()).expect("a render");
+        summary(&rendered.statistics)
+    }
+
+    #[test]
+    fn chains_tell_their_longest_stay() {
+        for method in [Method::Pssmlt, Method::Relt, Method::Mlt, Method::Erpt] {
+            let line = line(method);
+            let (before, after) = line.split_once(" steps, longest stay ").expect(&line);
+            let (stay, b) = after.split_once(", b = ").expect(&line);
+            assert!(before.contains("accepted") && b.contains("+-"), "{line}");
+            assert!(stay.parse::<u64>().is_ok_and(|stay| stay > 0), "{line}");
+        }
+        for method in [Method::Path, Method::Annealing] {
+            let line = line(method);
+            assert!(!line.contains("longest stay"), "{line}");
+        }
+    }
 }

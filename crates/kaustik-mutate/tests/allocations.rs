@@ -8,8 +8,8 @@ use kaustik_mcmc::{
     Deposit, Draws, Ignore, Metropolis, Mixture, Redistribution, Redistributor, generator,
 };
 use kaustik_mutate::{
-    BidirectionalMutation, CausticPerturbation, LensMutation, LensPerturbation, Path, PathSpace,
-    Radii, Run, Seeds, TimeMutation, Tracer, WavelengthMutation,
+    BidirectionalMutation, CausticPerturbation, EveryPerturbation, LensMutation, LensPerturbation,
+    Path, PathSpace, Radii, Run, Seeds, TimeMutation, Tracer, WavelengthMutation,
 };
 use kaustik_path::{BuilderSettings, ScalarTarget};
 use kaustik_scene::description::{Carried, Channel, Interpolation, Joint, Load, Rest, Shutter};
@@ -157,6 +157,54 @@ fn mutations_allocate_nothing(scene: &Scene) {
     let kinds = if scene.moves() { 7 } else { 6 };
     let all = moves[..kinds].iter().all(|kind| kind.accepted > 0);
     assert!(all, "{moves:?}");
+}
+
+#[test]
+fn moving_all_variables_allocates_nothing_after_warm_up() {
+    for scene in [scene(), moving_scene()] {
+        let space = &space(&scene);
+        let fraction = 0.02;
+        let kernels = (
+            BidirectionalMutation { space },
+            EveryPerturbation { space, fraction },
+        );
+        let kernel = Mixture::<_, _, 2>::new(kernels, [1.0; 2]);
+        let density = |path: &Path| [path.density()];
+        let (mut rng, mut seeds) = (generator(1, 0), Seeds::new(space));
+        let mut path = Path::default();
+        while seeds.sample(&mut path, &mut rng) <= 0.0 {}
+        let mut chain = Metropolis::at((), path, &density, 0);
+        let mut run = || {
+            for _ in 0..20_000 {
+                chain.step(&kernel, &density, &mut rng, &mut Ignore);
+            }
+            chain.statistics().moves
+        };
+        run();
+        let before = allocations();
+        let moves = run();
+        assert_eq!(allocations(), before);
+        assert!(moves[1].accepted > 0, "{moves:?}");
+    }
+}
+
+/// Samples between mutations, of which the running normaliser is made.
+#[test]
+fn a_sample_from_both_sides_allocates_nothing_after_warm_up() {
+    for scene in [scene(), moving_scene()] {
+        let space = &space(&scene);
+        let (mut rng, mut seeds) = (generator(1, 0), Seeds::new(space));
+        let mut path = Path::default();
+        let mut run = || -> usize {
+            let lit = (0..10_000).filter(|_| seeds.sample(&mut path, &mut rng) > 0.0);
+            lit.count()
+        };
+        run();
+        let before = allocations();
+        let lit = run();
+        assert_eq!(allocations(), before);
+        assert!(lit > 1_000, "{lit}");
+    }
 }
 
 /// A path tracer's samples with all their chains.

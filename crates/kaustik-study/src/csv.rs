@@ -36,7 +36,7 @@ fn row(text: &mut String, study: &Study, scene: &SceneEntry, group: &Group, cell
         field(&method.name),
         field(&format!("{} {settings}", method.method)),
         cell.seed,
-        study.budgets.amounts[group.budget],
+        study.amount(method, group.budget),
         study.budgets.unit.name(),
         cell.seconds,
         cell.per_pixel,
@@ -72,12 +72,13 @@ pub fn summary(results: &Results) -> String {
     let study = &results.study;
     for (scene, of) in study.scenes.iter().zip(&results.scenes) {
         for group in &of.groups {
+            let method = &study.methods[group.method];
             let _ = write!(
                 text,
                 "{},{},{},{},{},{},{}",
                 field(&scene.name),
-                field(&study.methods[group.method].name),
-                study.budgets.amounts[group.budget],
+                field(&method.name),
+                study.amount(method, group.budget),
                 study.budgets.unit.name(),
                 group.cells.len(),
                 group.seconds(),

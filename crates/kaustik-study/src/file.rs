@@ -76,6 +76,7 @@ struct MethodWords {
     method: Spanned<String>,
     #[serde(default)]
     set: Vec<Spanned<String>>,
+    amounts: Option<Vec<f64>>,
 }
 
 fn depth() -> u32 {
@@ -216,6 +217,7 @@ impl Study {
                 name: words.name.clone().unwrap_or_else(|| method.to_string()),
                 method,
                 settings: source.settings(method, &words.set)?,
+                amounts: words.amounts.clone(),
             })
         });
         let scenes = words.scene.iter().map(|words| source.scene(words));

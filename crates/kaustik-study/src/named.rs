@@ -269,6 +269,13 @@ mod tests {
         for (number, samples) in [(2, 1400.0), (3, 24.0), (4, 5625.0), (5, 24.0), (6, 24.0)] {
             assert_eq!(of("erpt", number).budgets, per_pixel(&[samples]));
         }
+        for (number, samples) in [(2, 1400.0), (4, 5625.0)] {
+            let study = of("erpt", number);
+            let named = |name: &str| study.methods.iter().find(|m| m.name == name).unwrap();
+            let cost = |name| study.amount(named(name), 0);
+            let all = vec![cost("path"), cost("erpt"), cost("few chains")];
+            assert_eq!(all, [samples, 24.0, 240.0]);
+        }
         for (number, minutes) in [
             (1, 30.0),
             (4, 10.0),

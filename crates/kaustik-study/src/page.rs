@@ -153,11 +153,7 @@ fn scene(results: &Results, index: usize) -> Result<SceneView, StudyError> {
             number(100.0 * r.error),
         ),
         settings: reference.settings.join(" "),
-        budget: format!(
-            "{} {}",
-            number(study.budgets.amounts.last().copied().unwrap_or(0.0)),
-            study.budgets.unit.name()
-        ),
+        budget: study.last_budget(),
         columns,
         charts,
         header: HEADER.to_vec(),
@@ -246,6 +242,7 @@ const HEADER: [&str; 12] = [
 
 fn rows(study: &Study, of: &SceneResults) -> Vec<Vec<String>> {
     let row = |group: &crate::Group| {
+        let method = &study.methods[group.method];
         let spread = |figure| {
             let q = group.quartiles(figure);
             let [lower, median, upper] = [q.lower, q.median, q.upper].map(number);
@@ -263,8 +260,8 @@ fn rows(study: &Study, of: &SceneResults) -> Vec<Vec<String>> {
             rate.map_or("–".to_owned(), |rate| format!("{:.1} %", 100.0 * rate))
         };
         vec![
-            study.methods[group.method].name.clone(),
-            number(study.budgets.amounts[group.budget]),
+            method.name.clone(),
+            number(study.amount(method, group.budget)),
             number(group.seconds()),
             number(group.per_pixel()),
             spread(Figure::RmseXyz),

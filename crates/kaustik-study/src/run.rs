@@ -169,8 +169,8 @@ struct Place<'a> {
 }
 
 impl Work<'_> {
-    fn amount(&self, budget: usize) -> Amount {
-        let amount = self.study.budgets.amounts[budget];
+    fn amount(&self, method: &MethodEntry, budget: usize) -> Amount {
+        let amount = self.study.amount(method, budget);
         match self.study.budgets.unit {
             Unit::Wall | Unit::Cpu => Amount::Seconds(amount),
             Unit::PerPixel => Amount::Samples(Budget::PerPixel(amount as u64)),
@@ -183,7 +183,7 @@ impl Work<'_> {
             method: method.method,
             settings: &method.settings,
             seed,
-            amount: self.amount(budget),
+            amount: self.amount(method, budget),
             layers: self.study.layers,
         }
     }
@@ -219,7 +219,7 @@ impl Work<'_> {
             for &budget in budgets {
                 let key = self.key(place, method, seed, budget)?;
                 let found = self.store.record(&key).is_some();
-                looks.push((self.amount(budget), key, found));
+                looks.push((self.amount(method, budget), key, found));
             }
             let found = looks.iter().filter(|look| look.2).count();
             bar.found += found;

@@ -6,6 +6,7 @@ use kaustik::film::Window;
 use kaustik::{Method, Options};
 
 use crate::StudyError;
+use crate::chart::number;
 
 /// Methods x scenes x seeds x budgets, and the reference that they are measured against.
 #[derive(Clone, Debug, PartialEq)]
@@ -108,6 +109,8 @@ pub struct MethodEntry {
     pub method: Method,
     /// Its settings as `key=value`, as after `--set`.
     pub settings: Vec<String>,
+    /// What it may cost in place of the study's amounts: as many, of the same unit.
+    pub amounts: Option<Vec<f64>>,
 }
 
 /// How the reference is rendered: independent renders are averaged until the standard error of their mean,
@@ -134,7 +137,15 @@ impl MethodEntry {
             name: name.to_owned(),
             method,
             settings: settings.iter().map(|&s| s.to_owned()).collect(),
+            amounts: None,
         }
+    }
+
+    /// With amounts of its own in place of the study's.
+    #[must_use]
+    pub fn with_amounts(self, amounts: &[f64]) -> Self {
+        let amounts = Some(amounts.to_vec());
+        Self { amounts, ..self }
     }
 }
 
@@ -173,6 +184,27 @@ impl Study {
         scene.reference.as_ref().unwrap_or(&self.reference).clone()
     }
 
+    /// What a method may cost at a budget.
+    #[must_use]
+    pub fn amount(&self, method: &MethodEntry, budget: usize) -> f64 {
+        let own = method.amounts.as_ref();
+        own.unwrap_or(&self.budgets.amounts)[budget]
+    }
+
+    /// The largest amount in words, and those of methods that have their own.
+    pub(crate) fn last_budget(&self) -> String {
+        let last = self.budgets.amounts.len() - 1;
+        let words = number(self.budgets.amounts[last]) + " " + self.budgets.unit.name();
+        let own = (self.methods.iter())
+            .filter(|method| method.amounts.is_some())
+            .map(|method| format!("{} {}", method.name, number(self.amount(method, last))));
+        let own: Vec<String> = own.collect();
+        match own.is_empty() {
+            true => words,
+            false => format!("{words} ({})", own.join(", ")),
+        }
+    }
+
     /// Is everything within its range?
     ///
     /// # Errors
@@ -193,7 +225,7 @@ impl Study {
             "seeds",
             "expected 1 to 1000 different numbers",
         )?;
-        self.budgets.check()?;
+        self.budgets.check("budget")?;
         expect(!self.scenes.is_empty(), "scene", "expected at least one")?;
         expect(!self.methods.is_empty(), "method", "expected at least one")?;
         names("scene", self.scenes.iter().map(|s| &s.name))?;
@@ -209,13 +241,34 @@ impl Study {
         )?;
         for method in &self.methods {
             let place = format!("method '{}'", method.name);
-            options(method.method, &method.settings).map_err(|m| StudyError::words(place, m))?;
+            options(method.method, &method.settings)
+                .map_err(|m| StudyError::words(place.clone(), m))?;
+            self.own(method, &place)?;
         }
         self.reference.check("reference")?;
         for scene in &self.scenes {
             scene.check(self)?;
         }
         Ok(())
+    }
+}
+
+impl Study {
+    /// Are a method's own amounts what the study's could be?
+    fn own(&self, method: &MethodEntry, place: &str) -> Result<(), StudyError> {
+        let Some(amounts) = &method.amounts else {
+            return Ok(());
+        };
+        expect(
+            amounts.len() == self.budgets.amounts.len(),
+            place,
+            "expected as many amounts as the budget has",
+        )?;
+        let own = Budgets {
+            amounts: amounts.clone(),
+            ..self.budgets.clone()
+        };
+        own.check(place)
     }
 }
 
@@ -243,14 +296,14 @@ impl SceneEntry {
 }
 
 impl Budgets {
-    fn check(&self) -> Result<(), StudyError> {
+    fn check(&self, place: &str) -> Result<(), StudyError> {
         let a = &self.amounts;
         let rising = a.windows(2).all(|pair| pair[0] < pair[1]);
         let whole = self.unit.is_time() || a.iter().all(|x| x.fract() == 0.0 && *x <= 1e15);
         let positive = a.iter().all(|x| *x > 0.0 && *x <= 1e15);
         expect(
             !a.is_empty() && a.len() <= 100 && rising && whole && positive,
-            "budget",
+            place,
             "expected 1 to 100 rising amounts above 0, whole numbers of samples",
         )
     }

@@ -190,6 +190,21 @@ fn other_settings_are_other_renders() {
 }
 
 #[test]
+fn a_method_may_have_amounts_of_its_own() {
+    let mut study = study("per_pixel = [1, 2]");
+    study.methods[1].amounts = Some(vec![3.0, 8.0]);
+    let folder = tempfile::tempdir().unwrap();
+    let results = run(&study, folder.path(), &mut |_| ControlFlow::Continue(())).unwrap();
+    let found = results.scenes[0].groups.iter().map(|g| g.per_pixel());
+    assert_eq!(found.collect::<Vec<f64>>(), [1.0, 2.0, 3.0, 8.0]);
+    let files = report(&results, folder.path());
+    let summary = String::from_utf8(files["study-summary.csv"].clone()).unwrap();
+    assert!(summary.contains(",path,8,samples a pixel,2,"), "{summary}");
+    let page = String::from_utf8(files["index.html"].clone()).unwrap();
+    assert!(page.contains("At 2 samples a pixel (path 8)"));
+}
+
+#[test]
 fn a_study_by_time_looks_at_one_render() {
     let study = study("wall = [0.2, 0.6]");
     let folder = tempfile::tempdir().unwrap();

@@ -1,12 +1,14 @@
-use serde::Serialize;
+use kaustik_mcmc::RedistributionStatistics;
+use kaustik_spectrum::Xyz;
+use serde::{Deserialize, Serialize};
 
-/// What energy redistribution on paths did: light as X, Y, Z of the mean sample, in the units of the
+/// What energy redistribution did: light as X, Y, Z of the mean sample, in the units of the
 /// normalisation.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct EnergyStatistics {
     /// Samples from which paths came.
     pub samples: u64,
-    /// Paths whose light was to be spread.
+    /// Paths (`erpt-pss`: samples) whose light was to be spread.
     pub starts: u64,
     /// Chains that spread it.
     pub chains: u64,
@@ -26,7 +28,53 @@ pub struct EnergyStatistics {
     pub proposed_loss: Option<f64>,
 }
 
+/// Sums of light over samples, as X, Y, Z.
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
+pub(crate) struct EnergySums {
+    /// Of what was to be spread.
+    pub(crate) seeded: [f64; 3],
+    /// Of what chains deposited before any filter.
+    pub(crate) deposited: [f64; 3],
+    /// Of what stayed where it was sampled.
+    pub(crate) unperturbed: [f64; 3],
+}
+
+impl EnergySums {
+    pub(crate) fn merge(&mut self, other: &Self) {
+        for c in 0..3 {
+            self.seeded[c] += other.seeded[c];
+            self.deposited[c] += other.deposited[c];
+            self.unperturbed[c] += other.unperturbed[c];
+        }
+    }
+}
+
+/// Adds weighted light to one of the sums.
+#[inline]
+pub(crate) fn add(sum: &mut [f64; 3], colour: Xyz, weight: f64) {
+    for (sum, part) in sum.iter_mut().zip(colour.0) {
+        *sum += f64::from(part) * weight;
+    }
+}
+
 impl EnergyStatistics {
+    /// Of so many samples; no filter.
+    pub(crate) fn new(samples: u64, chains: &RedistributionStatistics, sums: &EnergySums) -> Self {
+        let mean = |sum: [f64; 3]| sum.map(|sum| sum / samples.max(1) as f64);
+        Self {
+            samples,
+            starts: chains.starts,
+            chains: chains.chains,
+            chains_per_sample: chains.chains as f64 / samples.max(1) as f64,
+            capped: chains.capped,
+            seeded: mean(sums.seeded),
+            deposited: mean(sums.deposited),
+            unperturbed: mean(sums.unperturbed),
+            consecutive_loss: None,
+            proposed_loss: None,
+        }
+    }
+
     /// What whoever looks at the picture should know: how many chains there were, and what filters took away.
     #[must_use]
     pub fn notices(&self) -> Vec<String> {

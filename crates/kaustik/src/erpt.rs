@@ -24,6 +24,7 @@ use rayon::prelude::*;
 use crate::cells::Cells;
 use crate::control::is_stopped;
 use crate::engine::{Engine, Nonfinite};
+use crate::lost::Lost;
 use crate::mark::FilmMark;
 use crate::render::builder_settings;
 use crate::state::{Keep, Reader, StateError, Writer};
@@ -31,7 +32,7 @@ use crate::{
     ChainStatistics, EnergyStatistics, MutationStatistics, Options, Place, RenderError,
     RenderSettings,
 };
-use films::{Films, Lost};
+use films::Films;
 use perturbations::{NAMES, Perturbations};
 use stream::{Job, Light, Stream};
 
@@ -215,23 +216,14 @@ impl Engine for ErptEngine<'_> {
 
     fn energy_statistics(&self) -> Option<EnergyStatistics> {
         let (chains, light) = self.all();
-        let samples = self.steps();
-        let mean = |sum: [f64; 3]| sum.map(|sum| sum / samples.max(1) as f64);
         let (consecutive, proposed) = (
             self.options.consecutive.is_some(),
             self.options.proposed.is_some(),
         );
         Some(EnergyStatistics {
-            samples,
-            starts: chains.starts,
-            chains: chains.chains,
-            chains_per_sample: chains.chains as f64 / samples.max(1) as f64,
-            capped: chains.capped,
-            seeded: mean(light.seeded),
-            deposited: mean(light.deposited),
-            unperturbed: mean(light.unperturbed),
             consecutive_loss: self.lost(consecutive, 0),
             proposed_loss: self.lost(proposed, usize::from(consecutive)),
+            ..EnergyStatistics::new(self.steps(), &chains, &light.sums)
         })
     }
 

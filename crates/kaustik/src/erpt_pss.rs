@@ -8,7 +8,7 @@
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use kaustik_estimate::{PathTarget, ScalarContribution, Scale};
-use kaustik_film::Film;
+use kaustik_film::{Film, Layer};
 use kaustik_mcmc::{
     Deposit, Depositor, Mean, Point, PointKernel, Redistribution, RedistributionStatistics,
     Redistributor, SampleGenerators, Target,
@@ -16,13 +16,16 @@ use kaustik_mcmc::{
 use kaustik_path::{Contributions, PathBuilder};
 use kaustik_pss::Coordinates;
 use kaustik_scene::Scene;
+use kaustik_spectrum::Xyz;
 
 use crate::carried::Carried;
 use crate::control::is_stopped;
+use crate::energy_statistics::{EnergySums, add};
+use crate::lost::Lost;
 use crate::pssmlt::{Small, pilot};
 use crate::state::{Reader, StateError};
 use crate::streams;
-use crate::{ChainStatistics, Options, RenderSettings};
+use crate::{ChainStatistics, EnergyStatistics, Options, RenderError, RenderSettings};
 
 /// What all chains have in common.
 pub(crate) struct PssRedistribution {
@@ -31,6 +34,10 @@ pub(crate) struct PssRedistribution {
     family: ScalarContribution,
     /// Mean scalar contribution of the pilot.
     pilot: f64,
+    /// What the filter by consecutive samples kept back, where it is asked for.
+    pub(crate) held: Option<Film>,
+    /// That, as of the last picture.
+    lost: Option<Lost>,
 }
 
 /// Where paths run, and where their light goes.
@@ -80,11 +87,18 @@ pub(crate) struct Chains {
     redistributor: Redistributor<Point<Small>, Contributions>,
     carried: Carried,
     weights: Mean,
+    sums: EnergySums,
 }
 
 impl PssRedistribution {
     /// Draws the pilot that fixes the light of a deposit: samples of its own, so that the light is a constant.
-    pub(crate) fn new(scene: &Scene, builder: &dyn PathBuilder, settings: &RenderSettings) -> Self {
+    /// `held` is a film for what a filter keeps back.
+    pub(crate) fn new(
+        scene: &Scene,
+        builder: &dyn PathBuilder,
+        settings: &RenderSettings,
+        held: Option<Film>,
+    ) -> Self {
         let options = &settings.options;
         let family = ScalarContribution {
             target: options.target,
@@ -105,6 +119,8 @@ impl PssRedistribution {
             plan: redistribution(options, weights.mean()),
             family,
             pilot: weights.mean(),
+            held,
+            lost: None,
         }
     }
 
@@ -129,36 +145,69 @@ impl PssRedistribution {
             self.pilot,
         )
     }
+
+    /// Their light, from so many samples.
+    pub(crate) fn energy<'a>(
+        &self,
+        samples: u64,
+        chains: impl Iterator<Item = &'a Chains>,
+    ) -> EnergyStatistics {
+        let (mut all, mut sums) = (RedistributionStatistics::default(), EnergySums::default());
+        for chains in chains {
+            all.merge(chains.redistributor.statistics());
+            sums.merge(&chains.sums);
+        }
+        let share = || self.lost.as_ref().map_or(0.0, |lost| lost.share);
+        EnergyStatistics {
+            consecutive_loss: self.held.as_ref().map(|_| share()),
+            ..EnergyStatistics::new(samples, &all, &sums)
+        }
+    }
+
+    /// Looks at what the filter kept off this picture. `per_sample` turns sums into means.
+    pub(crate) fn see(&mut self, picture: &Film, per_sample: f64) -> Result<(), RenderError> {
+        if let Some(held) = &self.held {
+            let target = self.family.target;
+            self.lost = Some(Lost::held(held, picture, per_sample, target)?);
+        }
+        Ok(())
+    }
+
+    /// What was seen.
+    pub(crate) fn layer(&self) -> Option<Layer> {
+        self.lost.as_ref().map(Lost::layer)
+    }
 }
 
 /// What chains of a ladder leave behind.
-pub(crate) type Kept = (RedistributionStatistics, Mean, Carried);
+pub(crate) type Kept = (RedistributionStatistics, Mean, Carried, EnergySums);
 
 impl Chains {
     /// Between two samples nothing else counts.
     pub(crate) fn kept(&self) -> Kept {
         let statistics = self.redistributor.statistics().clone();
-        (statistics, self.weights, self.carried.clone())
+        (statistics, self.weights, self.carried.clone(), self.sums)
     }
 
     /// Refuses what chains from so many samples cannot have left.
     pub(crate) fn take_up(&mut self, kept: Kept, samples: u64) -> Result<(), StateError> {
-        let (statistics, weights, carried) = kept;
+        let (statistics, weights, carried, sums) = kept;
         check_redistribution(&statistics)?;
         if weights.count() != samples || statistics.starts + statistics.bad_starts > samples {
             return Err(StateError::damaged(
                 "chains do not agree with their samples",
             ));
         }
-        self.go_to((statistics, weights, self.carried.checked(carried)?));
+        self.go_to((statistics, weights, self.carried.checked(carried)?, sums));
         Ok(())
     }
 
     /// As those are that left this behind.
-    pub(crate) fn go_to(&mut self, (statistics, weights, carried): Kept) {
+    pub(crate) fn go_to(&mut self, (statistics, weights, carried, sums): Kept) {
         self.redistributor = Redistributor::new().with_statistics(statistics);
         self.weights = weights;
         self.carried = carried;
+        self.sums = sums;
     }
 
     pub(crate) fn new(settings: &RenderSettings, ladder: u32) -> Self {
@@ -169,6 +218,7 @@ impl Chains {
             redistributor: Redistributor::new(),
             carried: Carried::new(settings, ladder),
             weights: Mean::new(),
+            sums: EnergySums::default(),
         }
     }
 
@@ -189,13 +239,23 @@ impl Chains {
         target.evaluate(&mut self.seed.seed(coordinates), &mut self.value);
         let weight = common.family.of(&self.value);
         self.weights.push(weight);
+        let sums = &mut self.sums;
         match &common.plan {
-            None => paths.scale.splat(paths.film, &self.value, 1.0),
+            None => {
+                add(&mut sums.unperturbed, colour(&self.value), 1.0);
+                paths.scale.splat(paths.film, &self.value, 1.0);
+            }
             Some(_) if weight <= 0.0 => {} // nothing to spread
             Some(plan) => {
+                add(&mut sums.seeded, colour(&self.value), 1.0);
                 let deposit = |deposit: Deposit<'_, Contributions>| {
-                    let share = deposit.weight() / deposit.density;
-                    paths.scale.splat(paths.film, deposit.value, share);
+                    let share = |weight: f64| weight / deposit.density;
+                    let all = share(deposit.weight() + deposit.held);
+                    add(&mut sums.deposited, colour(deposit.value), all);
+                    (paths.scale).splat(paths.film, deposit.value, share(deposit.weight()));
+                    if let Some(held) = common.held.as_ref().filter(|_| deposit.held > 0.0) {
+                        (paths.scale).splat(held, deposit.value, share(deposit.held));
+                    }
                 };
                 let stop = paths.stop;
                 let mut deposit = UntilStopped { deposit, stop };
@@ -216,6 +276,12 @@ impl Chains {
         }
         nonfinite.load(Ordering::Relaxed)
     }
+}
+
+/// Light of all splats of a value.
+#[inline]
+fn colour(value: &Contributions) -> Xyz {
+    value.splats().iter().map(|splat| splat.xyz).sum()
 }
 
 /// Refuses counts that no redistribution has.

@@ -7,7 +7,7 @@ mod mark;
 use std::sync::atomic::AtomicBool;
 
 use kaustik_estimate::Scale;
-use kaustik_film::{Counters, Film, Image, Quantum, develop};
+use kaustik_film::{Counters, Film, Image, Layer, Quantum, develop};
 use kaustik_mcmc::{Independent, Mean, SampleGenerators};
 use kaustik_path::{
     Bidirectional, Contributions, Event, Form, LightTracing, PathBuilder, Rays, Remainder,
@@ -26,7 +26,9 @@ use crate::mark::FilmMark;
 use crate::render::builder_settings;
 use crate::stratified::mix;
 use crate::streams;
-use crate::{Budget, ChainStatistics, Place, RenderError, RenderSettings, StateError};
+use crate::{
+    Budget, ChainStatistics, EnergyStatistics, Place, RenderError, RenderSettings, StateError,
+};
 use mark::Mark;
 
 /// The pilot needs only the order of magnitude.
@@ -125,7 +127,10 @@ impl<'a> IndependentEngine<'a> {
     ) -> Result<Self, RenderError> {
         let cells = Cells::new(settings);
         let engine = Self::new(scene, settings, builder(scene, settings)?, Some(cells))?;
-        let redistribution = PssRedistribution::new(scene, engine.builder.as_ref(), settings);
+        let film = |_| Film::with_layout(&settings.layout(), engine.film.quantum());
+        let held = settings.options.consecutive.map(film).transpose()?;
+        let builder = engine.builder.as_ref();
+        let redistribution = PssRedistribution::new(scene, builder, settings, held);
         let mut streams = engine.streams;
         for stream in &mut streams {
             stream.chains = Some(Box::new(Chains::new(settings, stream.ladder)));
@@ -194,6 +199,20 @@ impl<'a> IndependentEngine<'a> {
         self.streams.iter().map(|stream| stream.step).sum()
     }
 
+    /// Whole passes of all streams; `None` if they differ, or in the middle of one.
+    fn passes(&self) -> Option<u64> {
+        let cells = self.cells?;
+        let all: Vec<_> = (self.streams.iter())
+            .map(|stream| stream.passes(&cells))
+            .collect();
+        all_equal(&all)
+    }
+
+    /// The chains of all streams, where the method has any.
+    fn chains(&self) -> impl Iterator<Item = &Chains> {
+        self.streams.iter().filter_map(|s| s.chains.as_deref())
+    }
+
     /// The picture of all steps taken.
     pub(crate) fn picture(&self) -> Result<Image, RenderError> {
         let Some(cells) = self.cells else {
@@ -201,12 +220,7 @@ impl<'a> IndependentEngine<'a> {
             return Ok(develop(&[(&self.film, factor)])?);
         };
         let cell_area = self.area / cells.count() as f64;
-        let even = self
-            .streams
-            .iter()
-            .map(|stream| stream.passes(&cells))
-            .collect::<Vec<_>>();
-        if let Some(passes) = all_equal(&even) {
+        if let Some(passes) = self.passes() {
             return Ok(develop(&[(&self.film, cell_area / passes.max(1) as f64)])?);
         }
         if !self.single_pixel {
@@ -291,13 +305,27 @@ impl Engine for IndependentEngine<'_> {
     }
 
     fn develop(&mut self) -> Result<Image, RenderError> {
-        self.picture()
+        let image = self.picture()?;
+        let passes = self.passes().unwrap_or(0);
+        if let (Some(redistribution), Some(cells)) = (&mut self.redistribution, &self.cells) {
+            let per_sample = self.area / cells.count() as f64 / passes.max(1) as f64;
+            redistribution.see(&self.film, per_sample)?;
+        }
+        Ok(image)
     }
 
     fn chain_statistics(&self) -> Option<ChainStatistics> {
+        Some(self.redistribution.as_ref()?.statistics(self.chains()))
+    }
+
+    fn energy_statistics(&self) -> Option<EnergyStatistics> {
         let redistribution = self.redistribution.as_ref()?;
-        let chains = self.streams.iter().filter_map(|s| s.chains.as_deref());
-        Some(redistribution.statistics(chains))
+        Some(redistribution.energy(self.steps(), self.chains()))
+    }
+
+    fn layers(&self) -> Result<Vec<Layer>, RenderError> {
+        let lost = self.redistribution.iter();
+        Ok(lost.filter_map(PssRedistribution::layer).collect())
     }
 
     fn nonfinite(&self) -> (u64, Vec<Place>) {

@@ -42,6 +42,7 @@ mod features;
 mod independent;
 mod key;
 mod lamps;
+mod lost;
 mod mark;
 mod merge;
 mod merge_statistics;

@@ -42,7 +42,7 @@ pub struct RenderStatistics {
     /// Of each kind of mutation of paths.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub mutations: Vec<MutationStatistics>,
-    /// Of energy redistribution on paths.
+    /// Of energy redistribution.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub energy: Option<EnergyStatistics>,
     /// Of chains of photons.

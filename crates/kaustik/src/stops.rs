@@ -91,6 +91,9 @@ fn cases() -> Vec<(String, RenderSettings)> {
         s.options.energy = Energy::Passes;
     });
     case("", Method::ErptPss, plain);
+    case("filter", Method::ErptPss, &|s| {
+        s.options.consecutive = Some(2);
+    });
     for method in [
         Method::Sppm,
         Method::PhotonVisibility,

@@ -4,7 +4,7 @@ use std::alloc::{GlobalAlloc, Layout, System};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use kaustik::scene::{Scene, SceneOptions, builtin};
-use kaustik::{Budget, Control, Direct, Method, RenderSettings, render};
+use kaustik::{Budget, Control, Direct, Method, Options, RenderSettings, render};
 
 const WIDTH: u32 = 61;
 const HEIGHT: u32 = 47;
@@ -54,7 +54,7 @@ fn scene(words: &str) -> Scene {
 }
 
 /// The most films at a time.
-fn films(method: Method, direct: Direct, threads: usize) -> usize {
+fn films(method: Method, threads: usize, change: impl Fn(&mut Options)) -> usize {
     let mut settings = RenderSettings {
         method,
         width: WIDTH,
@@ -67,7 +67,7 @@ fn films(method: Method, direct: Direct, threads: usize) -> usize {
     settings.options.pilot = 2_000;
     settings.options.particles = 1_000;
     settings.options.photon.photons = 4_000;
-    settings.options.direct = direct;
+    change(&mut settings.options);
     // glass: all replicas run
     let scene = scene("glass-cube?light=0.8");
     let before = LIVE.load(Ordering::Relaxed);
@@ -81,13 +81,22 @@ fn films(method: Method, direct: Direct, threads: usize) -> usize {
 fn few_films_are_held() {
     for method in Method::ALL {
         for direct in [Direct::Lamps, Direct::Apart] {
-            let found = [1, 4].map(|threads| films(method, direct, threads));
+            let found = [1, 4].map(|threads| films(method, threads, |o| o.direct = direct));
             assert!(found[0] >= 1, "{method}: films are counted");
             assert_eq!(found[0], found[1], "{method}, {direct:?}: by threads");
             // of photons: a film a level, of which one is that of what they cannot carry, and the picture
             assert!(found[0] <= 5, "{method}, {direct:?}: {found:?}");
         }
     }
-    let relt = films(Method::Relt, Direct::Lamps, 1);
+    let relt = films(Method::Relt, 1, |_| ());
     assert_eq!(relt, 5, "a film each for four replicas and for lamps");
+    for method in [Method::Erpt, Method::ErptPss] {
+        let filtered = films(method, 1, |o| o.consecutive = Some(1));
+        let found = [films(method, 1, |_| ()), filtered];
+        assert_eq!(
+            found,
+            [1, 2],
+            "{method}: another only where a filter needs it"
+        );
+    }
 }

@@ -38,6 +38,9 @@ fn a_good_file_is_read() {
     assert_eq!(study.methods[0].name, "5 %");
     assert_eq!(study.scenes[0].name, "builtin:cornell");
     assert_eq!(study.scenes[0].close_ups[0].area(), 16);
+    assert_eq!(study.last_budget(), "2 samples a pixel");
+    let own = parse(&(GOOD.to_owned() + "amounts = [3, 4]")).unwrap();
+    assert_eq!(own.last_budget(), "2 samples a pixel (5 % 4)");
 }
 
 #[test]
@@ -70,6 +73,18 @@ fn wrong_words_are_refused_with_their_place() {
             "per_pixel = [1, 2]",
             "per_pixel = [2, 1]",
             "s.toml: budget",
+            "rising",
+        ),
+        (
+            "name = \"5 %\"",
+            "name = \"5 %\"\namounts = [1]",
+            "s.toml: method '5 %'",
+            "as many",
+        ),
+        (
+            "name = \"5 %\"",
+            "name = \"5 %\"\namounts = [2, 1]",
+            "s.toml: method '5 %'",
             "rising",
         ),
         (

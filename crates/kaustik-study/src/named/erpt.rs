@@ -29,6 +29,7 @@ fn entry(scale: Scale, name: &str, method: Method, more: &[&str]) -> MethodEntry
         name: name.to_owned(),
         method,
         settings: settings(scale, "pilot=2000", more),
+        amounts: None,
     }
 }
 
@@ -47,6 +48,24 @@ fn few_chains(scale: Scale) -> MethodEntry {
     erpt(scale, "few chains", &more)
 }
 
+/// Samples a pixel from which the report's chains start in all its figures.
+const SAMPLES: f64 = 24.0;
+
+/// Path tracing against both kinds of chains. As published path tracing has its own number of samples a
+/// pixel, chains have the report's 24, and few chains so many that there are as many mutations: ten a sample
+/// in place of a hundred.
+fn path_and_chains(scale: Scale) -> Vec<MethodEntry> {
+    let chains = [
+        (erpt(scale, "erpt", &[]), SAMPLES),
+        (few_chains(scale), 10.0 * SAMPLES),
+    ];
+    let chains = chains.map(|(method, samples)| match scale {
+        Scale::AsPublished => method.with_amounts(&[samples]),
+        Scale::Quick | Scale::Usual => method,
+    });
+    [path(scale)].into_iter().chain(chains).collect()
+}
+
 /// A study of one scene at equal times; as published at so many samples a pixel.
 fn study(scale: Scale, title: &str, about: &str, scene: &str, published: f64) -> Study {
     let mut study = blank(title, about, scale);
@@ -63,15 +82,12 @@ fn two(scale: Scale) -> PaperFigure {
     let mut study = study(
         scale,
         "Figure 2: indirect light by path tracing",
-        "A box lit by way of the ceiling. As published: 1400 samples a pixel, about two hours on a laptop of its time.",
+        "A box lit by way of the ceiling. As published: 1400 samples a pixel, about two hours on a laptop of its time, \
+         against the chains of Figure 3.",
         INDIRECT,
         1400.0,
     );
-    study.methods = vec![path(scale)];
-    if scale != Scale::AsPublished {
-        study.methods.push(erpt(scale, "erpt", &[]));
-        study.methods.push(few_chains(scale));
-    }
+    study.methods = path_and_chains(scale);
     PaperFigure {
         number: 2,
         study,
@@ -103,7 +119,7 @@ fn three(scale: Scale) -> PaperFigure {
         "The same box by chains of 100, 300 and 1000 steps, a chain a sample in the mean. As published: chains of 100, \
          24 samples a pixel. And with deposits in the colour of the chain's start, as Algorithm 2 prints.",
         INDIRECT,
-        24.0,
+        SAMPLES,
     );
     study.methods = LENGTHS
         .map(|length| erpt(scale, length, &[&format!("length={length}")]))
@@ -136,16 +152,13 @@ fn four(scale: Scale) -> PaperFigure {
     let mut study = study(
         scale,
         "Figure 4: caustics by path tracing",
-        "A mirror ring and a glass sphere in a box. As published: 5625 samples a pixel, 7.5 hours.",
+        "A mirror ring and a glass sphere in a box. As published: 5625 samples a pixel, 7.5 hours, against the chains of \
+         Figure 5.",
         RING,
         5625.0,
     );
     caustics(&mut study, scale);
-    study.methods = vec![path(scale)];
-    if scale != Scale::AsPublished {
-        study.methods.push(erpt(scale, "erpt", &[]));
-        study.methods.push(few_chains(scale));
-    }
+    study.methods = path_and_chains(scale);
     PaperFigure {
         number: 4,
         study,
@@ -201,7 +214,7 @@ fn five(scale: Scale) -> PaperFigure {
          coloured caustics by the sphere and on the walls are there, and the density change of section 4.2 \
          as printed. The box of Figure 3 once more, for what a mutation costs.",
         RING,
-        24.0,
+        SAMPLES,
     );
     caustics(&mut study, scale);
     study.scenes.push(SceneEntry::builtin(INDIRECT));
@@ -254,7 +267,7 @@ fn six(scale: Scale) -> PaperFigure {
         "The scene of Figure 5 without and with the filter at a cutoff of 10, and with the filter by proposals, which the \
          report lacks (kappa 1 and 4). What each takes away is a layer of its picture.",
         RING,
-        24.0,
+        SAMPLES,
     );
     caustics(&mut study, scale);
     study.layers = true;

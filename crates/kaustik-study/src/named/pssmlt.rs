@@ -37,6 +37,7 @@ fn pssmlt(scale: Scale, name: &str, builder: &str, more: &[&str]) -> MethodEntry
         name: name.to_owned(),
         method: Method::Pssmlt,
         settings: settings(scale, "pilot=2000", &all),
+        amounts: None,
     }
 }
 
@@ -48,6 +49,7 @@ fn in_path_space(scale: Scale, name: &str, fraction: &str) -> MethodEntry {
         name: name.to_owned(),
         method: Method::Mlt,
         settings: settings(scale, "pilot=2000", &more),
+        amounts: None,
     }
 }
 
@@ -56,6 +58,7 @@ fn bdpt(scale: Scale, name: &str, more: &[&str]) -> MethodEntry {
         name: name.to_owned(),
         method: Method::Bdpt,
         settings: settings(scale, "pilot=2000", more),
+        amounts: None,
     }
 }
 

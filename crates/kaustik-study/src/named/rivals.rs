@@ -84,13 +84,22 @@ fn against(
         let value = figure(group)?;
         Some(Entrant { name, group, value })
     };
+    // What is counted in samples says what they took.
+    let told = |entrant: Entrant<'_>| match results.study.budgets.unit.is_time() {
+        true => number(entrant.value),
+        false => format!(
+            "{} in {} s",
+            number(entrant.value),
+            number(entrant.group.seconds())
+        ),
+    };
     let ours = entrant(better)?;
-    let measured = format!("{place}, {what}: {better} {}", number(ours.value));
+    let measured = format!("{place}, {what}: {better} {}", told(ours));
     let mut contest = Contest::new(results, measured);
     for &(name, factor) in worse {
         let theirs = entrant(name)?;
         let ratio = ours.value / theirs.value;
-        contest.measured += &format!(", {name} {} (ratio {ratio:.2})", number(theirs.value));
+        contest.measured += &format!(", {name} {} (ratio {ratio:.2})", told(theirs));
         contest.pair(ours, theirs, factor);
     }
     Some(contest.finding())

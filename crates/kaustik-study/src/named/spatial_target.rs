@@ -41,6 +41,7 @@ fn entry(scale: Scale, name: &str, method: Method, more: &[&str]) -> MethodEntry
         name: name.to_owned(),
         method,
         settings,
+        amounts: None,
     }
 }
 
@@ -245,6 +246,7 @@ fn transport(scale: Scale) -> Vec<MethodEntry> {
         name: method.to_string(),
         method,
         settings: settings(scale, "pilot=2000", more),
+        amounts: None,
     };
     methods.into_iter().map(entry).collect()
 }

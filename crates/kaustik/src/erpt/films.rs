@@ -4,12 +4,13 @@ use std::io;
 use std::iter::once;
 
 use glam::DVec2;
-use kaustik_film::{Film, Image, Layer, Quantum, develop, develop_xyz};
+use kaustik_film::{Film, Image, Quantum, develop};
 use kaustik_mcmc::Deposit;
 use kaustik_mutate::Path;
 use kaustik_path::{Event, ScalarTarget, note};
 use kaustik_spectrum::Xyz;
 
+use crate::lost::{Lost, scalars};
 use crate::mark::FilmMark;
 use crate::state::{Reader, StateError, Writer};
 use crate::{RenderError, RenderSettings};
@@ -24,24 +25,6 @@ pub(crate) struct Films {
     allowed: Option<(Film, f64)>,
     size: DVec2,
     target: ScalarTarget,
-}
-
-/// What a filter took away.
-pub(crate) struct Lost {
-    name: &'static str,
-    /// Linear Rec.709 planes: the unfiltered picture less the filtered one.
-    difference: [Vec<f32>; 3],
-    /// The scalar of it, as a share of all light.
-    pub(crate) share: f64,
-}
-
-impl Lost {
-    pub(crate) fn layer(&self) -> Layer {
-        let channels = ["R", "G", "B"]
-            .into_iter()
-            .zip(self.difference.iter().cloned());
-        Layer::new(self.name, channels.collect())
-    }
 }
 
 impl Films {
@@ -121,19 +104,12 @@ impl Films {
     pub(crate) fn develop(&self, per_sample: f64) -> Result<(Image, Vec<Lost>), RenderError> {
         let mut image = develop(&[(&self.picture, per_sample)])?;
         let mut lost = Vec::new();
-        let kept = self.scalars(&self.picture, per_sample)?;
-        let sum = |values: &[f64]| values.iter().sum::<f64>();
         if let Some(held) = &self.held {
-            let away = sum(&self.scalars(held, per_sample)?);
-            let difference = develop(&[(held, per_sample)])?;
-            lost.push(Lost {
-                name: "consecutive",
-                difference: difference.rgb().map(<[f32]>::to_vec),
-                share: share(away, away + sum(&kept)),
-            });
+            lost.push(Lost::held(held, &self.picture, per_sample, self.target)?);
         }
         if let Some((allowed, _)) = &self.allowed {
-            let most = self.scalars_of(allowed, per_sample, |xyz| f64::from(xyz.0[0]))?;
+            let kept = scalars(&self.picture, per_sample, |xyz| self.target.of(xyz))?;
+            let most = scalars(allowed, per_sample, |xyz| f64::from(xyz.0[0]))?;
             let shares: Vec<f64> = (kept.iter().zip(&most))
                 .map(|(&kept, &most)| if kept > most { most / kept } else { 1.0 })
                 .collect();
@@ -146,29 +122,9 @@ impl Films {
                 }
             }
             let away: f64 = kept.iter().zip(&shares).map(|(k, s)| k * (1.0 - s)).sum();
-            lost.push(Lost {
-                name: "proposed",
-                difference,
-                share: share(away, sum(&kept)),
-            });
+            lost.push(Lost::new("proposed", difference, [away, kept.iter().sum()]));
         }
         Ok((image, lost))
-    }
-
-    fn scalars(&self, film: &Film, per_sample: f64) -> Result<Vec<f64>, RenderError> {
-        self.scalars_of(film, per_sample, |xyz| self.target.of(xyz))
-    }
-
-    fn scalars_of(
-        &self,
-        film: &Film,
-        per_sample: f64,
-        of: impl Fn(Xyz) -> f64,
-    ) -> Result<Vec<f64>, RenderError> {
-        let image = develop_xyz(&[(film, per_sample)])?;
-        let [x, y, z] = image.rgb();
-        let pixels = x.iter().zip(y).zip(z);
-        Ok(pixels.map(|((&x, &y), &z)| of(Xyz([x, y, z]))).collect())
     }
 }
 
@@ -184,7 +140,3 @@ fn tell(path: &Path, colour: Xyz, weight: f64) {
 
 /// A scalar on a film of colours.
 const UNIT: Xyz = Xyz([1.0, 0.0, 0.0]);
-
-fn share(part: f64, whole: f64) -> f64 {
-    if whole > 0.0 { part / whole } else { 0.0 }
-}

@@ -10,7 +10,6 @@ use kaustik_mcmc::{
 use kaustik_mutate::{Path, PathSpace, Told};
 use kaustik_path::{Event, Role, trace};
 use kaustik_pss::{Coordinates, Stream as Axis};
-use kaustik_spectrum::Xyz;
 use serde::{Deserialize, Serialize};
 
 use super::films::Films;
@@ -19,6 +18,7 @@ use super::starts::{Starter, is_spread};
 use crate::carried::Carried;
 use crate::cells::{Cells, Tour};
 use crate::control::is_stopped;
+use crate::energy_statistics::{EnergySums, add};
 use crate::engine::Nonfinite;
 use crate::erpt_pss::{UntilStopped, check_redistribution, redistribution};
 use crate::state::{Reader, StateError};
@@ -71,27 +71,14 @@ pub(crate) struct Light {
     /// Scalar of each sample: what is to be spread, and all.
     pub(crate) spread: Mean,
     pub(crate) all: Mean,
-    pub(crate) seeded: [f64; 3],
-    pub(crate) deposited: [f64; 3],
-    pub(crate) unperturbed: [f64; 3],
+    pub(crate) sums: EnergySums,
 }
 
 impl Light {
     pub(crate) fn merge(&mut self, other: &Self) {
         self.spread.merge(&other.spread);
         self.all.merge(&other.all);
-        for c in 0..3 {
-            self.seeded[c] += other.seeded[c];
-            self.deposited[c] += other.deposited[c];
-            self.unperturbed[c] += other.unperturbed[c];
-        }
-    }
-}
-
-#[inline]
-fn add(sum: &mut [f64; 3], colour: Xyz, weight: f64) {
-    for (sum, part) in sum.iter_mut().zip(colour.0) {
-        *sum += f64::from(part) * weight;
+        self.sums.merge(&other.sums);
     }
 }
 
@@ -263,7 +250,7 @@ impl<D: Draws> Spread<'_, D> {
         match self.plan.filter(|_| spread) {
             Some(plan) => self.run_chains(plan, path, weight),
             None => {
-                add(&mut self.light.unperturbed, path.colour(), weight);
+                add(&mut self.light.sums.unperturbed, path.colour(), weight);
                 self.job.films.leave(path, weight);
             }
         }
@@ -272,7 +259,7 @@ impl<D: Draws> Spread<'_, D> {
     /// Spreads a path's weight over chains that begin there.
     fn run_chains(&mut self, plan: &Redistribution, path: &Path, weight: f64) {
         let (options, films) = (self.job.options, self.job.films);
-        let light = &mut *self.light;
+        let light = &mut self.light.sums;
         add(&mut light.seeded, path.colour(), weight);
         let printed = options.deposit == Colours::Printed;
         let deposit = |deposit: Deposit<'_, Path>| {

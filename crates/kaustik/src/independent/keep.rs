@@ -24,8 +24,10 @@ impl Keep for IndependentEngine<'_> {
         let Some(redistribution) = &self.redistribution else {
             return Ok(());
         };
-        let chains = self.streams.iter().filter_map(|s| s.chains.as_deref());
-        let chains: Vec<Kept> = chains.map(Chains::kept).collect();
+        if let Some(held) = &redistribution.held {
+            out.film(held)?;
+        }
+        let chains: Vec<Kept> = self.chains().map(Chains::kept).collect();
         out.value(&(redistribution.pilot(), chains))
     }
 
@@ -51,9 +53,12 @@ impl Keep for IndependentEngine<'_> {
 impl IndependentEngine<'_> {
     /// The chains of the streams that were taken up just now, where the method has any.
     fn take_up_chains(&mut self, from: &mut Reader<'_>) -> Result<(), StateError> {
-        let Some(redistribution) = &self.redistribution else {
+        let Some(redistribution) = &mut self.redistribution else {
             return Ok(());
         };
+        if let Some(held) = &mut redistribution.held {
+            from.film(held)?;
+        }
         let (pilot, kept): (f64, Vec<Kept>) = from.value()?;
         let (ladders, here) = (from.ladders(), redistribution.pilot());
         if pilot.to_bits() != here.to_bits() {

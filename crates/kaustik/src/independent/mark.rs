@@ -8,10 +8,11 @@ use crate::engine::Nonfinite;
 use crate::erpt_pss::{Chains, Kept};
 use crate::mark::FilmMark;
 
-/// The film and streams of an engine as they were. Its memory is used again.
+/// The films and streams of an engine as they were. Its memory is used again.
 #[derive(Default)]
 pub(super) struct Mark {
     film: FilmMark,
+    held: FilmMark,
     streams: Vec<(u64, Nonfinite, Rays, Option<Kept>)>,
 }
 
@@ -22,9 +23,13 @@ impl IndependentEngine<'_> {
             mark,
             film,
             streams,
+            redistribution,
             ..
         } = self;
         mark.film.set(film);
+        if let Some(held) = redistribution.as_ref().and_then(|r| r.held.as_ref()) {
+            mark.held.set(held);
+        }
         mark.streams.clear();
         mark.streams.extend(streams.iter().map(|s| {
             let chains = s.chains.as_deref().map(Chains::kept);
@@ -54,9 +59,13 @@ impl IndependentEngine<'_> {
             mark,
             film,
             streams,
+            redistribution,
             ..
         } = self;
         mark.film.take_back(film);
+        if let Some(held) = redistribution.as_mut().and_then(|r| r.held.as_mut()) {
+            mark.held.take_back(held);
+        }
         for (stream, (step, nonfinite, rays, kept)) in streams.iter_mut().zip(&mark.streams) {
             (stream.step, stream.nonfinite, stream.rays) = (*step, *nonfinite, *rays);
             if let (Some(chains), Some(kept)) = (&mut stream.chains, kept) {
