@@ -55,7 +55,7 @@ pub use chart::{Axis, chart};
 pub use claim::{Claim, Finding, Judged, Verdict, judge};
 pub use clock::{Clock, CpuClock, WallClock};
 pub use error::StudyError;
-pub use figure::{Figure, Quartiles, mean_and_error};
+pub use figure::{Curve, Figure, Quartiles, mean_and_error};
 pub use page::{Section, page};
 pub use report::write;
 pub use results::{Cell, Group, ReferenceResult, Results, SceneResults, Shown};

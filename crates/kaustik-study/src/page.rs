@@ -10,7 +10,7 @@ use crate::figure::Figure;
 use crate::picture::{
     address, close_up, error_map, heat_gradient, layer, signed_gradient, signed_map,
 };
-use crate::{Axis, Judged, Results, SceneResults, Shown, Study, StudyError, chart};
+use crate::{Axis, Curve, Judged, Results, SceneResults, Shown, Study, StudyError, chart};
 
 /// One part of a page: a study and what is to be said about it.
 #[derive(Debug)]
@@ -57,6 +57,7 @@ struct ColumnView {
     picture: String,
     close_ups: Vec<String>,
     error: String,
+    nsd: String,
     signed: String,
     layers: Vec<(String, String)>,
 }
@@ -125,13 +126,15 @@ fn scene(results: &Results, index: usize) -> Result<SceneView, StudyError> {
     }
     let mut charts = Vec::new();
     let drawn = [
-        (Figure::RmseXyz, Axis::Seconds),
-        (Figure::RelativeMse, Axis::Seconds),
-        (Figure::Over10, Axis::Seconds),
-        (Figure::RmseXyz, Axis::Samples),
+        (Curve::from(Figure::RmseXyz), Axis::Seconds),
+        (Curve::from(Figure::RelativeMse), Axis::Seconds),
+        (Curve::Nsd, Axis::Seconds),
+        (Curve::from(Figure::Over10), Axis::Seconds),
+        (Curve::from(Figure::RmseXyz), Axis::Samples),
+        (Curve::Nsd, Axis::Samples),
     ];
-    for (figure, axis) in drawn {
-        charts.extend(chart(results, index, figure, axis)?);
+    for (curve, axis) in drawn {
+        charts.extend(chart(results, index, curve, axis)?);
     }
     let r = &of.reference;
     let reached = if r.error <= r.wanted {
@@ -184,6 +187,7 @@ fn reference_column(
         picture: address(image, &TONE)?,
         close_ups: crops.collect::<Result<_, _>>()?,
         error: String::new(),
+        nsd: String::new(),
         signed: String::new(),
         layers: Vec::new(),
     })
@@ -224,6 +228,10 @@ fn column(
         picture: address(image, &TONE)?,
         close_ups: crops.collect::<Result<_, _>>()?,
         error: error_map(width, height, &shown.difference)?,
+        nsd: match &shown.nsd {
+            Some(nsd) => error_map(width, height, nsd)?,
+            None => String::new(),
+        },
         signed: signed_map(width, height, &shown.difference)?,
         layers,
     })

@@ -1,6 +1,8 @@
 //! What a study measured.
 
-use kaustik::film::metrics::{Measured, Nsd, Reference, difference, matched, measure, nsd_beside};
+use kaustik::film::metrics::{
+    Measured, Nsd, Reference, difference, matched, measure, nsd_beside, nsd_map,
+};
 use kaustik::film::{Image, Keep};
 use serde_json::Value;
 
@@ -85,6 +87,8 @@ pub struct Shown {
     pub image: Image,
     /// Signed relative difference a pixel (`film::metrics::difference`).
     pub difference: Vec<f32>,
+    /// NSD of each pixel over the seeds at the last budget (`film::metrics::nsd_map`); `None` for one seed.
+    pub nsd: Option<Vec<f32>>,
 }
 
 impl ReferenceResult {
@@ -116,6 +120,7 @@ pub(crate) fn evaluate(
 ) -> Result<SceneResults, StudyError> {
     let (mut groups, mut shown) = (Vec::new(), Vec::new());
     for method in 0..study.methods.len() {
+        let mut nsd = None;
         for budget in 0..study.budgets.amounts.len() {
             let mut images = Vec::new();
             let mut cells = Vec::new();
@@ -125,6 +130,9 @@ pub(crate) fn evaluate(
                 images.push(image);
             }
             let all: Vec<&Image> = images.iter().collect();
+            if budget + 1 == study.budgets.amounts.len() {
+                nsd = nsd_map(&all, &reference.image);
+            }
             groups.push(Group {
                 method,
                 budget,
@@ -140,6 +148,7 @@ pub(crate) fn evaluate(
             seed,
             image,
             difference,
+            nsd,
         });
     }
     Ok(SceneResults {

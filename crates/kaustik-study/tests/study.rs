@@ -12,7 +12,8 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use kaustik::film::metrics::{matched, measure};
 use kaustik_study::{
-    Clock, Figure, Results, Runner, Section, Study, StudyError, StudyProgress, WallClock, write,
+    Clock, Curve, Figure, Results, Runner, Section, Study, StudyError, StudyProgress, WallClock,
+    write,
 };
 
 /// Time that stands still, so that files do not tell one run from another.
@@ -96,6 +97,7 @@ fn a_study_that_was_cut_goes_on_to_the_same_bytes() {
     assert!((most - 1.0).abs() < 1e-12);
     assert!(expected.contains_key("index.html") && expected.contains_key("study-cells.csv"));
     assert!(expected.contains_key("study-summary.csv"));
+    assert!(expected.contains_key("study-scene-1-nsd-samples.svg"));
     let html = String::from_utf8(expected["index.html"].clone()).unwrap();
     assert!(
         !html.contains("<script") && html.contains("&lt;script&gt;"),
@@ -270,6 +272,43 @@ fn pictures_shown_are_those_measured() {
         assert_eq!(again, cell.matched);
         assert!(cell.matched != cell.measured);
     }
+}
+
+/// The map of NSD is that of the last budget: its mean is the figure in the table. One seed has none.
+#[test]
+fn the_page_has_nsd_as_a_map_and_as_a_curve() {
+    let mut study = study("per_pixel = [1, 8]");
+    let folder = tempfile::tempdir().unwrap();
+    let mut go = |seeds: &[u64]| {
+        study.seeds = seeds.to_vec();
+        let results = run(&study, folder.path(), &mut |_| ControlFlow::Continue(())).unwrap();
+        let page = report(&results, folder.path())["index.html"].clone();
+        (results, String::from_utf8(page).unwrap())
+    };
+    let (results, page) = go(&[0, 1]);
+    assert_eq!(page.matches("alt=\"NSD of").count(), 2);
+    assert!(page.contains("\nNSD\n"), "an axis");
+    for shown in &results.scenes[0].shown {
+        let group = results.scenes[0].group(shown.method, 1).unwrap();
+        let nsd = group.nsd.unwrap();
+        // every pixel of the box is lit
+        assert_eq!(nsd.pixels, 16 * 16);
+        let map = shown.nsd.as_ref().unwrap().iter();
+        let mean = map.map(|&v| f64::from(v)).sum::<f64>() / 256.0;
+        assert!((mean - nsd.mean).abs() < 1e-5 && mean > 0.0, "{mean}");
+        assert_eq!(
+            group.point(Curve::Nsd).unwrap().median.to_bits(),
+            nsd.mean.to_bits()
+        );
+    }
+    let (results, page) = go(&[0]);
+    assert!(
+        results.scenes[0]
+            .shown
+            .iter()
+            .all(|shown| shown.nsd.is_none())
+    );
+    assert!(!page.contains("NSD of") && !page.contains("\nNSD\n"));
 }
 
 /// Renders are added until their mean is known as well as was asked, or there are as many as may be.

@@ -24,7 +24,7 @@ pub use compare::{CompareError, ImageReport, Report, compare};
 pub use difference::difference;
 pub use errors::{Errors, Measured, Shares, measure};
 pub use matched::matched;
-pub use nsd::{Nsd, nsd, nsd_beside};
+pub use nsd::{Nsd, nsd, nsd_beside, nsd_map};
 pub use reference::Reference;
 pub use spread::Spread;
 pub use tiles::{Tile, tiles};
