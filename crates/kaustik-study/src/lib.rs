@@ -40,6 +40,7 @@ mod error;
 mod figure;
 mod file;
 mod key;
+mod layers;
 mod look;
 pub mod named;
 mod page;

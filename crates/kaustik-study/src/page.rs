@@ -7,9 +7,8 @@ use serde::Serialize;
 
 use crate::chart::number;
 use crate::figure::Figure;
-use crate::picture::{
-    address, close_up, error_map, heat_gradient, layer, signed_gradient, signed_map,
-};
+use crate::layers::{Part, parts};
+use crate::picture::{address, close_up, error_map, heat_gradient, signed_gradient, signed_map};
 use crate::{Axis, Curve, Judged, Results, SceneResults, Shown, Study, StudyError, chart};
 
 /// One part of a page: a study and what is to be said about it.
@@ -59,7 +58,8 @@ struct ColumnView {
     error: String,
     nsd: String,
     signed: String,
-    layers: Vec<(String, String)>,
+    layers: Vec<Part>,
+    is_logarithmic: bool,
 }
 
 /// The page.
@@ -190,6 +190,7 @@ fn reference_column(
         nsd: String::new(),
         signed: String::new(),
         layers: Vec::new(),
+        is_logarithmic: false,
     })
 }
 
@@ -204,14 +205,7 @@ fn column(
     let (width, height) = (image.width(), image.height());
     let crops = &study.scenes[index].close_ups;
     let crops = crops.iter().map(|&window| close_up(image, window, &TONE));
-    let mut layers = Vec::new();
-    for part in image.layers().iter().skip(1) {
-        if !["albedo", "normal", "depth"].contains(&part.name.as_str())
-            && let Some(picture) = layer(image, part)
-        {
-            layers.push((part.name.clone(), address(&picture, &TONE)?));
-        }
-    }
+    let layers = parts(image, &TONE)?;
     let cell = of
         .group(shown.method, study.budgets.amounts.len() - 1)
         .and_then(|group| group.cells.first());
@@ -233,6 +227,7 @@ fn column(
             None => String::new(),
         },
         signed: signed_map(width, height, &shown.difference)?,
+        is_logarithmic: layers.iter().any(|part| part.is_logarithmic),
         layers,
     })
 }

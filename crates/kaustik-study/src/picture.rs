@@ -36,6 +36,42 @@ pub(crate) fn signed_map(width: u32, height: u32, errors: &[f32]) -> Result<Stri
     map(width, height, errors, |e| signed(e / 0.5))
 }
 
+/// Numbers in false colours by their logarithm: white is the largest, black a ten-thousandth of it and less.
+pub(crate) fn log_map(
+    width: u32,
+    height: u32,
+    values: &[f32],
+    largest: f32,
+) -> Result<String, StudyError> {
+    map(width, height, values, |v| {
+        let level = 1.0 + (v / largest).log10() / 4.0;
+        heat(if level.is_nan() { 0.0 } else { level })
+    })
+}
+
+/// Regions by number, each in a colour of its own; black where there is none.
+pub(crate) fn region_map(
+    width: u32,
+    height: u32,
+    regions: &[Option<u32>],
+) -> Result<String, StudyError> {
+    let colours: Vec<[f32; 3]> = (regions.iter())
+        .map(|region| region.map_or([0.0; 3], region_colour))
+        .collect();
+    picture(width, height, &colours)
+}
+
+/// Neighbours in number are far apart in hue: it goes on by the golden section of the circle.
+fn region_colour(number: u32) -> [f32; 3] {
+    const GOLDEN: f64 = 0.618_033_988_749_894_9;
+    let hue = (f64::from(number) * GOLDEN).fract() as f32;
+    let full = [255.0, 190.0, 135.0][number as usize % 3];
+    [0.0, 2.0 / 3.0, 1.0 / 3.0].map(|turn| {
+        let away = ((hue + turn).fract() - 0.5).abs();
+        full * (6.0 * away - 1.0).clamp(0.15, 1.0)
+    })
+}
+
 /// Where on the scale of [`error_map`] a relative error lies.
 fn level(error: f32) -> f32 {
     if error <= 0.01 {
@@ -105,6 +141,11 @@ fn map(
             }
         })
         .collect();
+    picture(width, height, &pixels)
+}
+
+/// Of sRGB codes.
+fn picture(width: u32, height: u32, pixels: &[[f32; 3]]) -> Result<String, StudyError> {
     let plane = |c: usize| pixels.iter().map(|p| linear(p[c])).collect();
     let image = Image::from_rgb(width, height, [plane(0), plane(1), plane(2)])?;
     address(&image, &Tone::default())
@@ -121,8 +162,15 @@ fn linear(code: f32) -> f32 {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
+
+    /// The picture of an address.
+    pub(crate) fn decoded(address: &str) -> Image {
+        let bytes = STANDARD.decode(address.split_once(',').unwrap().1).unwrap();
+        let limits = kaustik::film::Limits::default();
+        kaustik::film::decode(&bytes, &limits, kaustik::film::Keep::Main).unwrap()
+    }
 
     #[test]
     fn colour_scales_begin_and_end_as_they_say() {
@@ -139,13 +187,7 @@ mod tests {
     #[test]
     fn false_colours_arrive_as_they_are() {
         let text = error_map(2, 1, &[1.0, f32::NAN]).unwrap();
-        let bytes = STANDARD.decode(text.split_once(',').unwrap().1).unwrap();
-        let image = kaustik::film::decode(
-            &bytes,
-            &kaustik::film::Limits::default(),
-            kaustik::film::Keep::Main,
-        );
-        let [r, g, b] = image.unwrap().rgb().map(<[f32]>::to_vec);
+        let [r, g, b] = decoded(&text).rgb().map(<[f32]>::to_vec);
         let near = |v: f32, to: f32| (v - to).abs() < 1e-5;
         assert!(near(r[0], 1.0) && near(g[0], 1.0) && near(b[0], 1.0));
         assert!(near(r[1], 0.0) && near(g[1], 1.0) && near(b[1], 0.0));

@@ -22,7 +22,8 @@ pub struct Study {
     pub max_depth: u32,
     /// Worker threads; 0 is one a processor. Changes pictures only where the budget is a time.
     pub threads: usize,
-    /// Keep and show the parts of the picture that a method knows (`relt`: its replicas).
+    /// Keep and show what a method knows beside its picture: `relt` its replicas, photon methods their
+    /// remainder, and with `maps=on` target, factors, regions and contributions.
     pub layers: bool,
     /// What each render may cost.
     pub budgets: Budgets,

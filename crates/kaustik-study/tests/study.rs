@@ -10,10 +10,11 @@ use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 
+use kaustik::Method;
 use kaustik::film::metrics::{matched, measure};
 use kaustik_study::{
-    Clock, Curve, Figure, Results, Runner, Section, Study, StudyError, StudyProgress, WallClock,
-    write,
+    Clock, Curve, Figure, MethodEntry, Results, Runner, Section, Study, StudyError, StudyProgress,
+    WallClock, write,
 };
 
 /// Time that stands still, so that files do not tell one run from another.
@@ -309,6 +310,33 @@ fn the_page_has_nsd_as_a_map_and_as_a_curve() {
             .all(|shown| shown.nsd.is_none())
     );
     assert!(!page.contains("NSD of") && !page.contains("\nNSD\n"));
+}
+
+/// What photon chains follow, and how often they come, is on the page as pictures.
+#[test]
+fn layers_that_are_no_colours_are_shown() {
+    let mut study = study("total = [4000]");
+    let set = ["photons=1000", "pilot=2000", "maps=on"];
+    study.layers = true;
+    study.methods = vec![MethodEntry::new("spatial", Method::PhotonSpatial, &set)];
+    study.seeds = vec![0];
+    let folder = tempfile::tempdir().unwrap();
+    let results = run(&study, folder.path(), &mut |_| ControlFlow::Continue(())).unwrap();
+    let page = report(&results, folder.path())["index.html"].clone();
+    let page = String::from_utf8(page).unwrap();
+    let shown = [
+        "target, at most",
+        "factor: inverse photon density",
+        "factor: inverse kernel size",
+        "regions: ",
+        "contributions a point",
+        "remainder",
+    ];
+    for name in shown {
+        let picture = format!("alt=\"{name}");
+        assert_eq!(page.matches(&picture).count(), 1, "{name}");
+    }
+    assert!(!page.contains("alt=\"albedo"));
 }
 
 /// Renders are added until their mean is known as well as was asked, or there are as many as may be.
