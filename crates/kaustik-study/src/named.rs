@@ -203,6 +203,7 @@ fn blank(title: &str, about: &str, scale: Scale) -> Study {
         max_depth: if scale == Scale::Quick { 8 } else { 64 },
         threads,
         layers: false,
+        matched: Vec::new(),
         budgets: per_pixel(&[1.0]),
         seeds: (0..seeds).collect(),
         scenes: Vec::new(),

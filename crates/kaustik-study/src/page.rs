@@ -201,7 +201,7 @@ fn column(
     shown: &Shown,
 ) -> Result<ColumnView, StudyError> {
     let method = &study.methods[shown.method];
-    let image = &shown.image;
+    let image = &shown.on_page();
     let (width, height) = (image.width(), image.height());
     let crops = &study.scenes[index].close_ups;
     let crops = crops.iter().map(|&window| close_up(image, window, &TONE));
@@ -209,13 +209,17 @@ fn column(
     let cell = of
         .group(shown.method, study.budgets.amounts.len() - 1)
         .and_then(|group| group.cells.first());
-    let note = cell.map_or(String::new(), |cell| {
+    let mut note = cell.map_or(String::new(), |cell| {
         format!(
             "{} samples a pixel, relative MSE {}",
             number(cell.per_pixel),
             number(Figure::RelativeMse.of(cell))
         )
     });
+    if study.matched.contains(&method.name) {
+        let factor = number(f64::from(shown.factor));
+        note += &format!("; shown times {factor}, at the reference's brightness");
+    }
     Ok(ColumnView {
         name: method.name.clone(),
         note,

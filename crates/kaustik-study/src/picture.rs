@@ -26,12 +26,12 @@ pub(crate) fn layer(image: &Image, layer: &Layer) -> Option<Image> {
 }
 
 /// Relative errors in false colours: black is 1 % and below, white 100 % and above, a power of ten
-/// half the scale. What is no number is bright green.
+/// half the scale. What is no number is blue.
 pub(crate) fn error_map(width: u32, height: u32, errors: &[f32]) -> Result<String, StudyError> {
     map(width, height, errors, |e| heat(level(e.abs())))
 }
 
-/// Signed differences: red is too bright, blue too dark, white right; full at 50 %.
+/// Signed differences as in G figure 9: green is too bright, red too dark, black right; full at 50 %.
 pub(crate) fn signed_map(width: u32, height: u32, errors: &[f32]) -> Result<String, StudyError> {
     map(width, height, errors, |e| signed(e / 0.5))
 }
@@ -98,19 +98,11 @@ fn heat(level: f32) -> [f32; 3] {
 }
 
 fn signed(level: f32) -> [f32; 3] {
-    let (full, rest) = (level.abs().min(1.0), 1.0 - level.abs().min(1.0));
+    let full = 255.0 * level.abs().min(1.0);
     if level >= 0.0 {
-        [
-            255.0 - 77.0 * full,
-            255.0 * rest + 24.0 * full,
-            255.0 * rest + 43.0 * full,
-        ]
+        [0.0, full, 0.0]
     } else {
-        [
-            255.0 * rest + 33.0 * full,
-            255.0 * rest + 102.0 * full,
-            255.0 - 83.0 * full,
-        ]
+        [full, 0.0, 0.0]
     }
 }
 
@@ -135,7 +127,7 @@ fn map(
     let pixels: Vec<[f32; 3]> = (values.iter())
         .map(|&v| {
             if v.is_nan() {
-                [0.0, 255.0, 0.0]
+                [0.0, 0.0, 255.0]
             } else {
                 colour(v)
             }
@@ -179,9 +171,9 @@ pub(crate) mod tests {
         let bits = |colour: [f32; 3]| colour.map(f32::to_bits);
         assert_eq!(bits(heat(0.0)), bits(HEAT[0]));
         assert_eq!(bits(heat(1.0)), bits(HEAT[5]));
-        assert_eq!(bits(signed(0.0)), bits([255.0; 3]));
-        let ([r, _, b], [r2, _, b2]) = (signed(1.0), signed(-1.0));
-        assert!(r > b && b2 > r2);
+        assert_eq!(bits(signed(0.0)), bits([0.0; 3]));
+        assert_eq!(bits(signed(1.0)), bits([0.0, 255.0, 0.0]));
+        assert_eq!(bits(signed(-2.0)), bits([255.0, 0.0, 0.0]));
     }
 
     #[test]
@@ -190,6 +182,6 @@ pub(crate) mod tests {
         let [r, g, b] = decoded(&text).rgb().map(<[f32]>::to_vec);
         let near = |v: f32, to: f32| (v - to).abs() < 1e-5;
         assert!(near(r[0], 1.0) && near(g[0], 1.0) && near(b[0], 1.0));
-        assert!(near(r[1], 0.0) && near(g[1], 1.0) && near(b[1], 0.0));
+        assert!(near(r[1], 0.0) && near(g[1], 0.0) && near(b[1], 1.0));
     }
 }

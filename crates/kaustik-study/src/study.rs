@@ -25,6 +25,9 @@ pub struct Study {
     /// Keep and show what a method knows beside its picture: `relt` its replicas, photon methods their
     /// remainder, and with `maps=on` target, factors, regions and contributions.
     pub layers: bool,
+    /// Names of methods whose pictures the page shows at the reference's mean luminance, as it does their
+    /// errors and differences: what they are off by as a whole is left out. Tables have both.
+    pub matched: Vec<String>,
     /// What each render may cost.
     pub budgets: Budgets,
     /// Independent repetitions, all different.
@@ -211,6 +214,11 @@ impl Study {
         for method in &self.methods {
             let place = format!("method '{}'", method.name);
             options(method.method, &method.settings).map_err(|m| StudyError::words(place, m))?;
+        }
+        for name in &self.matched {
+            let is_known = self.methods.iter().any(|method| method.name == *name);
+            let place = format!("matched '{name}'");
+            expect(is_known, &place, "expected the name of a method")?;
         }
         self.reference.check("reference")?;
         for scene in &self.scenes {

@@ -11,7 +11,8 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use kaustik::Method;
-use kaustik::film::metrics::{matched, measure};
+use kaustik::film::Image;
+use kaustik::film::metrics::{difference, matched, measure};
 use kaustik_study::{
     Clock, Curve, Figure, MethodEntry, Results, Runner, Section, Study, StudyError, StudyProgress,
     WallClock, write,
@@ -310,6 +311,33 @@ fn the_page_has_nsd_as_a_map_and_as_a_curve() {
             .all(|shown| shown.nsd.is_none())
     );
     assert!(!page.contains("NSD of") && !page.contains("\nNSD\n"));
+}
+
+/// A picture that is shown matched has the reference's mean luminance, and its differences are taken so.
+#[test]
+fn matched_pictures_are_as_bright_as_the_reference() {
+    let mut study = study("per_pixel = [1]");
+    study.matched = vec!["path".to_owned()];
+    let folder = tempfile::tempdir().unwrap();
+    let results = run(&study, folder.path(), &mut |_| ControlFlow::Continue(())).unwrap();
+    let scene = &results.scenes[0];
+    let reference = scene.reference.reference();
+    let [chain, path] = &scene.shown[..] else {
+        panic!("two methods")
+    };
+    assert_eq!(chain.factor.to_bits(), 1.0f32.to_bits());
+    assert_eq!(chain.on_page(), chain.image);
+    assert!((path.factor - 1.0).abs() > 1e-4, "{}", path.factor);
+    let bias = |image: &Image| measure(image, &reference).unwrap().raw.bias;
+    assert!(bias(&path.on_page()).abs() < 1e-5 && bias(&path.image).abs() > 1e-4);
+    let again = difference(&path.on_page(), &reference).unwrap();
+    assert!(again == path.difference && difference(&path.image, &reference) != Some(again));
+    let page = report(&results, folder.path())["index.html"].clone();
+    let page = String::from_utf8(page).unwrap();
+    assert_eq!(
+        page.matches("at the reference&#x27;s brightness").count(),
+        1
+    );
 }
 
 /// What photon chains follow, and how often they come, is on the page as pictures.

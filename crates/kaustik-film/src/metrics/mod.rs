@@ -23,7 +23,7 @@ mod tiles;
 pub use compare::{CompareError, ImageReport, Report, compare};
 pub use difference::difference;
 pub use errors::{Errors, Measured, Shares, measure};
-pub use matched::matched;
+pub use matched::{brightness_factor, matched};
 pub use nsd::{Nsd, nsd, nsd_beside, nsd_map};
 pub use reference::Reference;
 pub use spread::Spread;

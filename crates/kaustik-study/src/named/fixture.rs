@@ -78,6 +78,7 @@ fn shown(study: &Study, method: usize) -> Shown {
     Shown {
         method,
         seed: study.seeds[0],
+        factor: 1.0,
         difference: vec![0.0; image.pixels()],
         nsd: None,
         image,
