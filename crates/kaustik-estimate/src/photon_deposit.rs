@@ -17,6 +17,8 @@ pub enum Combine {
     Balance,
     /// The plain mean of what each chain estimates by itself.
     Average,
+    /// The mean of what each chain estimates by itself, weighted by the samples it took (G figure 6).
+    Samples,
 }
 
 /// What of a path each chain of a ladder stands for.
@@ -37,8 +39,8 @@ impl<const K: usize> Sharing<K> {
         self.samples[level] * densities[level] / self.rough[level]
     }
 
-    /// The weight of a level by the balance heuristic (or `1 / K`), divided by its density
-    /// `T_l / b0_l`.
+    /// The weight of a level by the balance heuristic (or `1 / K`, or its part of the samples), divided by
+    /// its density `T_l / b0_l`.
     #[inline]
     fn share(&self, densities: &[f64; K], level: usize) -> f64 {
         match self.combine {
@@ -47,6 +49,10 @@ impl<const K: usize> Sharing<K> {
                 self.samples[level] / all.sum::<f64>()
             }
             Combine::Average => self.rough[level] / (densities[level] * K as f64),
+            Combine::Samples => {
+                let part = self.samples[level] / self.samples.iter().sum::<f64>();
+                part * self.rough[level] / densities[level]
+            }
         }
     }
 }
@@ -126,7 +132,7 @@ mod tests {
     fn shares_sum_to_one() {
         for rough in [[1.0, 0.3, 0.01, 1e-5], [1.0, 0.9, 0.9, 0.2]] {
             for samples in [[1.0; 4], [1.0, 1.0, 2.0, 8.0]] {
-                for combine in [Combine::Balance, Combine::Average] {
+                for combine in [Combine::Balance, Combine::Average, Combine::Samples] {
                     let sharing = Sharing {
                         combine,
                         rough,
@@ -142,17 +148,31 @@ mod tests {
         }
     }
 
-    /// A chain of twice the samples has twice the part of what both find.
-    #[test]
-    fn more_samples_have_a_larger_share() {
+    /// The part that each of two chains of 1 and 2 samples has of a path.
+    fn parts(combine: Combine, densities: [f64; 2]) -> [f64; 2] {
         let sharing = Sharing {
-            combine: Combine::Balance,
+            combine,
             rough: [1.0, 0.5],
             samples: [1.0, 2.0],
         };
-        let densities = [1.0, 0.5];
-        let [first, second] =
-            [0, 1].map(|l| densities[l] / sharing.rough[l] * sharing.share(&densities, l));
+        [0, 1].map(|l| densities[l] / sharing.rough[l] * sharing.share(&densities, l))
+    }
+
+    /// A chain of twice the samples has twice the part of what both find.
+    #[test]
+    fn more_samples_have_a_larger_share() {
+        let [first, second] = parts(Combine::Balance, [1.0, 0.5]);
         assert!((second / first - 2.0).abs() < 1e-12, "{first}, {second}");
+    }
+
+    /// By samples a chain's part is the same whatever the path; the balance heuristic goes by the densities.
+    #[test]
+    fn a_mean_by_samples_looks_at_no_path() {
+        for densities in [[1.0, 0.5], [1.0, 1e-3]] {
+            let [first, second] = parts(Combine::Samples, densities);
+            assert!((first - 1.0 / 3.0).abs() < 1e-12 && (second - 2.0 / 3.0).abs() < 1e-12);
+        }
+        let [first, second] = parts(Combine::Balance, [1.0, 1e-3]);
+        assert!(second < 0.01 * first);
     }
 }

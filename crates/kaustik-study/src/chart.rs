@@ -1,10 +1,10 @@
-//! Error curves as SVG: both axes logarithmic, a line a method, a band between the quartiles.
+//! Error curves as SVG: both axes logarithmic, a line a method, a band between its quartiles.
 
 use plotters::coord::CoordTranslate;
 use plotters::prelude::*;
 use plotters::style::{FontFamily, RGBAColor};
 
-use crate::{Figure, Group, Results, StudyError};
+use crate::{Curve, Group, Results, StudyError};
 
 /// What a curve runs over.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -42,11 +42,12 @@ type Point = (f64, [f64; 3]);
 pub fn chart(
     results: &Results,
     scene: usize,
-    figure: Figure,
+    shown: impl Into<Curve>,
     axis: Axis,
 ) -> Result<Option<String>, StudyError> {
+    let shown = shown.into();
     let curves: Vec<Vec<Point>> = (0..results.study.methods.len())
-        .map(|method| curve(&results.scenes[scene].groups, method, figure, axis))
+        .map(|method| curve(&results.scenes[scene].groups, method, shown, axis))
         .collect();
     let points = || curves.iter().flatten();
     if points().next().is_none() {
@@ -70,16 +71,16 @@ pub fn chart(
         .iter()
         .map(|m| m.name.as_str())
         .collect();
-    draw(&mut svg, &curves, &labels, (x, y), (name, figure.name()))
+    draw(&mut svg, &curves, &labels, (x, y), (name, shown.name()))
         .map_err(|message| StudyError::page("chart", message))?;
     Ok(Some(svg))
 }
 
-fn curve(groups: &[Group], method: usize, figure: Figure, axis: Axis) -> Vec<Point> {
+fn curve(groups: &[Group], method: usize, shown: Curve, axis: Axis) -> Vec<Point> {
     let groups = groups.iter().filter(|group| group.method == method);
     groups
         .filter_map(|group| {
-            let q = group.quartiles(figure);
+            let q = group.point(shown)?;
             let x = match axis {
                 Axis::Seconds => group.seconds(),
                 Axis::Samples => group.per_pixel(),

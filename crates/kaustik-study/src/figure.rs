@@ -83,6 +83,46 @@ impl Figure {
     }
 }
 
+/// What a curve shows and methods are compared by.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Curve {
+    /// A figure of each render, over the seeds.
+    Figure(Figure),
+    /// The normalised standard deviation over the seeds: one number for all of them.
+    Nsd,
+}
+
+impl From<Figure> for Curve {
+    fn from(figure: Figure) -> Self {
+        Self::Figure(figure)
+    }
+}
+
+impl Curve {
+    /// All of them.
+    pub fn all() -> impl Iterator<Item = Self> {
+        Figure::ALL.into_iter().map(Self::Figure).chain([Self::Nsd])
+    }
+
+    /// A word, for files.
+    #[must_use]
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Figure(figure) => figure.word(),
+            Self::Nsd => "nsd",
+        }
+    }
+
+    /// A few words, for tables and axes.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Figure(figure) => figure.name(),
+            Self::Nsd => "NSD",
+        }
+    }
+}
+
 /// Lower quartile, median and upper quartile.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Quartiles {
@@ -138,6 +178,15 @@ impl Group {
     #[must_use]
     pub fn quartiles(&self, figure: Figure) -> Quartiles {
         Quartiles::of(self.cells.iter().map(|cell| figure.of(cell)))
+    }
+
+    /// A point of a curve, or `None`. Where the seeds have one number together it stands for all three.
+    #[must_use]
+    pub fn point(&self, curve: Curve) -> Option<Quartiles> {
+        match curve {
+            Curve::Figure(figure) => Some(self.quartiles(figure)),
+            Curve::Nsd => self.nsd.map(|nsd| Quartiles::of([nsd.mean])),
+        }
     }
 
     /// Median seconds.

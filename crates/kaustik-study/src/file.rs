@@ -31,6 +31,8 @@ struct Words {
     threads: u32,
     #[serde(default)]
     layers: bool,
+    #[serde(default)]
+    matched: Vec<String>,
     seeds: Vec<u32>,
     budget: Spanned<BudgetWords>,
     reference: ReferenceWords,
@@ -229,6 +231,7 @@ impl Study {
             max_depth: words.max_depth,
             threads: words.threads as usize,
             layers: words.layers,
+            matched: words.matched.clone(),
             budgets: source.budgets(&words.budget)?,
             seeds: words.seeds.iter().map(|&seed| u64::from(seed)).collect(),
             scenes: scenes.collect::<Result<_, _>>()?,

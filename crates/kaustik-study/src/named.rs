@@ -7,6 +7,10 @@
 mod checks;
 mod erpt;
 mod evenness;
+#[cfg(test)]
+mod fixture;
+mod lacks;
+mod over_time;
 mod pssmlt;
 mod relt;
 mod rivals;
@@ -200,6 +204,7 @@ fn blank(title: &str, about: &str, scale: Scale) -> Study {
         max_depth: if scale == Scale::Quick { 8 } else { 64 },
         threads,
         layers: false,
+        matched: Vec::new(),
         budgets: per_pixel(&[1.0]),
         seeds: (0..seeds).collect(),
         scenes: Vec::new(),
@@ -280,6 +285,7 @@ mod tests {
             (1, 30.0),
             (4, 10.0),
             (7, 60.0),
+            (8, 60.0),
             (9, 60.0),
             (10, 5.0),
             (11, 60.0),
@@ -299,6 +305,35 @@ mod tests {
             assert_eq!(study.budgets.amounts.last(), Some(&(60.0 * minutes)));
             assert_eq!(study.budgets.unit, Unit::Wall);
         }
+    }
+
+    /// Renders that two figures share are done once: what a figure adds is what has no equal before it.
+    #[test]
+    fn figures_of_the_spatial_target_share_renders() {
+        let figures = find("spatial-target").unwrap().figures(Scale::Usual);
+        let numbers: Vec<u32> = figures.iter().map(|figure| figure.number).collect();
+        assert_eq!(numbers, [1, 3, 4, 5, 6, 7, 8, 9, 10, 11]);
+        let of = |number: u32| figures.iter().find(|f| f.number == number).unwrap();
+        let renders = |figure: &PaperFigure| {
+            let study = &figure.study;
+            let scenes = study.scenes.iter().map(|scene| scene.name.clone());
+            let methods = || {
+                let all = study.methods.iter();
+                all.map(|m| format!("{} {:?} {}", m.method, m.settings, study.layers))
+            };
+            let all = scenes.flat_map(|scene| methods().map(move |m| format!("{scene} {m}")));
+            all.collect::<std::collections::BTreeSet<String>>()
+        };
+        let new = |number: u32, before: &[u32]| {
+            let before = before.iter().flat_map(|n| renders(of(*n))).collect();
+            renders(of(number)).difference(&before).count()
+        };
+        assert_eq!(new(3, &[4]), 0, "the hall's target is that of figure 4");
+        assert_eq!(new(6, &[5]), 1, "the mean by samples");
+        assert_eq!(new(8, &[4]), 8, "independent photons, villa and water");
+        let all: std::collections::BTreeSet<String> = figures.iter().flat_map(renders).collect();
+        // five seeds of 20 seconds each
+        assert_eq!((all.len() * 100) / 60, 120);
     }
 
     #[test]

@@ -7,10 +7,9 @@ use serde::Serialize;
 
 use crate::chart::number;
 use crate::figure::Figure;
-use crate::picture::{
-    address, close_up, error_map, heat_gradient, layer, signed_gradient, signed_map,
-};
-use crate::{Axis, Judged, Results, SceneResults, Shown, Study, StudyError, chart};
+use crate::layers::{Part, parts};
+use crate::picture::{address, close_up, error_map, heat_gradient, signed_gradient, signed_map};
+use crate::{Axis, Curve, Judged, Results, SceneResults, Shown, Study, StudyError, chart};
 
 /// One part of a page: a study and what is to be said about it.
 #[derive(Debug)]
@@ -57,8 +56,10 @@ struct ColumnView {
     picture: String,
     close_ups: Vec<String>,
     error: String,
+    nsd: String,
     signed: String,
-    layers: Vec<(String, String)>,
+    layers: Vec<Part>,
+    is_logarithmic: bool,
 }
 
 /// The page.
@@ -125,13 +126,15 @@ fn scene(results: &Results, index: usize) -> Result<SceneView, StudyError> {
     }
     let mut charts = Vec::new();
     let drawn = [
-        (Figure::RmseXyz, Axis::Seconds),
-        (Figure::RelativeMse, Axis::Seconds),
-        (Figure::Over10, Axis::Seconds),
-        (Figure::RmseXyz, Axis::Samples),
+        (Curve::from(Figure::RmseXyz), Axis::Seconds),
+        (Curve::from(Figure::RelativeMse), Axis::Seconds),
+        (Curve::Nsd, Axis::Seconds),
+        (Curve::from(Figure::Over10), Axis::Seconds),
+        (Curve::from(Figure::RmseXyz), Axis::Samples),
+        (Curve::Nsd, Axis::Samples),
     ];
-    for (figure, axis) in drawn {
-        charts.extend(chart(results, index, figure, axis)?);
+    for (curve, axis) in drawn {
+        charts.extend(chart(results, index, curve, axis)?);
     }
     let r = &of.reference;
     let reached = if r.error <= r.wanted {
@@ -180,8 +183,10 @@ fn reference_column(
         picture: address(image, &TONE)?,
         close_ups: crops.collect::<Result<_, _>>()?,
         error: String::new(),
+        nsd: String::new(),
         signed: String::new(),
         layers: Vec::new(),
+        is_logarithmic: false,
     })
 }
 
@@ -192,35 +197,37 @@ fn column(
     shown: &Shown,
 ) -> Result<ColumnView, StudyError> {
     let method = &study.methods[shown.method];
-    let image = &shown.image;
+    let image = &shown.on_page();
     let (width, height) = (image.width(), image.height());
     let crops = &study.scenes[index].close_ups;
     let crops = crops.iter().map(|&window| close_up(image, window, &TONE));
-    let mut layers = Vec::new();
-    for part in image.layers().iter().skip(1) {
-        if !["albedo", "normal", "depth"].contains(&part.name.as_str())
-            && let Some(picture) = layer(image, part)
-        {
-            layers.push((part.name.clone(), address(&picture, &TONE)?));
-        }
-    }
+    let layers = parts(image, &TONE)?;
     let cell = of
         .group(shown.method, study.budgets.amounts.len() - 1)
         .and_then(|group| group.cells.first());
-    let note = cell.map_or(String::new(), |cell| {
+    let mut note = cell.map_or(String::new(), |cell| {
         format!(
             "{} samples a pixel, relative MSE {}",
             number(cell.per_pixel),
             number(Figure::RelativeMse.of(cell))
         )
     });
+    if study.matched.contains(&method.name) {
+        let factor = number(f64::from(shown.factor));
+        note += &format!("; shown times {factor}, at the reference's brightness");
+    }
     Ok(ColumnView {
         name: method.name.clone(),
         note,
         picture: address(image, &TONE)?,
         close_ups: crops.collect::<Result<_, _>>()?,
         error: error_map(width, height, &shown.difference)?,
+        nsd: match &shown.nsd {
+            Some(nsd) => error_map(width, height, nsd)?,
+            None => String::new(),
+        },
         signed: signed_map(width, height, &shown.difference)?,
+        is_logarithmic: layers.iter().any(|part| part.is_logarithmic),
         layers,
     })
 }

@@ -26,14 +26,50 @@ pub(crate) fn layer(image: &Image, layer: &Layer) -> Option<Image> {
 }
 
 /// Relative errors in false colours: black is 1 % and below, white 100 % and above, a power of ten
-/// half the scale. What is no number is bright green.
+/// half the scale. What is no number is blue.
 pub(crate) fn error_map(width: u32, height: u32, errors: &[f32]) -> Result<String, StudyError> {
     map(width, height, errors, |e| heat(level(e.abs())))
 }
 
-/// Signed differences: red is too bright, blue too dark, white right; full at 50 %.
+/// Signed differences as in G figure 9: green is too bright, red too dark, black right; full at 50 %.
 pub(crate) fn signed_map(width: u32, height: u32, errors: &[f32]) -> Result<String, StudyError> {
     map(width, height, errors, |e| signed(e / 0.5))
+}
+
+/// Numbers in false colours by their logarithm: white is the largest, black a ten-thousandth of it and less.
+pub(crate) fn log_map(
+    width: u32,
+    height: u32,
+    values: &[f32],
+    largest: f32,
+) -> Result<String, StudyError> {
+    map(width, height, values, |v| {
+        let level = 1.0 + (v / largest).log10() / 4.0;
+        heat(if level.is_nan() { 0.0 } else { level })
+    })
+}
+
+/// Regions by number, each in a colour of its own; black where there is none.
+pub(crate) fn region_map(
+    width: u32,
+    height: u32,
+    regions: &[Option<u32>],
+) -> Result<String, StudyError> {
+    let colours: Vec<[f32; 3]> = (regions.iter())
+        .map(|region| region.map_or([0.0; 3], region_colour))
+        .collect();
+    picture(width, height, &colours)
+}
+
+/// Neighbours in number are far apart in hue: it goes on by the golden section of the circle.
+fn region_colour(number: u32) -> [f32; 3] {
+    const GOLDEN: f64 = 0.618_033_988_749_894_9;
+    let hue = (f64::from(number) * GOLDEN).fract() as f32;
+    let full = [255.0, 190.0, 135.0][number as usize % 3];
+    [0.0, 2.0 / 3.0, 1.0 / 3.0].map(|turn| {
+        let away = ((hue + turn).fract() - 0.5).abs();
+        full * (6.0 * away - 1.0).clamp(0.15, 1.0)
+    })
 }
 
 /// Where on the scale of [`error_map`] a relative error lies.
@@ -62,19 +98,11 @@ fn heat(level: f32) -> [f32; 3] {
 }
 
 fn signed(level: f32) -> [f32; 3] {
-    let (full, rest) = (level.abs().min(1.0), 1.0 - level.abs().min(1.0));
+    let full = 255.0 * level.abs().min(1.0);
     if level >= 0.0 {
-        [
-            255.0 - 77.0 * full,
-            255.0 * rest + 24.0 * full,
-            255.0 * rest + 43.0 * full,
-        ]
+        [0.0, full, 0.0]
     } else {
-        [
-            255.0 * rest + 33.0 * full,
-            255.0 * rest + 102.0 * full,
-            255.0 - 83.0 * full,
-        ]
+        [full, 0.0, 0.0]
     }
 }
 
@@ -99,12 +127,17 @@ fn map(
     let pixels: Vec<[f32; 3]> = (values.iter())
         .map(|&v| {
             if v.is_nan() {
-                [0.0, 255.0, 0.0]
+                [0.0, 0.0, 255.0]
             } else {
                 colour(v)
             }
         })
         .collect();
+    picture(width, height, &pixels)
+}
+
+/// Of sRGB codes.
+fn picture(width: u32, height: u32, pixels: &[[f32; 3]]) -> Result<String, StudyError> {
     let plane = |c: usize| pixels.iter().map(|p| linear(p[c])).collect();
     let image = Image::from_rgb(width, height, [plane(0), plane(1), plane(2)])?;
     address(&image, &Tone::default())
@@ -121,8 +154,15 @@ fn linear(code: f32) -> f32 {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
+
+    /// The picture of an address.
+    pub(crate) fn decoded(address: &str) -> Image {
+        let bytes = STANDARD.decode(address.split_once(',').unwrap().1).unwrap();
+        let limits = kaustik::film::Limits::default();
+        kaustik::film::decode(&bytes, &limits, kaustik::film::Keep::Main).unwrap()
+    }
 
     #[test]
     fn colour_scales_begin_and_end_as_they_say() {
@@ -131,23 +171,17 @@ mod tests {
         let bits = |colour: [f32; 3]| colour.map(f32::to_bits);
         assert_eq!(bits(heat(0.0)), bits(HEAT[0]));
         assert_eq!(bits(heat(1.0)), bits(HEAT[5]));
-        assert_eq!(bits(signed(0.0)), bits([255.0; 3]));
-        let ([r, _, b], [r2, _, b2]) = (signed(1.0), signed(-1.0));
-        assert!(r > b && b2 > r2);
+        assert_eq!(bits(signed(0.0)), bits([0.0; 3]));
+        assert_eq!(bits(signed(1.0)), bits([0.0, 255.0, 0.0]));
+        assert_eq!(bits(signed(-2.0)), bits([255.0, 0.0, 0.0]));
     }
 
     #[test]
     fn false_colours_arrive_as_they_are() {
         let text = error_map(2, 1, &[1.0, f32::NAN]).unwrap();
-        let bytes = STANDARD.decode(text.split_once(',').unwrap().1).unwrap();
-        let image = kaustik::film::decode(
-            &bytes,
-            &kaustik::film::Limits::default(),
-            kaustik::film::Keep::Main,
-        );
-        let [r, g, b] = image.unwrap().rgb().map(<[f32]>::to_vec);
+        let [r, g, b] = decoded(&text).rgb().map(<[f32]>::to_vec);
         let near = |v: f32, to: f32| (v - to).abs() < 1e-5;
         assert!(near(r[0], 1.0) && near(g[0], 1.0) && near(b[0], 1.0));
-        assert!(near(r[1], 0.0) && near(g[1], 1.0) && near(b[1], 0.0));
+        assert!(near(r[1], 0.0) && near(g[1], 0.0) && near(b[1], 1.0));
     }
 }

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use kaustik::film::write_file;
 
-use crate::{Axis, Figure, Results, Section, StudyError, chart, csv, page};
+use crate::{Axis, Curve, Results, Section, StudyError, chart, csv, page};
 
 /// Writes tables, curves and the page into a folder that exists, and returns the page's path. Each section
 /// has a word of its own, with which its tables and curves begin.
@@ -41,12 +41,12 @@ pub fn write(
     Ok(path)
 }
 
-/// Every figure over time and over samples. Files are named by the scene's number: a name may hold anything.
+/// Every curve over time and over samples. Files are named by the scene's number: a name may hold anything.
 fn curves(folder: &Path, word: &str, results: &Results, scene: usize) -> Result<(), StudyError> {
-    for figure in Figure::ALL {
+    for curve in Curve::all() {
         for (axis, over) in [(Axis::Seconds, "seconds"), (Axis::Samples, "samples")] {
-            if let Some(svg) = chart(results, scene, figure, axis)? {
-                let name = format!("{word}-scene-{}-{}-{over}.svg", scene + 1, figure.word());
+            if let Some(svg) = chart(results, scene, curve, axis)? {
+                let name = format!("{word}-scene-{}-{}-{over}.svg", scene + 1, curve.word());
                 put(&folder.join(name), &svg)?;
             }
         }

@@ -1,6 +1,8 @@
 //! What a study measured.
 
-use kaustik::film::metrics::{Measured, Nsd, Reference, difference, matched, measure, nsd_beside};
+use kaustik::film::metrics::{
+    Measured, Nsd, Reference, brightness_factor, difference, matched, measure, nsd_beside, nsd_map,
+};
 use kaustik::film::{Image, Keep};
 use serde_json::Value;
 
@@ -83,8 +85,13 @@ pub struct Shown {
     pub seed: u64,
     /// The picture, with a method's parts as layers if the study keeps them.
     pub image: Image,
-    /// Signed relative difference a pixel (`film::metrics::difference`).
+    /// What the page multiplies the picture by: 1, or what gives it the reference's mean luminance if the
+    /// study asks for it.
+    pub factor: f32,
+    /// Signed relative difference a pixel (`film::metrics::difference`), of the picture as the page shows it.
     pub difference: Vec<f32>,
+    /// NSD of each pixel over the seeds at the last budget (`film::metrics::nsd_map`); `None` for one seed.
+    pub nsd: Option<Vec<f32>>,
 }
 
 impl ReferenceResult {
@@ -93,6 +100,16 @@ impl ReferenceResult {
     pub fn reference(&self) -> Reference<'_> {
         let [a, b] = &self.halves;
         Reference::halves(a, b).unwrap_or_else(|| Reference::exact(&self.image))
+    }
+}
+
+impl Shown {
+    /// The picture at the brightness of the page; its layers stay.
+    #[must_use]
+    pub fn on_page(&self) -> Image {
+        let mut image = self.image.clone();
+        image.scale_pixels(|_| self.factor);
+        image
     }
 }
 
@@ -116,6 +133,7 @@ pub(crate) fn evaluate(
 ) -> Result<SceneResults, StudyError> {
     let (mut groups, mut shown) = (Vec::new(), Vec::new());
     for method in 0..study.methods.len() {
+        let mut nsd = None;
         for budget in 0..study.budgets.amounts.len() {
             let mut images = Vec::new();
             let mut cells = Vec::new();
@@ -125,6 +143,9 @@ pub(crate) fn evaluate(
                 images.push(image);
             }
             let all: Vec<&Image> = images.iter().collect();
+            if budget + 1 == study.budgets.amounts.len() {
+                nsd = nsd_map(&all, &reference.image);
+            }
             groups.push(Group {
                 method,
                 budget,
@@ -134,19 +155,39 @@ pub(crate) fn evaluate(
         }
         let seed = study.seeds[0];
         let (_, image) = read(method, seed, study.budgets.amounts.len() - 1, Keep::All)?;
-        let difference = difference(&image, &reference.reference()).ok_or_else(size)?;
-        shown.push(Shown {
-            method,
-            seed,
-            image,
-            difference,
-        });
+        let is_matched = study.matched.contains(&study.methods[method].name);
+        shown.push(show(method, seed, image, is_matched, &reference, nsd)?);
     }
     Ok(SceneResults {
         reference,
         groups,
         shown,
     })
+}
+
+/// As the page shows it.
+fn show(
+    method: usize,
+    seed: u64,
+    image: Image,
+    is_matched: bool,
+    reference: &ReferenceResult,
+    nsd: Option<Vec<f32>>,
+) -> Result<Shown, StudyError> {
+    let factor = match is_matched {
+        true => brightness_factor(&image, &reference.reference()).ok_or_else(size)?,
+        false => 1.0,
+    };
+    let mut shown = Shown {
+        method,
+        seed,
+        image,
+        factor: factor as f32,
+        difference: Vec::new(),
+        nsd,
+    };
+    shown.difference = difference(&shown.on_page(), &reference.reference()).ok_or_else(size)?;
+    Ok(shown)
 }
 
 fn size() -> StudyError {

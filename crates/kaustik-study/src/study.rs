@@ -23,8 +23,12 @@ pub struct Study {
     pub max_depth: u32,
     /// Worker threads; 0 is one a processor. Changes pictures only where the budget is a time.
     pub threads: usize,
-    /// Keep and show the parts of the picture that a method knows (`relt`: its replicas).
+    /// Keep and show what a method knows beside its picture: `relt` its replicas, photon methods their
+    /// remainder, and with `maps=on` target, factors, regions and contributions.
     pub layers: bool,
+    /// Names of methods whose pictures the page shows at the reference's mean luminance, as it does their
+    /// errors and differences: what they are off by as a whole is left out. Tables have both.
+    pub matched: Vec<String>,
     /// What each render may cost.
     pub budgets: Budgets,
     /// Independent repetitions, all different.
@@ -244,6 +248,11 @@ impl Study {
             options(method.method, &method.settings)
                 .map_err(|m| StudyError::words(place.clone(), m))?;
             self.own(method, &place)?;
+        }
+        for name in &self.matched {
+            let is_known = self.methods.iter().any(|method| method.name == *name);
+            let place = format!("matched '{name}'");
+            expect(is_known, &place, "expected the name of a method")?;
         }
         self.reference.check("reference")?;
         for scene in &self.scenes {

@@ -10,9 +10,12 @@ use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use kaustik::film::metrics::{matched, measure};
+use kaustik::Method;
+use kaustik::film::Image;
+use kaustik::film::metrics::{difference, matched, measure};
 use kaustik_study::{
-    Clock, Figure, Results, Runner, Section, Study, StudyError, StudyProgress, WallClock, write,
+    Clock, Curve, Figure, MethodEntry, Results, Runner, Section, Study, StudyError, StudyProgress,
+    WallClock, write,
 };
 
 /// Time that stands still, so that files do not tell one run from another.
@@ -96,6 +99,7 @@ fn a_study_that_was_cut_goes_on_to_the_same_bytes() {
     assert!((most - 1.0).abs() < 1e-12);
     assert!(expected.contains_key("index.html") && expected.contains_key("study-cells.csv"));
     assert!(expected.contains_key("study-summary.csv"));
+    assert!(expected.contains_key("study-scene-1-nsd-samples.svg"));
     let html = String::from_utf8(expected["index.html"].clone()).unwrap();
     assert!(
         !html.contains("<script") && html.contains("&lt;script&gt;"),
@@ -285,6 +289,97 @@ fn pictures_shown_are_those_measured() {
         assert_eq!(again, cell.matched);
         assert!(cell.matched != cell.measured);
     }
+}
+
+/// The map of NSD is that of the last budget: its mean is the figure in the table. One seed has none.
+#[test]
+fn the_page_has_nsd_as_a_map_and_as_a_curve() {
+    let mut study = study("per_pixel = [1, 8]");
+    let folder = tempfile::tempdir().unwrap();
+    let mut go = |seeds: &[u64]| {
+        study.seeds = seeds.to_vec();
+        let results = run(&study, folder.path(), &mut |_| ControlFlow::Continue(())).unwrap();
+        let page = report(&results, folder.path())["index.html"].clone();
+        (results, String::from_utf8(page).unwrap())
+    };
+    let (results, page) = go(&[0, 1]);
+    assert_eq!(page.matches("alt=\"NSD of").count(), 2);
+    assert!(page.contains("\nNSD\n"), "an axis");
+    for shown in &results.scenes[0].shown {
+        let group = results.scenes[0].group(shown.method, 1).unwrap();
+        let nsd = group.nsd.unwrap();
+        // every pixel of the box is lit
+        assert_eq!(nsd.pixels, 16 * 16);
+        let map = shown.nsd.as_ref().unwrap().iter();
+        let mean = map.map(|&v| f64::from(v)).sum::<f64>() / 256.0;
+        assert!((mean - nsd.mean).abs() < 1e-5 && mean > 0.0, "{mean}");
+        assert_eq!(
+            group.point(Curve::Nsd).unwrap().median.to_bits(),
+            nsd.mean.to_bits()
+        );
+    }
+    let (results, page) = go(&[0]);
+    assert!(
+        results.scenes[0]
+            .shown
+            .iter()
+            .all(|shown| shown.nsd.is_none())
+    );
+    assert!(!page.contains("NSD of") && !page.contains("\nNSD\n"));
+}
+
+/// A picture that is shown matched has the reference's mean luminance, and its differences are taken so.
+#[test]
+fn matched_pictures_are_as_bright_as_the_reference() {
+    let mut study = study("per_pixel = [1]");
+    study.matched = vec!["path".to_owned()];
+    let folder = tempfile::tempdir().unwrap();
+    let results = run(&study, folder.path(), &mut |_| ControlFlow::Continue(())).unwrap();
+    let scene = &results.scenes[0];
+    let reference = scene.reference.reference();
+    let [chain, path] = &scene.shown[..] else {
+        panic!("two methods")
+    };
+    assert_eq!(chain.factor.to_bits(), 1.0f32.to_bits());
+    assert_eq!(chain.on_page(), chain.image);
+    assert!((path.factor - 1.0).abs() > 1e-4, "{}", path.factor);
+    let bias = |image: &Image| measure(image, &reference).unwrap().raw.bias;
+    assert!(bias(&path.on_page()).abs() < 1e-5 && bias(&path.image).abs() > 1e-4);
+    let again = difference(&path.on_page(), &reference).unwrap();
+    assert!(again == path.difference && difference(&path.image, &reference) != Some(again));
+    let page = report(&results, folder.path())["index.html"].clone();
+    let page = String::from_utf8(page).unwrap();
+    assert_eq!(
+        page.matches("at the reference&#x27;s brightness").count(),
+        1
+    );
+}
+
+/// What photon chains follow, and how often they come, is on the page as pictures.
+#[test]
+fn layers_that_are_no_colours_are_shown() {
+    let mut study = study("total = [4000]");
+    let set = ["photons=1000", "pilot=2000", "maps=on"];
+    study.layers = true;
+    study.methods = vec![MethodEntry::new("spatial", Method::PhotonSpatial, &set)];
+    study.seeds = vec![0];
+    let folder = tempfile::tempdir().unwrap();
+    let results = run(&study, folder.path(), &mut |_| ControlFlow::Continue(())).unwrap();
+    let page = report(&results, folder.path())["index.html"].clone();
+    let page = String::from_utf8(page).unwrap();
+    let shown = [
+        "target, at most",
+        "factor: inverse photon density",
+        "factor: inverse kernel size",
+        "regions: ",
+        "contributions a point",
+        "remainder",
+    ];
+    for name in shown {
+        let picture = format!("alt=\"{name}");
+        assert_eq!(page.matches(&picture).count(), 1, "{name}");
+    }
+    assert!(!page.contains("alt=\"albedo"));
 }
 
 /// Renders are added until their mean is known as well as was asked, or there are as many as may be.

@@ -184,8 +184,9 @@ pub(crate) const BURN_IN: Key = Key {
 pub(crate) const COMBINE: Key = Key {
     name: "combine",
     default: "balance",
-    range: "balance|average",
-    meaning: "how the chains of a ladder make one picture: by the balance heuristic, or the plain mean",
+    range: "balance|average|samples",
+    meaning: "how the chains of a ladder make one picture: by the balance heuristic, the plain mean, or the mean \
+              weighted by the samples that each took",
     methods: CHAINS,
 };
 /// Which chains.
@@ -263,8 +264,11 @@ pub(crate) const MAPS: Key = Key {
     methods: CHAINS,
 };
 
-const COMBINES: &[(&str, Combine)] =
-    &[("balance", Combine::Balance), ("average", Combine::Average)];
+const COMBINES: &[(&str, Combine)] = &[
+    ("balance", Combine::Balance),
+    ("average", Combine::Average),
+    ("samples", Combine::Samples),
+];
 const LADDER_SIZES: &[(&str, LadderSize)] = &[
     ("2", LadderSize::Two),
     ("3", LadderSize::Three),
@@ -353,7 +357,7 @@ mod tests {
             "remainder=off",
             "acceptance=0.5",
             "burnin=100",
-            "combine=average",
+            "combine=samples",
             "levels=3",
             "pace=2:4:1:1",
             "tf=inverse-kernel",

@@ -10,6 +10,16 @@ use crate::Image;
 /// A Metropolis render has its scale from an estimate apart; this tells the rest of its error from that.
 #[must_use]
 pub fn matched(image: &Image, reference: &Reference<'_>) -> Option<Measured> {
+    let factor = brightness_factor(image, reference)?;
+    let mut scaled = image.clone();
+    scaled.scale_pixels(|_| factor as f32);
+    measure(&scaled, reference)
+}
+
+/// What a picture is to be multiplied by to have the mean luminance of the reference; pixels that are not
+/// finite do not count. 1 if either is black. `None` if the sizes differ.
+#[must_use]
+pub fn brightness_factor(image: &Image, reference: &Reference<'_>) -> Option<f64> {
     let size = |i: &Image| (i.width(), i.height());
     if size(image) != size(reference.image()) {
         return None;
@@ -25,9 +35,7 @@ pub fn matched(image: &Image, reference: &Reference<'_>) -> Option<Measured> {
         }
     }
     if !(x > 0.0 && r > 0.0) {
-        return measure(image, reference);
+        return Some(1.0);
     }
-    let mut scaled = image.clone();
-    scaled.scale_pixels(|_| (r / x) as f32);
-    measure(&scaled, reference)
+    Some(r / x)
 }

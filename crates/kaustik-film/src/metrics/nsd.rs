@@ -43,6 +43,41 @@ pub fn nsd_beside(images: &[&Image], reference: &Image) -> Option<Nsd> {
     })
 }
 
+/// NSD of each pixel, row by row from the top, as [`nsd_beside`] takes it: its mean over the pixels that are
+/// lit in a picture or in the reference is the image's. 0 where all are dark; NaN where a picture is not
+/// finite.
+#[must_use]
+pub fn nsd_map(images: &[&Image], reference: &Image) -> Option<Vec<f32>> {
+    let fits = images
+        .iter()
+        .all(|image| image.shape() == reference.shape());
+    if images.len() < 2 || !fits {
+        return None;
+    }
+    let colour = ToXyz::new();
+    let value = |pixel| {
+        let [mean, variance] = moments(images, pixel, &colour);
+        let is_dark = colour.luminance(reference.pixel(pixel)) <= 0.0;
+        let value = match mean {
+            m if m > 0.0 => variance.sqrt() / m,
+            m if !m.is_finite() => f64::NAN,
+            _ if is_dark => 0.0,
+            _ => (images.len() as f64).sqrt(),
+        };
+        value as f32
+    };
+    Some((0..reference.pixels()).map(value).collect())
+}
+
+/// Mean and variance (n - 1 in the denominator) of a pixel's luminance over the pictures.
+fn moments(images: &[&Image], pixel: usize, colour: &ToXyz) -> [f64; 2] {
+    let n = images.len() as f64;
+    let luminance = |image: &&Image| colour.luminance(image.pixel(pixel));
+    let mean = images.iter().map(luminance).sum::<f64>() / n;
+    let square = |image| (luminance(image) - mean) * (luminance(image) - mean);
+    [mean, images.iter().map(square).sum::<f64>() / (n - 1.0)]
+}
+
 /// Over the pixels that are lit, or are to be.
 fn spread(images: &[&Image], is_to_be_lit: impl Fn(usize) -> bool) -> Option<Nsd> {
     let (first, rest) = images.split_first()?;
@@ -53,12 +88,7 @@ fn spread(images: &[&Image], is_to_be_lit: impl Fn(usize) -> bool) -> Option<Nsd
     let n = images.len() as f64;
     let (mut values, mut variances, mut means) = (Vec::new(), 0.0, 0.0);
     for pixel in 0..first.pixels() {
-        let luminance = |image: &&Image| colour.luminance(image.pixel(pixel));
-        let mean = images.iter().map(luminance).sum::<f64>() / n;
-        let squares = images
-            .iter()
-            .map(|image| (luminance(image) - mean) * (luminance(image) - mean));
-        let variance = squares.sum::<f64>() / (n - 1.0);
+        let [mean, variance] = moments(images, pixel, &colour);
         if mean > 0.0 && variance.is_finite() {
             values.push((variance.sqrt() / mean) as f32);
             variances += variance;

@@ -2,7 +2,9 @@
 
 use crate::random::Random;
 use kaustik_film::Image;
-use kaustik_film::metrics::{CompareError, Reference, compare, measure, nsd, nsd_beside, tiles};
+use kaustik_film::metrics::{
+    CompareError, Reference, compare, measure, nsd, nsd_beside, nsd_map, tiles,
+};
 
 fn gray(width: u32, height: u32, value: impl FnMut(usize) -> f32) -> Image {
     let plane: Vec<f32> = (0..(width * height) as usize).map(value).collect();
@@ -216,6 +218,31 @@ fn nsd_is_the_relative_standard_deviation() {
         "{n:?}"
     );
     assert!(n.quantile_5 < n.median && n.median < n.quantile_95);
+}
+
+/// Its mean over the pixels that count is the image's NSD.
+#[test]
+fn the_map_of_nsd_is_that_of_each_pixel() {
+    let images = [
+        gray(4, 1, |i| [1.0, 0.0, 0.0, 5.0][i]),
+        gray(4, 1, |i| [3.0, 0.0, 0.0, 5.0][i]),
+    ];
+    let images = [&images[0], &images[1]];
+    let reference = gray(4, 1, |i| [2.0, 1.0, 0.0, 5.0][i]);
+    let map = nsd_map(&images, &reference).unwrap();
+    // s = sqrt(2) over 2; dark in all pictures alone: the bound sqrt(2); dark everywhere; the same in both
+    let wanted = [0.5f64.sqrt(), 2.0f64.sqrt(), 0.0, 0.0];
+    for (found, wanted) in map.iter().zip(wanted) {
+        assert!((f64::from(*found) - wanted).abs() < 1e-6, "{map:?}");
+    }
+    let n = nsd_beside(&images, &reference).unwrap();
+    let sum: f64 = map.iter().map(|&v| f64::from(v)).sum();
+    assert_eq!(n.pixels, 3);
+    assert!((n.mean - sum / 3.0).abs() < 1e-6);
+    let lost = gray(4, 1, |i| [f32::NAN, 0.0, 0.0, 5.0][i]);
+    assert!(nsd_map(&[images[0], &lost], &reference).unwrap()[0].is_nan());
+    assert!(nsd_map(&images[..1], &reference).is_none());
+    assert!(nsd_map(&images, &gray(2, 2, |_| 1.0)).is_none());
 }
 
 #[test]

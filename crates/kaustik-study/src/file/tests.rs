@@ -36,6 +36,9 @@ fn a_good_file_is_read() {
     assert_eq!((study.width, study.height, study.max_depth), (16, 12, 64));
     assert_eq!(study.budgets.unit, Unit::PerPixel);
     assert_eq!(study.methods[0].name, "5 %");
+    assert!(study.matched.is_empty());
+    let matched = GOOD.replace("seeds", "matched = [\"5 %\"]\nseeds");
+    assert_eq!(parse(&matched).unwrap().matched, ["5 %"]);
     assert_eq!(study.scenes[0].name, "builtin:cornell");
     assert_eq!(study.scenes[0].close_ups[0].area(), 16);
     assert_eq!(study.last_budget(), "2 samples a pixel");
@@ -46,6 +49,12 @@ fn a_good_file_is_read() {
 #[test]
 fn wrong_words_are_refused_with_their_place() {
     let cases = [
+        (
+            "seeds",
+            "matched = [\"6 %\"]\nseeds",
+            "s.toml: matched '6 %'",
+            "name of a method",
+        ),
         ("width = 16", "wdith = 16", "s.toml:3:1", "wdith"),
         ("width = 16", "width = \"wide\"", "s.toml:3:9", "u32"),
         (

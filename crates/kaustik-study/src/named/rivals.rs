@@ -2,7 +2,7 @@
 
 use super::checks::{last, method, scene};
 use crate::chart::number;
-use crate::{Figure, Finding, Group, Results, Verdict};
+use crate::{Curve, Figure, Finding, Group, Results, Verdict};
 
 /// One method against others. A pair tells nothing where the one that came out better took more than a tenth longer, as
 /// methods may that go by whole passes, or where an error is too small for the reference.
@@ -133,19 +133,20 @@ pub(super) fn lower_nsd(
     against(results, place, "NSD", &nsd, better, worse).unwrap_or_else(not_rendered)
 }
 
-/// The median of `better` is below that of each of `worse` at every budget.
+/// The median of `better`, or its NSD, is below that of each of `worse` at every budget.
 pub(super) fn lower_always(
     results: &Results,
     place: &str,
-    figure: Figure,
+    curve: impl Into<Curve>,
     better: &str,
     worse: &[&str],
 ) -> Finding {
+    let curve = curve.into();
     let Some((scene, ours)) = scene(results, place).zip(method(results, better)) else {
         return not_rendered();
     };
     let budgets = results.study.budgets.amounts.len();
-    let measured = format!("{place}, {}: {better} is below", figure.name());
+    let measured = format!("{place}, {}: {better} is below", curve.name());
     let mut contest = Contest::new(results, measured);
     for &name in worse {
         let Some(theirs) = method(results, name) else {
@@ -153,7 +154,7 @@ pub(super) fn lower_always(
         };
         let entrant = |name, method, budget| {
             let group = scene.group(method, budget)?;
-            let value = group.quartiles(figure).median;
+            let value = group.point(curve)?.median;
             Some(Entrant { name, group, value })
         };
         let mut won = 0;
