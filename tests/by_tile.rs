@@ -443,7 +443,7 @@ fn assert_agreement(words: &str, contenders: &[Contender]) {
 
 /// One comparison of equal methods in a hundred is rejected by chance: seeds that had no part in it tell. A fault is
 /// there again.
-pub(crate) fn assert_equal(words: &str, pair: [Contender; 2], verdict: &Verdict, look: Look) {
+fn assert_equal(words: &str, pair: [Contender; 2], verdict: &Verdict, look: Look) {
     if verdict.rejected.is_empty() {
         return;
     }
