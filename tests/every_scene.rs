@@ -51,7 +51,7 @@ const METHODS: [Contender; 8] = [
     short(Method::Path, 64, |_| {}),
 ];
 
-/// Where light comes through glass from a narrow lamp: a path tracer may not meet it in any seed, and knows
+/// Where light comes through glass or water from a narrow lamp or the sun: a path tracer may not meet it in any seed, and knows
 /// nothing of it.
 const WITHOUT_PATH: &[Contender] = METHODS.split_at(METHODS.len() - 1).0;
 
@@ -107,7 +107,7 @@ agree_on! {
     methods_agree_on_mirror_statue: "mirror-statue", &METHODS;
     methods_agree_on_dinner_hall: "dinner-hall", &METHODS;
     methods_agree_on_villa: "villa", &METHODS;
-    methods_agree_on_underwater: "underwater", &METHODS;
+    methods_agree_on_underwater: "underwater", WITHOUT_PATH;
     methods_agree_on_canyon: "canyon", &METHODS;
     methods_agree_on_mirror_balls: "mirror-balls", &METHODS;
     methods_agree_on_tea_time: "tea-time", &METHODS;
