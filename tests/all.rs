@@ -78,5 +78,7 @@ mod stages;
 mod state;
 /// What the tests of whole renders share.
 mod support;
+/// Methods against each other, window by window of the image.
+mod windows;
 /// The command as a user meets it.
 mod words;

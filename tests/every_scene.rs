@@ -3,8 +3,8 @@
 
 use kaustik::{Builder, Method, RenderSettings, Starts};
 
-use crate::by_tile::{Contender, Look, TILES, compare};
 use crate::support::Verdict;
+use crate::windows::{Contender, Look, TILES, assert_equal, compare};
 
 /// The whole image at once, for a few rounds.
 const WHOLE: Contender = Contender {
@@ -72,22 +72,17 @@ fn differs(verdict: &Verdict) -> Vec<usize> {
 /// Tiles that are to be known at least, or a comparison says nothing.
 const LEAST_KNOWN: usize = TILES * TILES / 4;
 
-/// Nothing that is known differs from `bdpt`. One comparison of equal methods in a hundred is rejected by chance: seeds
-/// that had no part in it tell.
+/// Nothing that is known differs from `bdpt`.
 fn assert_agreement_on(words: &str, methods: &[Contender]) {
-    for (pair, verdict) in compare(words, methods, LOOK) {
-        if pair[0].method != Method::Bdpt {
-            continue;
-        }
+    let told = compare(words, methods, LOOK);
+    for told in told
+        .iter()
+        .filter(|(pair, _)| pair[0].method == Method::Bdpt)
+    {
+        let ([_, rival], verdict) = told;
         let known = TILES * TILES - verdict.uncertain.len();
-        assert!(known >= LEAST_KNOWN, "{words}, {}: {verdict:?}", pair[1]);
-        if differs(&verdict).is_empty() {
-            continue;
-        }
-        for (_, again) in compare(words, &pair, LOOK.afresh()) {
-            let found = differs(&again);
-            assert!(found.is_empty(), "{words}, {}: {found:?}", pair[1]);
-        }
+        assert!(known >= LEAST_KNOWN, "{words}, {rival}: {verdict:?}");
+        assert_equal(words, told, LOOK, differs);
     }
 }
 

@@ -254,6 +254,12 @@ fn chains_tell_their_normalisers() {
         assert!(pair[1].normaliser > 0.0 && pair[1].error < 0.5 * pair[1].normaliser);
         assert!(pair[1].acceptance > 0.05, "{photons:?}");
     }
+    // What is not known of visibility is not known of what stands above it, and there is more.
+    let relative = |level: usize| photons.levels[level].error / photons.levels[level].normaliser;
+    assert!(relative(1) > 0.0, "{photons:?}");
+    for level in [2, 3] {
+        assert!(relative(level) > 1.01 * relative(1), "{photons:?}");
+    }
     assert_eq!(statistics.nonfinite, 0);
     assert_eq!(statistics.steps, 4 * 60_000);
 }

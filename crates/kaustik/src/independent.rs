@@ -306,8 +306,11 @@ impl Engine for IndependentEngine<'_> {
 
     fn develop(&mut self) -> Result<Image, RenderError> {
         let image = self.picture()?;
-        let passes = self.passes().unwrap_or(0);
-        if let (Some(redistribution), Some(cells)) = (&mut self.redistribution, &self.cells) {
+        // Chains go by whole passes.
+        let passes = self.passes();
+        if let (Some(redistribution), Some(cells), Some(passes)) =
+            (&mut self.redistribution, &self.cells, passes)
+        {
             let per_sample = self.area / cells.count() as f64 / passes.max(1) as f64;
             redistribution.see(&self.film, per_sample)?;
         }
