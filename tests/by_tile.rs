@@ -93,6 +93,42 @@ const ERPT_PSS_BIDIRECTIONAL: Contender = Contender {
     ..ERPT_PSS
 };
 
+/// A pilot tells only how much energy a chain is to carry: any is right, and of many windows it would be most of the work.
+const SHORT_PILOT: u64 = 20_000;
+
+const ERPT_BY_TILES: Contender = Contender {
+    block: 2,
+    change: |settings| {
+        (ERPT_BIDIRECTIONAL.change)(settings);
+        settings.options.pilot = SHORT_PILOT;
+    },
+    ..ERPT_BIDIRECTIONAL
+};
+
+const ERPT_PSS_BY_TILES: Contender = Contender {
+    block: 2,
+    change: |settings| {
+        (ERPT_PSS_BIDIRECTIONAL.change)(settings);
+        settings.options.pilot = SHORT_PILOT;
+    },
+    ..ERPT_PSS_BIDIRECTIONAL
+};
+
+/// One strategy a mutation.
+const MMLT_BY_TILES: Contender = Contender {
+    method: Method::Mmlt,
+    ..MLT_BY_TILES
+};
+
+/// Consistent, not unbiased: to one percent.
+const RELT: Contender = Contender {
+    method: Method::Relt,
+    first: 500,
+    error: 0.0095,
+    change: |_| {},
+    ..MLT
+};
+
 #[test]
 fn windows_agree_roughly_and_a_missing_bounce_is_found() {
     let short = |contender, first| Contender {
@@ -124,17 +160,22 @@ fn windows_agree_roughly_and_a_missing_bounce_is_found() {
     assert!(!verdict.rejected.is_empty(), "{verdict:?}");
 }
 
+/// Shares of a tile's mean.
+const HALF: f64 = 0.005;
+const PERCENT: f64 = 0.01;
+
 const LONG: Look = Look {
     seeds: SEEDS,
     first: 0,
-    share: 0.005,
+    share: HALF,
     rounds: usize::MAX,
 };
 
-/// Each two agree, and are known to half a percent if their errors are to be so small together.
-fn assert_agreement(words: &str, contenders: &[Contender]) {
-    for told in compare(words, contenders, LONG) {
-        assert_equal(words, &told, LONG, |verdict| verdict.rejected.clone());
+/// Each two agree, and are known to the share if their errors are to be so small together.
+fn assert_agreement(words: &str, share: f64, contenders: &[Contender]) {
+    let look = Look { share, ..LONG };
+    for told in compare(words, contenders, look) {
+        assert_equal(words, &told, look, |verdict| verdict.rejected.clone());
         let (_, verdict) = told;
         assert!(verdict.uncertain.len() <= SPARED, "{verdict:?}");
     }
@@ -143,31 +184,45 @@ fn assert_agreement(words: &str, contenders: &[Contender]) {
 #[test]
 #[ignore = "hours; KAUSTIK_KEEP keeps what is done"]
 fn path_light_and_pssmlt_agree_on_water() {
-    assert_agreement("water-cornell?light=0.8", &[PATH, PSSMLT, LIGHT]);
+    assert_agreement("water-cornell?light=0.8", HALF, &[PATH, PSSMLT, LIGHT]);
 }
 
-/// One long test a scene: chains on paths and redistribution against independent bidirectional paths.
-macro_rules! mutations_agree_on {
-    ($($name:ident: $words:literal, $mlt:expr, $erpt:expr, $erpt_pss:expr;)*) => {$(
+/// One long test a scene: against independent bidirectional paths.
+macro_rules! agree_with_bdpt {
+    ($($name:ident: $words:literal, $share:expr, [$($rival:expr),*];)*) => {$(
         #[test]
         #[ignore = "long; KAUSTIK_KEEP keeps what is done"]
         fn $name() {
-            assert_agreement($words, &[BDPT, $mlt, $erpt, $erpt_pss]);
+            assert_agreement($words, $share, &[BDPT, $($rival),*]);
         }
     )*};
 }
 
-mutations_agree_on! {
-    mutations_agree_on_cornell: "cornell", MLT, ERPT, ERPT_PSS;
-    mutations_agree_on_direct_light: "cornell-direct", MLT, ERPT, ERPT_PSS;
-    mutations_agree_on_indirect_light: "cornell-indirect", MLT_BY_TILES, ERPT_BIDIRECTIONAL, ERPT_PSS_BIDIRECTIONAL;
-    mutations_agree_on_ring_and_sphere: "ring-and-sphere?light=0.8", MLT_BY_TILES, ERPT_BIDIRECTIONAL, ERPT_PSS_BIDIRECTIONAL;
-    mutations_agree_on_glass_cube: "glass-cube?light=0.8", MLT_BY_TILES, ERPT_BIDIRECTIONAL, ERPT_PSS_BIDIRECTIONAL;
-    mutations_agree_on_water: "water-cornell?light=0.8", MLT_BY_TILES, ERPT_BIDIRECTIONAL, ERPT_PSS_BIDIRECTIONAL;
+// Chains on paths and redistribution.
+agree_with_bdpt! {
+    mutations_agree_on_cornell: "cornell", HALF, [MLT, ERPT, ERPT_PSS];
+    mutations_agree_on_direct_light: "cornell-direct", HALF, [MLT, ERPT, ERPT_PSS];
+    mutations_agree_on_indirect_light: "cornell-indirect", HALF, [MLT_BY_TILES, ERPT_BIDIRECTIONAL, ERPT_PSS_BIDIRECTIONAL];
+    mutations_agree_on_ring_and_sphere: "ring-and-sphere?light=0.8", HALF, [MLT_BY_TILES, ERPT_BIDIRECTIONAL, ERPT_PSS_BIDIRECTIONAL];
+    mutations_agree_on_glass_cube: "glass-cube?light=0.8", HALF, [MLT_BY_TILES, ERPT_BY_TILES, ERPT_PSS_BY_TILES];
+    mutations_agree_on_water: "water-cornell?light=0.8", HALF, [MLT_BY_TILES, ERPT_BY_TILES, ERPT_PSS_BY_TILES];
 }
 
-#[test]
-#[ignore = "hours; KAUSTIK_KEEP keeps what is done"]
-fn path_and_bdpt_agree_on_water() {
-    assert_agreement("water-cornell?light=0.8", &[PATH, BDPT]);
+// What has one strategy a sample.
+agree_with_bdpt! {
+    strategies_agree_on_direct_light: "cornell-direct", HALF, [MMLT_BY_TILES, PATH];
+    strategies_agree_on_indirect_light: "cornell-indirect", HALF, [MMLT_BY_TILES, PATH];
+    strategies_agree_on_ring_and_sphere: "ring-and-sphere?light=0.8", HALF, [MMLT_BY_TILES, PATH];
+    strategies_agree_on_glass_cube: "glass-cube?light=0.8", HALF, [MMLT_BY_TILES, PATH];
+    strategies_agree_on_water: "water-cornell?light=0.8", HALF, [MMLT_BY_TILES, PATH];
+}
+
+// What is consistent, not unbiased.
+agree_with_bdpt! {
+    replicas_agree_on_cornell: "cornell", PERCENT, [RELT];
+    replicas_agree_on_direct_light: "cornell-direct", PERCENT, [RELT];
+    replicas_agree_on_indirect_light: "cornell-indirect", PERCENT, [RELT];
+    replicas_agree_on_ring_and_sphere: "ring-and-sphere?light=0.8", PERCENT, [RELT];
+    replicas_agree_on_glass_cube: "glass-cube?light=0.8", PERCENT, [RELT];
+    replicas_agree_on_water: "water-cornell?light=0.8", PERCENT, [RELT];
 }
