@@ -264,6 +264,18 @@ fn chains_tell_their_normalisers() {
     assert_eq!(statistics.steps, 4 * 60_000);
 }
 
+/// One lamp and roulette by albedo leave photons about equally bright; eight lamps of all colours do not.
+#[test]
+fn chains_tell_how_much_photons_differ() {
+    let spread = |words: &str| {
+        let scene = scene(words, SIDE);
+        let statistics = statistics(&scene, &photons(Method::PhotonVisibility, 1, 2_000));
+        statistics.photons.expect("of chains").power_spread
+    };
+    let (one, many) = (spread("cornell"), spread("disco"));
+    assert!(one < 0.01 && many > 0.3, "{one}, {many}");
+}
+
 /// A share of the ladders would see other iterations than the rest: it is refused.
 #[test]
 fn shares_of_ladders_are_refused() {

@@ -63,6 +63,9 @@ pub struct PhotonStatistics {
     pub iterations: u64,
     /// Regions that the target goes by; 0 without any.
     pub regions: usize,
+    /// Standard deviation of the power of photons of uniform light paths over its mean, at the wavelengths of the first
+    /// iteration. The spatial target takes all photons for equally bright (G Eq. 5).
+    pub power_spread: f64,
     /// The levels of a ladder, the uniform one first.
     pub levels: Vec<PhotonLevel>,
 }

@@ -74,6 +74,8 @@ pub(super) struct PhotonChains<const K: usize> {
     counters: Counters,
     /// Of the last iteration: normalisers, their errors.
     normalisers: [[f64; 2]; K],
+    /// Of the power of photons, relative.
+    power_spread: f64,
 }
 
 /// One ladder with its generator.
@@ -128,6 +130,7 @@ impl<const K: usize> PhotonChains<K> {
             nonfinite: Vec::new(),
             counters: Counters::default(),
             normalisers: [[0.0; 2]; K],
+            power_spread: spread(&stage.power()),
         };
         chains.start(stage, settings);
         chains.warm_up(stage);
@@ -309,6 +312,15 @@ impl<const K: usize> PhotonChains<K> {
     }
 }
 
+/// Standard deviation over the mean; 0 where nothing is known.
+fn spread(of: &Mean) -> f64 {
+    if of.count() > 1 && of.mean() > 0.0 {
+        of.variance().sqrt() / of.mean()
+    } else {
+        0.0
+    }
+}
+
 /// Large steps for the first level, small ones for all others.
 fn kernels<'t, const K: usize>(
     target: &'t PhotonTarget<'t>,
@@ -394,6 +406,7 @@ impl<const K: usize> Tracer for PhotonChains<K> {
         Some(PhotonStatistics {
             iterations: self.iterations,
             regions: self.targets.cut(),
+            power_spread: self.power_spread,
             levels: (0..K).map(level).collect(),
         })
     }

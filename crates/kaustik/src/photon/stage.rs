@@ -31,8 +31,8 @@ const GOLDEN: f64 = 0.618_033_988_749_894_9;
 const SILVER: f64 = std::f64::consts::SQRT_2 - 1.0;
 /// A look at what moves sees so many instants, spread evenly.
 const INSTANTS: u64 = 16;
-/// A look at where things are takes about so many walks at most.
-const MOST_LOOKS: u64 = 1 << 21;
+/// A look at where things are takes about so many walks at most: 32 for each leaf that a tree can have.
+const MOST_LOOKS: u64 = 1 << 20;
 /// Light paths that tell how bright photons are.
 const PILOT: u64 = 1024;
 
@@ -311,8 +311,8 @@ impl<'a> Stage<'a> {
         self.cell_area / paths
     }
 
-    /// The mean power of photons; of what moves at many instants.
-    pub(super) fn typical_power(&self) -> f64 {
+    /// The power of photons of uniform light paths, in the mean over the wavelengths; of what moves at many instants.
+    pub(super) fn power(&self) -> Mean {
         let mut path = PhotonPath::default();
         let mut power = Mean::new();
         let generators = SampleGenerators::new(self.seed, streams::PILOT);
@@ -325,7 +325,7 @@ impl<'a> Stage<'a> {
                 power.push(f64::from(photon.power.mean()));
             }
         }
-        power.mean()
+        power
     }
 
     /// Diagonal of the box around the points.
@@ -350,7 +350,7 @@ impl<'a> Stage<'a> {
         } else {
             self.points.discs().iter().map(of).collect()
         };
-        let typical = self.typical_power() * inverse.mean() / std::f64::consts::PI;
+        let typical = self.power().mean() * inverse.mean() / std::f64::consts::PI;
         Quantum::from_mean(typical)
     }
 }

@@ -80,7 +80,7 @@ impl<const K: usize> Targets<K> {
             let sums = RegionSums::new(regions.leaves(), levels, options.psi);
             match options.target_function {
                 TargetFunction::SecondMoment => {
-                    let power = stage.typical_power().max(f64::MIN_POSITIVE);
+                    let power = stage.power().mean().max(f64::MIN_POSITIVE);
                     sums.with_fluxes(power / std::f64::consts::PI)
                 }
                 _ => sums,
