@@ -133,7 +133,7 @@ fn each_fault_has_its_reason() {
     assert_eq!(reason(&|b| b.truncate(5)), StateError::Foreign);
     let version = StateError::Version {
         found: 13,
-        expected: 12,
+        expected: 13,
     };
     assert_eq!(reason(&|b| b[8] = 13), version);
     assert_eq!(reason(&|b| b[12..16].reverse()), StateError::ByteOrder);

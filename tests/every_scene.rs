@@ -97,16 +97,16 @@ macro_rules! agree_on {
 }
 
 agree_on! {
-    methods_agree_on_glossy_cornell: "glossy-cornell", &METHODS;
-    methods_agree_on_disco: "disco", &METHODS;
-    methods_agree_on_mirror_statue: "mirror-statue", &METHODS;
-    methods_agree_on_dinner_hall: "dinner-hall", &METHODS;
-    methods_agree_on_villa: "villa", &METHODS;
-    methods_agree_on_underwater: "underwater", WITHOUT_PATH;
-    methods_agree_on_canyon: "canyon", &METHODS;
-    methods_agree_on_mirror_balls: "mirror-balls", &METHODS;
-    methods_agree_on_tea_time: "tea-time", &METHODS;
-    methods_agree_on_prism: "prism", WITHOUT_PATH;
-    methods_agree_on_material_ball: "material-ball", &METHODS;
-    methods_agree_on_glass_ball: "material-ball?material=glass", &METHODS;
+    every_method_agrees_on_glossy_cornell: "glossy-cornell", &METHODS;
+    every_method_agrees_on_disco: "disco", &METHODS;
+    every_method_agrees_on_mirror_statue: "mirror-statue", &METHODS;
+    every_method_agrees_on_dinner_hall: "dinner-hall", &METHODS;
+    every_method_agrees_on_villa: "villa", &METHODS;
+    every_method_agrees_on_underwater: "underwater", WITHOUT_PATH;
+    every_method_agrees_on_canyon: "canyon", &METHODS;
+    every_method_agrees_on_mirror_balls: "mirror-balls", &METHODS;
+    every_method_agrees_on_tea_time: "tea-time", &METHODS;
+    every_method_agrees_on_prism: "prism", WITHOUT_PATH;
+    every_method_agrees_on_material_ball: "material-ball", &METHODS;
+    every_method_agrees_on_glass_ball: "material-ball?material=glass", &METHODS;
 }

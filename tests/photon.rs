@@ -126,6 +126,29 @@ fn reduction_takes_the_error_away() {
     assert!(reduced < 0.7 * kept, "{reduced} and {kept}");
 }
 
+/// With discs that shrink fewer light paths are visible from iteration to iteration, and each has its own share of them: by the
+/// mean share this is a tenth too bright.
+#[test]
+fn chains_agree_while_discs_shrink() {
+    const SIDE: u32 = 16;
+    let scene = scene("cornell", SIDE);
+    let brightness = |method| {
+        let of = |seed: u64| {
+            let mut settings = photons(method, 96, 4_000);
+            // paths that land once
+            (settings.width, settings.height, settings.max_depth) = (SIDE, SIDE, 2);
+            settings.seed = seed;
+            let photon = &mut settings.options.photon;
+            (photon.radius, photon.reduction) = (0.5, Some(0.1));
+            photon.combine = Combine::Average;
+            luminance(means(&picture(&scene, &settings)))
+        };
+        (0..4).map(of).sum::<f64>()
+    };
+    let bias = brightness(Method::PhotonVisibility) / brightness(Method::Sppm) - 1.0;
+    assert!(bias.abs() < 0.03, "{bias}");
+}
+
 /// All methods estimate the same, the kernel's error included; so do the ways of combining chains.
 #[test]
 fn photon_methods_agree_with_each_other() {
@@ -214,6 +237,38 @@ fn veils_are_as_bright_as_they_are() {
     }
 }
 
+/// One in ten thousand of a bright lamp's photons lands anywhere: no pilot of a thousand says how bright it is, and yet it is not
+/// too bright for the film.
+#[test]
+fn photons_that_seldom_land_are_shown() {
+    let paper = MaterialDescription {
+        roughness: 1.0,
+        metallic: 0.0,
+        base_color: [0.8, 0.8, 0.8, 1.0],
+        double_sided: true,
+        ..MaterialDescription::default()
+    };
+    let lamp = MaterialDescription {
+        emissive: [1e6; 3],
+        ..paper.clone()
+    };
+    let things = [(paper, screen(-1.0, 0.1)), (lamp, screen(4.0, 10.0))];
+    let scene = compile(&describe(Vec3::new(0.0, 0.0, 3.0), 0.049, things), 8);
+    let shown = |settings: RenderSettings| {
+        let settings = RenderSettings {
+            width: 8,
+            height: 8,
+            ..settings
+        };
+        let done = render(&scene, &settings, &mut Control::default()).expect("a render");
+        assert_eq!(done.statistics.film.too_large, 0);
+        luminance(means(&done.image))
+    };
+    let truth = shown(settings(Method::Path, 8, 64));
+    let found = shown(photons(Method::Sppm, 4, 1_000_000));
+    assert!((found / truth - 1.0).abs() < 0.3, "{found}, {truth}");
+}
+
 /// Without the remainder glossy walls show no light that comes by mirrors, glass and glossy walls alone; with it they
 /// do.
 #[test]
@@ -262,6 +317,20 @@ fn chains_tell_their_normalisers() {
     }
     assert_eq!(statistics.nonfinite, 0);
     assert_eq!(statistics.steps, 4 * 60_000);
+}
+
+/// A single ladder tells its errors by batches of its sweeps.
+#[test]
+fn one_ladder_tells_errors_too() {
+    let scene = scene("cornell", SIDE);
+    let mut settings = photons(Method::PhotonSpatial, 4, 20_000);
+    settings.options.ladders = 1;
+    let photons = statistics(&scene, &settings).photons.expect("of chains");
+    let relative = |level: usize| photons.levels[level].error / photons.levels[level].normaliser;
+    for level in [2, 3] {
+        let error = relative(level);
+        assert!(error > 1.01 * relative(1) && error < 1.0, "{photons:?}");
+    }
 }
 
 /// One lamp and roulette by albedo leave photons about equally bright; eight lamps of all colours do not.

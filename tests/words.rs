@@ -131,6 +131,12 @@ fn wrong_words() {
         ],
         &["crop"],
     );
+    // before a point, a sample or a byte is made for each of its pixels
+    for method in ["sppm", "pssmlt", "photon-density"] {
+        let crop = ["--crop", "0,0,4294967295,4294967295", "--spp", "1"];
+        let words = ["render", "builtin:cornell", "--method", method];
+        refused(&[words.as_slice(), &crop].concat(), &["crop"]);
+    }
     refused(
         &["render", "builtin:cornell", "--variant", "beach"],
         &["beach", "have none"],

@@ -113,7 +113,7 @@ pub(crate) struct RenderWords {
 #[derive(Args, Debug)]
 pub(crate) struct ReplayWords {
     /// The words of the render; the scene may be one of its states: then that says all but the place.
-    /// A state, given so or by --resume, spares iterations of photon methods. Nothing is rendered or written
+    /// A state, given so or by --resume, spares iterations of photon methods and stages. Nothing is rendered or written
     #[command(flatten)]
     pub(crate) render: RenderWords,
     /// Which sample or step, as a render reports it

@@ -15,6 +15,8 @@ pub struct DensityTarget {
     columns: usize,
     rows: usize,
     targets: Vec<f32>,
+    /// What it covers of the image: the low corner, and the sides.
+    window: [[f64; 2]; 2],
 }
 
 impl DensityTarget {
@@ -47,14 +49,28 @@ impl DensityTarget {
             columns,
             rows,
             targets: both.iter().map(target).collect(),
+            window: [[0.0; 2], [1.0; 2]],
         }
     }
 
-    /// The target at a point of the image (the unit square over all of it; beyond it, that of the nearest pixel).
+    /// The same for a part of the image: its low corner and its sides, in shares of the whole's.
+    #[must_use]
+    pub fn of_window(self, low: [f64; 2], sides: [f64; 2]) -> Self {
+        Self {
+            window: [low, sides],
+            ..self
+        }
+    }
+
+    /// The target at a point of the image (the unit square over all of it; where nothing is known, that of the nearest pixel).
     #[inline]
     pub fn at(&self, x: f64, y: f64) -> f32 {
-        let pixel = |u: f64, count: usize| ((u * count as f64).max(0.0) as usize).min(count - 1);
-        self.targets[pixel(y, self.rows) * self.columns + pixel(x, self.columns)]
+        let [low, sides] = self.window;
+        let pixel = |u: f64, axis: usize, count: usize| {
+            let within = (u - low[axis]) / sides[axis];
+            ((within * count as f64).max(0.0) as usize).min(count - 1)
+        };
+        self.targets[pixel(y, 1, self.rows) * self.columns + pixel(x, 0, self.columns)]
     }
 }
 
@@ -105,6 +121,10 @@ mod tests {
         let edge = target.at(0.5, 0.5);
         assert!(edge > 1.0 && edge < 14.0, "{edge}: a blur");
         assert!((target.at(5.0, -1.0) - target.at(0.999, 0.0)).abs() < 1e-6);
+        let part = target.clone().of_window([0.5, 0.25], [0.25, 0.5]);
+        for (u, v) in [(0.1, 0.5), (0.9, 0.2), (1.5, -0.5)] {
+            assert!((part.at(0.5 + 0.25 * u, 0.25 + 0.5 * v) - target.at(u, v)).abs() < 1e-6);
+        }
         let even = DensityTarget::new(columns, rows, &vec![3.0; columns * rows]);
         assert!((even.at(0.2, 0.2) - even.at(0.8, 0.9)).abs() < 1e-5);
     }

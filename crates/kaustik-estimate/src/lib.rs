@@ -13,6 +13,7 @@
 
 mod density_target;
 mod deposit;
+mod first_meetings;
 mod photon_deposit;
 mod photon_map;
 mod photon_target;
@@ -29,6 +30,7 @@ mod target;
 
 pub use density_target::DensityTarget;
 pub use deposit::{KelemenDeposit, Mis, Scale};
+pub use first_meetings::FirstMeetings;
 pub use kaustik_path::ScalarTarget;
 pub use photon_deposit::{Combine, PhotonDeposit, Sharing, TOUCH};
 pub use photon_map::PhotonMap;

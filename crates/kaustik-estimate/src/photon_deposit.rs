@@ -6,7 +6,7 @@ use kaustik_path::{Event, note};
 
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 
-use crate::{PhotonMap, PhotonValue, RegionSums, Scale};
+use crate::{FirstMeetings, PhotonMap, PhotonValue, RegionSums, Scale};
 
 /// How the samples of several chains make one picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -78,6 +78,8 @@ pub struct PhotonDeposit<'a, const K: usize> {
     pub regions: Option<(&'a RegionSums<K>, usize)>,
     /// How often each point was touched, in steps of [`TOUCH`], if anybody asks.
     pub touches: Option<&'a [AtomicU64]>,
+    /// Room for what regions ask of paths that meet many points.
+    pub firsts: FirstMeetings,
     /// Sum of the visits' weights at each level.
     pub counts: [f64; K],
     /// Values of the visits at each level that were not finite.
@@ -117,7 +119,7 @@ impl<const K: usize> Recorder<PhotonValue, K> for PhotonDeposit<'_, K> {
             }
         }
         if let Some((sums, half)) = self.regions {
-            sums.take(&visit, &self.map, &self.sharing, half);
+            sums.take(&visit, &self.map, &self.sharing, half, &mut self.firsts);
         }
     }
 }

@@ -4,7 +4,10 @@ use std::sync::atomic::{AtomicI64, Ordering::Relaxed};
 
 use kaustik_mcmc::Visit;
 
-use crate::{LeafTally, Meeting, PhotonLevels, PhotonMap, PhotonTargetKind, PhotonValue, Sharing};
+use crate::{
+    FirstMeetings, LeafTally, Meeting, PhotonLevels, PhotonMap, PhotonTargetKind, PhotonValue,
+    Sharing,
+};
 
 /// Steps of one: weights are near one, and sums stay below 2^62.
 const STEP: f64 = (1u64 << 24) as f64;
@@ -103,6 +106,7 @@ impl<const K: usize> RegionSums<K> {
         map: &PhotonMap<'_>,
         sharing: &Sharing<K>,
         half: usize,
+        room: &mut FirstMeetings,
     ) {
         let level = visit.level;
         if !self.counts[level] {
@@ -113,6 +117,7 @@ impl<const K: usize> RegionSums<K> {
         let weight = visit.weight * omega;
         let meetings = &visit.value.meetings;
         let leaf = |meeting: &Meeting| self.leaves[meeting.point as usize];
+        let firsts = room.of(meetings, &self.leaves);
         // Photons meet many points of one leaf in a row: what they add is added at once.
         let (mut run, mut points) = (NONE, 0_u32);
         // Where the meetings of the photon begin: it meets no point twice.
@@ -122,17 +127,14 @@ impl<const K: usize> RegionSums<K> {
                 own = at;
             }
             // A path counts once at each point, and once in each leaf.
-            if meetings[..own]
-                .iter()
-                .any(|other| other.point == meeting.point)
-            {
+            if !firsts.at_point(meetings, at, own) {
                 continue;
             }
             let here = leaf(meeting);
             if here != run {
                 self.add_points(run, level, half, weight * f64::from(points));
                 (run, points) = (here, 0);
-                if !meetings[..at].iter().rev().any(|other| leaf(other) == here) {
+                if firsts.in_leaf(meetings, at, &self.leaves) {
                     add(&self.sums[here as usize][level].paths, visit.weight * share);
                 }
             }
@@ -270,6 +272,7 @@ mod tests {
                 &map,
                 &sharing,
                 half,
+                &mut FirstMeetings::default(),
             );
             // expected samples: 1 and 6 at any path
             let share = [1.0, 36.0][level] / 37.0;

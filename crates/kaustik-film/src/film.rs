@@ -49,15 +49,8 @@ impl Film {
     /// # Errors
     /// If the crop window is empty or reaches beyond the image, or the sums do not fit in memory.
     pub fn with_layout(layout: &Layout, quantum: Quantum) -> Result<Self, FilmError> {
+        layout.check()?;
         let crop = layout.crop;
-        let whole = crate::Window::full(layout.width, layout.height);
-        if crop.area() == 0 || !whole.contains(&crop) {
-            return Err(FilmError::Empty {
-                width: layout.width,
-                height: layout.height,
-                crop,
-            });
-        }
         Ok(Self {
             layout: *layout,
             quantum,

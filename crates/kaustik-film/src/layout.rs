@@ -1,6 +1,6 @@
 //! Where a film's pixels lie: the full image, the crop window, the filter.
 
-use crate::Filter;
+use crate::{FilmError, Filter};
 use serde::{Deserialize, Serialize};
 
 /// A rectangle of whole pixels, half-open: columns `x0..x1`, rows `y0..y1`, y downwards from the top.
@@ -120,6 +120,23 @@ impl Layout {
     #[must_use]
     pub fn with_crop(self, crop: Window) -> Self {
         Self { crop, ..self }
+    }
+
+    /// Has the crop window pixels, and none that the image does not have?
+    ///
+    /// # Errors
+    ///
+    /// If not.
+    pub fn check(&self) -> Result<(), FilmError> {
+        let whole = Window::full(self.width, self.height);
+        if self.crop.area() > 0 && whole.contains(&self.crop) {
+            return Ok(());
+        }
+        Err(FilmError::Empty {
+            width: self.width,
+            height: self.height,
+            crop: self.crop,
+        })
     }
 
     /// The raster points that can touch a pixel of the crop window: the window extended on each side by

@@ -1,7 +1,7 @@
 /// A kind of mutation of a path, as the settings `mutations` and `perturbations` and the statistics name it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MutationKind {
-    /// Deletes a part of the path and traces a new one (Veach 1997, 11.2).
+    /// Deletes a part of the path and traces a new one (Veach 1997, 11.4.2).
     Bidirectional,
     /// Moves the raster point and follows the same scatterings to the first join.
     Lens,
@@ -9,7 +9,7 @@ pub enum MutationKind {
     Multichain,
     /// Moves the direction from the last diffuse vertex before the glass, towards the eye.
     Caustic,
-    /// A fresh subpath from the lens, somewhere else in the image (Veach 1997, 11.3.3).
+    /// A fresh subpath from the lens, somewhere else in the image (Veach 1997, 11.4.4).
     Subpath,
     /// Fresh wavelengths for the same vertices.
     Wavelengths,

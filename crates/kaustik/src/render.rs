@@ -172,6 +172,8 @@ pub(crate) fn check(scene: &Scene, settings: &RenderSettings) -> Result<(), Rend
             format!("that of the scene's camera, {w} x {h}"),
         );
     }
+    // Before anything is made for each of its pixels.
+    settings.layout().check()?;
     settings.options.check(settings.method)?;
     if settings.max_depth == 0 {
         return setting("max-depth", "0".into(), "at least 1".into());

@@ -65,6 +65,8 @@ pub(super) struct PhotonChains<const K: usize> {
     sums: Vec<[f64; 3]>,
     /// Of visibility, over iterations; `None` where each iteration has its own.
     visible: Option<Mean>,
+    /// Iterations in which any chain but the first was lit: what waits for visibility's normaliser is their mean.
+    lit: u64,
     revival: Pcg64Dxsm,
     maps: Option<Maps>,
     iterations: u64,
@@ -102,11 +104,12 @@ impl<const K: usize> PhotonChains<K> {
         let quantum = stage.quantum();
         let films = (1..K).map(|_| Film::with_layout(&settings.layout(), quantum));
         let films = films.collect::<Result<_, _>>()?;
-        // Only the share of visible paths is the same in all iterations; of what moves that is not either: each instant
-        // has its own, and the mean picture is not that of the mean share.
+        // Only the share of visible paths is about the same in all iterations; of what moves, or is seen by discs that
+        // shrink, that is not either, and the mean picture is not that of the mean share.
         let progressive = options.normalisation == Normalisation::Progressive
             && levels.0.get(1) == Some(&PhotonTargetKind::Visibility)
-            && !stage.moves();
+            && !stage.moves()
+            && options.reduction.is_none();
         let adaptation = AcceptanceAdaptation::new(Power::new(FIRST_STEP))
             .with_target(options.acceptance)
             .with_gain(GAIN, GAIN_DECAY)
@@ -124,6 +127,7 @@ impl<const K: usize> PhotonChains<K> {
             rough: [1.0; K],
             sums: vec![[0.0; 3]; settings.pixels() as usize],
             visible: progressive.then(Mean::new),
+            lit: 0,
             revival: generator(settings.seed, streams::REVIVAL),
             maps: options.maps.then(|| Maps::new(settings)),
             iterations: 0,
@@ -344,8 +348,8 @@ impl<const K: usize> Tracer for PhotonChains<K> {
             maps.end(stage);
         }
         let factors = self.normalise();
-        self.collect(spare, &factors);
-        self.targets.learn(&factors);
+        self.collect(spare, &factors.of_films);
+        self.targets.learn(&factors.of_all);
         for (nonfinite, chains) in self.nonfinite.iter_mut().zip(&self.ladders) {
             *nonfinite = nonfinite.and(chains.found);
         }

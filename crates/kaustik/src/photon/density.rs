@@ -24,7 +24,8 @@ pub(super) fn pilot(scene: &Scene, settings: &RenderSettings) -> DensityTarget {
     let mut settings = settings.clone();
     settings.options.photon.radius *= WIDER;
     let mut stage = Stage::new(scene, &settings);
-    let (columns, rows) = (settings.width as usize, settings.height as usize);
+    let window = settings.layout().crop;
+    let (columns, rows) = (window.width() as usize, window.height() as usize);
     let counts: Vec<AtomicU64> = (0..columns * rows).map(|_| AtomicU64::new(0)).collect();
     let mut areas = vec![0.0; columns * rows];
     let generators = SampleGenerators::new(settings.seed, streams::DENSITY);
@@ -34,8 +35,12 @@ pub(super) fn pilot(scene: &Scene, settings: &RenderSettings) -> DensityTarget {
         let points = map.points.points();
         let pixel = |index: usize| {
             let raster = points[index].raster;
-            let at = |u: f64, count: usize| ((u * count as f64).max(0.0) as usize).min(count - 1);
-            at(raster.y, rows) * columns + at(raster.x, columns)
+            let at = |u: f64, whole: u32, first: u32, count: usize| {
+                let from = u * f64::from(whole) - f64::from(first);
+                (from.max(0.0) as usize).min(count - 1)
+            };
+            let row = at(raster.y, settings.height, window.y0, rows);
+            row * columns + at(raster.x, settings.width, window.x0, columns)
         };
         for (index, disc) in map.points.discs().iter().enumerate() {
             areas[pixel(index)] += disc.area();
@@ -62,5 +67,10 @@ pub(super) fn pilot(scene: &Scene, settings: &RenderSettings) -> DensityTarget {
         }
     };
     let densities: Vec<f64> = counts.iter().zip(&areas).map(density).collect();
-    DensityTarget::new(columns, rows, &densities)
+    let whole = [settings.width, settings.height].map(f64::from);
+    let of_whole = |[x, y]: [u32; 2]| [f64::from(x) / whole[0], f64::from(y) / whole[1]];
+    DensityTarget::new(columns, rows, &densities).of_window(
+        of_whole([window.x0, window.y0]),
+        of_whole([window.width(), window.height()]),
+    )
 }

@@ -27,6 +27,8 @@ const CHUNK: u64 = 512;
 const BATCH: u64 = 64;
 /// The golden ratio less one: its multiples fill the unit interval evenly.
 const GOLDEN: f64 = 0.618_033_988_749_894_9;
+/// Quarters of the unit interval in an order of which any two in a row are far apart.
+const QUARTERS: [f64; 4] = [0.0, 2.0, 1.0, 3.0];
 /// The root of two less one: with the golden ratio's, its multiples fill the unit square evenly.
 const SILVER: f64 = std::f64::consts::SQRT_2 - 1.0;
 /// A look at what moves sees so many instants, spread evenly.
@@ -35,6 +37,8 @@ const INSTANTS: u64 = 16;
 const MOST_LOOKS: u64 = 1 << 20;
 /// Light paths that tell how bright photons are.
 const PILOT: u64 = 1024;
+/// So many at most, where none of them lands anywhere.
+const MOST_PILOT: u64 = 1 << 20;
 
 /// One iteration after the other.
 pub(super) struct Stage<'a> {
@@ -179,8 +183,8 @@ impl<'a> Stage<'a> {
     /// The iteration of this number; `false` if it was stopped before it was seen.
     fn see(&mut self, index: u64, stop: Option<&AtomicBool>) -> bool {
         self.iterations = index + 1;
-        let turned = self.first_wavelength + GOLDEN * index as f64;
-        self.wavelengths = Wavelengths::sample(turned - turned.floor(), self.sampling);
+        let turned = turn(self.first_wavelength, index, self.sampling);
+        self.wavelengths = Wavelengths::sample(turned, self.sampling);
         if self.scene.moves() {
             let turned = self.first_time + SILVER * index as f64;
             self.instant = Some(self.scene.at(turned - turned.floor()));
@@ -317,7 +321,10 @@ impl<'a> Stage<'a> {
         let mut power = Mean::new();
         let generators = SampleGenerators::new(self.seed, streams::PILOT);
         let instants = self.instants();
-        for index in 0..PILOT {
+        for index in 0..MOST_PILOT {
+            if index >= PILOT && power.count() > 0 {
+                break;
+            }
             let scene = self.in_turn(&instants, index);
             let mut u = Independent::new(generators.at(index));
             (self.tracing).build(scene, &self.wavelengths, &mut u, &mut path);
@@ -352,5 +359,53 @@ impl<'a> Stage<'a> {
         };
         let typical = self.power().mean() * inverse.mean() / std::f64::consts::PI;
         Quantum::from_mean(typical)
+    }
+}
+
+/// A random number for the wavelengths of an iteration, in [0, 1), from that of the first.
+///
+/// Which four a hero brings with it depends on where in its quarter of the interval it lies: that is what turns by the golden ratio. The
+/// quarter itself, which light that disperses looks at alone, goes round beside it.
+fn turn(first: f64, index: u64, sampling: WavelengthSampling) -> f64 {
+    let turned = |from: f64| (from + GOLDEN * index as f64).fract();
+    match sampling {
+        WavelengthSampling::Single => turned(first),
+        WavelengthSampling::Hero => {
+            let start = 4.0 * first;
+            let quarter = QUARTERS[((start as u64 + index) % 4) as usize];
+            0.25 * (quarter + turned(start.fract()))
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The widest gap between points of the circle.
+    fn gap(points: impl Iterator<Item = f64>) -> f64 {
+        let mut points: Vec<f64> = points.map(|point| point.fract()).collect();
+        points.sort_by(f64::total_cmp);
+        let last = points[points.len() - 1];
+        let inner = points.windows(2).map(|pair| pair[1] - pair[0]);
+        inner.fold(1.0 - last + points[0], f64::max)
+    }
+
+    #[test]
+    fn wavelengths_of_few_iterations_are_spread_evenly() {
+        for first in [0.0, 0.13, 0.77, 0.999] {
+            let hero = |index| turn(first, index, WavelengthSampling::Hero);
+            let single = |index| turn(first, index, WavelengthSampling::Single);
+            for count in [4, 8, 16, 64] {
+                let even = 1.0 / count as f64;
+                assert!(gap((0..count).map(|i| 4.0 * hero(i))) < 2.7 * even);
+                assert!(gap((0..count).map(single)) < 2.7 * even);
+            }
+            // dispersive light: a hero in each quarter
+            let mut quarters: Vec<u64> = (5..9).map(|i| (4.0 * hero(i)) as u64).collect();
+            quarters.sort_unstable();
+            assert_eq!(quarters, [0, 1, 2, 3]);
+            assert!((0..1000).all(|i| (0.0..1.0).contains(&hero(i))));
+        }
     }
 }

@@ -112,6 +112,8 @@ pub(crate) fn start(
 pub(crate) const MOVES: usize = 2;
 /// An annealing that dies is tried again so often, each time with twice the particles.
 const AGAIN: u32 = 3;
+/// But with no more than so many, which is what may be asked for at most.
+const MOST_PARTICLES: u64 = 1_000_000;
 /// Before an annealing so many scouts a particle go out, or fewer if fewer go out a sweep. These look at all
 /// beginnings.
 const FIRST_SCOUTS: u32 = 16;
@@ -225,7 +227,7 @@ impl<'a, const K: usize> Climb<'a, K> {
         attempt: u32,
     ) -> Self {
         let family = ReplicaFamily::new(set, settings.options.target);
-        let particles = settings.options.particles << attempt;
+        let particles = (settings.options.particles << attempt).min(MOST_PARTICLES);
         let count = match scouting(set) {
             Some(each) => particles * u64::from(each.min(FIRST_SCOUTS)),
             None => 0,

@@ -3,7 +3,8 @@
 use std::sync::atomic::{AtomicBool, AtomicU64};
 
 use kaustik_estimate::{
-    PhotonDeposit, PhotonLevels, PhotonTarget, PhotonValue, RegionSums, Scale, Sharing,
+    FirstMeetings, PhotonDeposit, PhotonLevels, PhotonTarget, PhotonValue, RegionSums, Scale,
+    Sharing,
 };
 use kaustik_film::Film;
 use kaustik_mcmc::{Ignore, PointKernel, Recorder};
@@ -225,6 +226,7 @@ impl<const K: usize> Iteration<'_, K> {
             sharing: self.sharing,
             regions: self.regions.map(|sums| (sums, half)),
             touches: self.touches,
+            firsts: FirstMeetings::default(),
             counts: [0.0; K],
             faults: [0; K],
         }

@@ -19,6 +19,7 @@ struct Kept {
     iterations: u64,
     levels: Vec<KeptLevel>,
     visible: Option<Mean>,
+    lit: u64,
     revival: Pcg64Dxsm,
     /// Of each ladder.
     nonfinite: Vec<Nonfinite>,
@@ -42,6 +43,7 @@ impl<const K: usize> PhotonChains<K> {
             iterations: self.iterations,
             levels: levels.collect(),
             visible: self.visible,
+            lit: self.lit,
             revival: self.revival.clone(),
             nonfinite: self.nonfinite.clone(),
             counters: self.counters,
@@ -71,6 +73,7 @@ impl<const K: usize> PhotonChains<K> {
         let known = |(_, rough, _): &KeptLevel| rough.is_finite() && *rough > 0.0;
         if kept.iterations != iterations
             || kept.visible.is_some() != self.visible.is_some()
+            || kept.lit > iterations
             || kept.nonfinite.len() != self.ladders.len()
             || !levels.iter().all(known)
         {
@@ -98,7 +101,7 @@ impl<const K: usize> PhotonChains<K> {
         self.rough = levels.each_ref().map(|level| level.1);
         self.normalisers = levels.each_ref().map(|level| level.2);
         self.adaptations = levels.map(|level| level.0);
-        self.visible = kept.visible;
+        (self.visible, self.lit) = (kept.visible, kept.lit);
         self.revival = kept.revival;
         let nonfinite = kept.nonfinite.into_iter().map(Nonfinite::checked);
         self.nonfinite = nonfinite.collect::<Result<_, _>>()?;

@@ -3,62 +3,87 @@
 use std::iter::once;
 
 use kaustik_film::Film;
-use kaustik_mcmc::{Mean, SteppingStone};
+use kaustik_mcmc::SteppingStone;
 
 use super::PhotonChains;
 use crate::engine::add_counters;
 
+/// So many ladders make their spread a better measure of errors than the spread of batches within each.
+const LADDERS_FOR_ERRORS: usize = 4;
+
+/// What turns sums at each level into shares of the picture.
+pub(super) struct Factors<const K: usize> {
+    /// `b_l / (b0_l N_l)`.
+    pub(super) of_all: [f64; K],
+    /// The same of what is on films: over visibility's normaliser where that is still to come.
+    pub(super) of_films: [f64; K],
+}
+
 impl<const K: usize> PhotonChains<K> {
-    /// Normalisers of the iteration, and what turns sums at each level into shares of the picture: `b_l / (b0_l N_l)`.
-    pub(super) fn normalise(&mut self) -> [f64; K] {
+    /// Normalisers of the iteration.
+    pub(super) fn normalise(&mut self) -> Factors<K> {
         let mut stone = SteppingStone::<K>::line();
         for chains in &self.ladders {
-            stone.merge_as_one(chains.ladder.stepping_stone());
+            let found = chains.ladder.stepping_stone();
+            if self.ladders.len() < LADDERS_FOR_ERRORS {
+                stone.merge(found);
+            } else {
+                stone.merge_as_one(found);
+            }
         }
-        self.normalisers = match &mut self.visible {
-            None => chained(&stone),
+        let count =
+            |level: usize| -> f64 { self.ladders.iter().map(|chains| chains.counts[level]).sum() };
+        let counts: [f64; K] = std::array::from_fn(count);
+        let of = |normalisers: [f64; K]| {
+            std::array::from_fn(|level| match counts[level] {
+                count if count > 0.0 => normalisers[level] / (self.rough[level] * count),
+                _ => 0.0,
+            })
+        };
+        match &mut self.visible {
+            None => {
+                self.normalisers = chained(&stone);
+                let of_all = of(self.normalisers.map(|[value, _]| value));
+                Factors {
+                    of_all,
+                    of_films: of_all,
+                }
+            }
             Some(visible) => {
                 let ratios = stone.ratios();
-                let above_visible = errors_above(&stone);
                 visible.push(ratios[1]);
                 let (share, error) = (visible.mean(), visible.standard_error());
-                let mut above = 1.0;
-                std::array::from_fn(|level| {
-                    if level == 0 {
-                        return [1.0, 0.0];
+                let above_visible = errors_above(&stone);
+                let mut above = [1.0; K];
+                for level in 2..K {
+                    above[level] = above[level - 1] * ratios[level];
+                }
+                self.normalisers = std::array::from_fn(|level| match level {
+                    0 => [1.0, 0.0],
+                    _ => {
+                        let (above, value) = (above[level], share * above[level]);
+                        [value, (error * above).hypot(value * above_visible[level])]
                     }
-                    if level > 1 {
-                        above *= ratios[level];
-                    }
-                    let value = share * above;
-                    [value, (error * above).hypot(value * above_visible[level])]
-                })
+                });
+                self.lit += u64::from(counts[1..].iter().any(|&count| count > 0.0));
+                Factors {
+                    of_all: of(self.normalisers.map(|[value, _]| value)),
+                    of_films: of(above),
+                }
             }
-        };
-        std::array::from_fn(|level| {
-            let count: f64 = self.ladders.iter().map(|chains| chains.counts[level]).sum();
-            if count > 0.0 {
-                self.normalisers[level][0] / (self.rough[level] * count)
-            } else {
-                0.0
-            }
-        })
+        }
     }
 
     /// Adds the films' light to the picture, and makes them black. What waits for visibility's normaliser is
     /// added without it; where anything does, the light of the first chain stays on its film, as its factor
     /// is always the same.
     pub(super) fn collect(&mut self, spare: &mut Film, factors: &[f64; K]) {
-        let share = self.visible.as_ref().map(Mean::mean);
         let films = self.films.iter_mut().chain(once(spare));
         for (level, (film, factor)) in films.zip(factors).enumerate() {
-            let mut scale = factor * film.quantum().value();
-            if let Some(share) = share {
-                if level == 0 {
-                    continue;
-                }
-                scale = if share > 0.0 { scale / share } else { 0.0 };
+            if level == 0 && self.visible.is_some() {
+                continue;
             }
+            let scale = factor * film.quantum().value();
             let mut raw = film.sums();
             for sum in &mut self.sums {
                 for channel in sum {
@@ -75,7 +100,9 @@ impl<const K: usize> PhotonChains<K> {
     /// what stays on the first film into shares of the picture, as [`normalise`](Self::normalise) has it.
     pub(super) fn total(&self, first: f64) -> impl Iterator<Item = [f64; 3]> + '_ {
         let scale = first * self.films[0].quantum().value();
-        let share = self.visible.as_ref().map(Mean::mean);
+        // Where all chains were in the dark nothing is known of what they would have brought.
+        let known = self.iterations as f64 / self.lit.max(1) as f64;
+        let share = (self.visible.as_ref()).map(|visible| visible.mean() * known);
         let mut raw = self.films[0].sums();
         self.sums.iter().map(move |sum| match share {
             None => *sum,
@@ -91,7 +118,7 @@ fn errors_above<const K: usize>(stone: &SteppingStone<K>) -> [f64; K] {
     let found = stone.normalisers(1.0);
     let squared = |level: usize| {
         let error = found.estimates()[level].relative_error();
-        // Of a single ladder nothing is known.
+        // Of a single batch nothing is known.
         if error.is_finite() {
             error * error
         } else {
