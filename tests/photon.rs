@@ -178,6 +178,17 @@ fn photon_methods_agree_with_each_other() {
     }
 }
 
+/// Diffuse, on both sides.
+fn paper() -> MaterialDescription {
+    MaterialDescription {
+        roughness: 1.0,
+        metallic: 0.0,
+        base_color: [0.8, 0.8, 0.8, 1.0],
+        double_sided: true,
+        ..MaterialDescription::default()
+    }
+}
+
 /// A square around the z axis that looks along it.
 fn screen(z: f32, half: f32) -> Mesh {
     let corner = |x: f32, y: f32| Vec3::new(x * half, y * half, z);
@@ -197,13 +208,7 @@ fn screen(z: f32, half: f32) -> Mesh {
 /// counted twice, a third would be missing.)
 #[test]
 fn veils_are_as_bright_as_they_are() {
-    let paper = MaterialDescription {
-        roughness: 1.0,
-        metallic: 0.0,
-        base_color: [0.8, 0.8, 0.8, 1.0],
-        double_sided: true,
-        ..MaterialDescription::default()
-    };
+    let paper = paper();
     let veil = MaterialDescription {
         base_color: [0.8, 0.8, 0.8, 0.3],
         alpha_mode: AlphaMode::Blend,
@@ -241,13 +246,7 @@ fn veils_are_as_bright_as_they_are() {
 /// too bright for the film.
 #[test]
 fn photons_that_seldom_land_are_shown() {
-    let paper = MaterialDescription {
-        roughness: 1.0,
-        metallic: 0.0,
-        base_color: [0.8, 0.8, 0.8, 1.0],
-        double_sided: true,
-        ..MaterialDescription::default()
-    };
+    let paper = paper();
     let lamp = MaterialDescription {
         emissive: [1e6; 3],
         ..paper.clone()
