@@ -1,8 +1,9 @@
 //! The acceleration structure: an 8-wide tree over blocks of triangles.
 //!
-//! Boxes are parted from the top until few are left, and obvhs clusters these into a binary tree and reinserts nodes; [`collapse`]
-//! turns it into wide nodes of least expected cost. The layouts follow from how they are read: a node is tested as a whole, so its boxes lie as one
-//! array a plane; so do the corners of a block, copied out of the mesh so that a leaf is one run of memory.
+//! Boxes are parted from the top until few are left, and obvhs clusters these into a binary tree and reinserts
+//! nodes; [`collapse`] turns it into wide nodes of least expected cost. The layouts follow from how they are
+//! read: a node is tested as a whole, so its boxes lie as one array a plane; so do the corners of a block,
+//! copied out of the mesh so that a leaf is one run of memory.
 
 mod build;
 mod collapse;

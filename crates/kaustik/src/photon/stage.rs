@@ -364,8 +364,8 @@ impl<'a> Stage<'a> {
 
 /// A random number for the wavelengths of an iteration, in [0, 1), from that of the first.
 ///
-/// Which four a hero brings with it depends on where in its quarter of the interval it lies: that is what turns by the golden ratio. The
-/// quarter itself, which light that disperses looks at alone, goes round beside it.
+/// Which four a hero brings with it depends on where in its quarter of the interval it lies: that is what turns by
+/// the golden ratio. The quarter itself matters to light that disperses, which has the hero alone: it goes round.
 fn turn(first: f64, index: u64, sampling: WavelengthSampling) -> f64 {
     let turned = |from: f64| (from + GOLDEN * index as f64).fract();
     match sampling {
