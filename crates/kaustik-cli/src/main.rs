@@ -24,7 +24,18 @@ use clap::Parser;
 use arguments::{Arguments, Command};
 use failure::Failure;
 
+/// A decoder that panics over a stranger's bytes has its panic turned into an error; nobody is told of it twice.
+fn keep_fenced_panics_quiet() {
+    let told = std::panic::take_hook();
+    std::panic::set_hook(Box::new(move |panic| {
+        if !(kaustik::scene::is_fenced() || kaustik::film::is_fenced()) {
+            told(panic);
+        }
+    }));
+}
+
 fn main() -> ExitCode {
+    keep_fenced_panics_quiet();
     let arguments = Arguments::parse();
     let done = match &arguments.command {
         Command::Render(words) => render::run(words),

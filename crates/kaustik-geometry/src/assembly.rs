@@ -49,16 +49,19 @@ impl Assembly {
             motion_of,
             bounds: Aabb::EMPTY,
         };
+        // once a mesh and not once an instance: each looks at every triangle
+        let boxes: Vec<Aabb> = meshes.iter().map(|mesh| mesh.bounds()).collect();
         let mut tree_of = vec![None; meshes.len()];
         for (index, instance) in instances.iter().enumerate() {
             let mesh = &meshes[instance.mesh as usize];
+            let bounds = &boxes[instance.mesh as usize];
             let uses = uses[instance.mesh as usize];
             let motion = assembly.motion_of[index];
             let moves = motion != STILL;
             if moves {
-                assembly.check_motion(index, mesh)?;
+                assembly.check_motion(index, bounds)?;
             } else {
-                check_transform(index, instance, mesh)?;
+                check_transform(index, instance, bounds)?;
             }
             let flat =
                 !moves && (uses == 1 || uses.saturating_mul(mesh.triangle_count()) <= COPIED);
@@ -70,7 +73,7 @@ impl Assembly {
                     assembly.places.trees.push(own_tree(mesh));
                     assembly.places.trees.len() - 1
                 });
-                assembly.place(index as u32, &instance.transform, mesh, tree);
+                assembly.place(index as u32, &instance.transform, bounds, tree);
             }
         }
         Ok(assembly)
@@ -107,12 +110,12 @@ impl Assembly {
         Ok(())
     }
 
-    fn place(&mut self, instance: u32, transform: &Affine3A, mesh: &Mesh, tree: usize) {
+    fn place(&mut self, instance: u32, transform: &Affine3A, whole: &Aabb, tree: usize) {
         let motion = self.motion_of[instance as usize];
         let tree_of = &self.places.trees[tree];
         let bounds = match self.places.motions.get(motion as usize) {
-            Some(motion) => swept_bounds(tree_of, mesh, motion),
-            None => placed_bounds(tree_of, mesh, transform),
+            Some(motion) => swept_bounds(tree_of, whole, motion),
+            None => placed_bounds(tree_of, whole, transform),
         };
         self.bounds = self.bounds.union(&bounds);
         self.leaves.push(Leaf::Instance {
@@ -130,9 +133,9 @@ impl Assembly {
 
     /// Every key must be one that an instance could have, but for having an inverse: what is flat at an instant is not
     /// met then.
-    fn check_motion(&self, index: usize, mesh: &Mesh) -> Result<(), WorldError> {
+    fn check_motion(&self, index: usize, bounds: &Aabb) -> Result<(), WorldError> {
         let motion = &self.places.motions[self.motion_of[index] as usize];
-        let kept = |(_, key): &(f32, Affine3A)| stays_finite(key, mesh);
+        let kept = |(_, key): &(f32, Affine3A)| stays_finite(key, bounds);
         if motion.keys().iter().all(kept) {
             return Ok(());
         }
@@ -160,9 +163,9 @@ fn motion_of(instances: usize, motions: &[(u32, Motion)]) -> Result<Vec<u32>, Wo
 
 /// Around all of the way: each point goes straight from key to key, and so stays within the boxes of the keys. With
 /// room for the rounding of what is between them.
-fn swept_bounds(tree: &Bvh, mesh: &Mesh, motion: &Motion) -> Aabb {
+fn swept_bounds(tree: &Bvh, whole: &Aabb, motion: &Motion) -> Aabb {
     let boxes = motion.keys().iter();
-    let boxes = boxes.map(|(_, key)| placed_bounds(tree, mesh, key));
+    let boxes = boxes.map(|(_, key)| placed_bounds(tree, whole, key));
     let tight = boxes.fold(Aabb::EMPTY, |all, one| all.union(&one));
     let reach = tight.min.abs().max(tight.max.abs()).max_element();
     let room = Vec3::splat(reach * (8.0 * f32::EPSILON));
@@ -206,11 +209,11 @@ fn own_tree(mesh: &Mesh) -> Bvh {
     build(&leaves)
 }
 
-/// Around the transformed boxes of the root's children: tighter than around that of the whole.
-fn placed_bounds(tree: &Bvh, mesh: &Mesh, transform: &Affine3A) -> Aabb {
+/// Around the transformed boxes of the root's children: tighter than around that of the whole mesh.
+fn placed_bounds(tree: &Bvh, whole: &Aabb, transform: &Affine3A) -> Aabb {
     let boxes = match tree.root.map(|root| root.kind()) {
         Some(Kind::Node { index }) => tree.nodes[index].boxes().collect(),
-        _ => vec![mesh.bounds()],
+        _ => vec![*whole],
     };
     let corner = |b: &Aabb, k: usize| std::array::from_fn(|a| [b.min, b.max][k >> a & 1][a]);
     let corners = boxes
@@ -219,24 +222,25 @@ fn placed_bounds(tree: &Bvh, mesh: &Mesh, transform: &Affine3A) -> Aabb {
     Aabb::from_points(corners.map(|p| transform.transform_point3(p)))
 }
 
-fn check_transform(index: usize, instance: &Instance, mesh: &Mesh) -> Result<(), WorldError> {
+fn check_transform(index: usize, instance: &Instance, bounds: &Aabb) -> Result<(), WorldError> {
     let transform = &instance.transform;
     if transform.matrix3.as_dmat3().determinant() == 0.0 {
         return Err(WorldError::Singular { instance: index });
     }
-    if !(stays_finite(transform, mesh) && transform.inverse().is_finite()) {
+    if !(stays_finite(transform, bounds) && transform.inverse().is_finite()) {
         return Err(WorldError::NonFinite { instance: index });
     }
     Ok(())
 }
 
-fn stays_finite(transform: &Affine3A, mesh: &Mesh) -> bool {
-    let b = mesh.bounds();
+/// Do all points of a mesh stay so? Its box is inside out if it has no triangles.
+fn stays_finite(transform: &Affine3A, b: &Aabb) -> bool {
     let far = b.min.abs().max(b.max.abs());
     let m = &transform.matrix3;
     let reach = m.x_axis.abs() * far.x
         + m.y_axis.abs() * far.y
         + m.z_axis.abs() * far.z
         + transform.translation.abs();
-    transform.is_finite() && (mesh.indices.is_empty() || reach.is_finite())
+    let is_empty = b.min.x > b.max.x;
+    transform.is_finite() && (is_empty || reach.is_finite())
 }

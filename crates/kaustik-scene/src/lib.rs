@@ -9,6 +9,7 @@ pub mod camera;
 pub mod description;
 mod emitter;
 pub mod environment;
+mod fence;
 pub mod gltf;
 mod interior;
 mod material;
@@ -23,6 +24,7 @@ pub use description::Description;
 pub use emitter::{
     AreaSample, DirectSample, EmissionPdf, EmissionSample, EmitterPoint, PunctualView, Reach,
 };
+pub use fence::is_fenced;
 pub use interior::Interior;
 pub use scene::{Scene, SceneError, SceneOptions, Segment};
 pub use vertex::Vertex;

@@ -14,6 +14,10 @@ use crate::{Interior, Vertex};
 mod passage;
 pub(crate) use passage::Passage;
 
+/// So many transparent surfaces one behind the other, or in one place, let light through; then it is blocked. A bound
+/// for senseless scenes: of surfaces in one place each is met by looking at all.
+const MOST_LAYERS: usize = 1000;
+
 /// The world at an instant and what it is made of.
 #[derive(Debug)]
 pub(crate) struct Matter {
@@ -258,7 +262,7 @@ impl Matter {
         interior: &Interior,
         passage: &mut Passage<impl FnOnce() -> f64>,
     ) -> Option<Hit> {
-        loop {
+        for _ in 0..MOST_LAYERS {
             // What is not there has no alpha; the walk must still notice that it crosses it.
             let hidden = self.hidden_side(ray, &hit, interior).is_some();
             if hidden || passage.is_stopped_by(self.opacity(&hit)) {
@@ -266,6 +270,7 @@ impl Matter {
             }
             hit = self.world.intersect_after(ray, &hit, |_| true)?;
         }
+        Some(hit)
     }
 
     /// Share of light that passes a segment, in [0, 1]. Interfaces that are hidden there are none.
@@ -292,11 +297,9 @@ impl Matter {
 
     /// Within solids surface comes after surface: which of them end a solid depends on all before.
     fn transmittance_within(&self, ray: &Ray, mut interior: Interior) -> f32 {
-        /// A bound for senseless scenes.
-        const MOST: usize = 1000;
         let mut passed = 1.0;
         let mut next = self.world.intersect(ray);
-        for _ in 0..MOST {
+        for _ in 0..MOST_LAYERS {
             let Some(hit) = next else {
                 return passed;
             };

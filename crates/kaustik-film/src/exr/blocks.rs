@@ -2,6 +2,7 @@
 
 use super::bytes::Bytes;
 use super::header::Part;
+use crate::fence::fenced;
 use crate::read::DecodeError;
 use ::exr::math::RoundingMode;
 use ::exr::meta::BlockDescription;
@@ -10,7 +11,6 @@ use ::exr::meta::header::Header;
 use ::exr::prelude::{
     ChannelDescription, Compression, IntegerBounds, LineOrder, SampleType, Text, Vec2, f16,
 };
-use std::panic::{AssertUnwindSafe, catch_unwind};
 
 /// Turns the stored bytes of a part's blocks into samples.
 pub(super) struct Decoder {
@@ -75,14 +75,14 @@ impl Decoder {
             Vec2(block.size[0], block.size[1]),
         );
         let compression = self.header.compression;
-        let decoded = catch_unwind(AssertUnwindSafe(|| {
+        let decoded = fenced(|| {
             compression.decompress_image_section_from_le(&self.header, stored.to_vec(), area, false)
-        }));
+        });
         match decoded {
-            Ok(Ok(data)) if data.len() == expected => Ok(data),
-            Ok(Ok(_)) => Err(fault("it has the wrong size".into())),
-            Ok(Err(error)) => Err(fault(error.to_string())),
-            Err(_) => Err(fault("it cannot be decompressed".into())),
+            Some(Ok(data)) if data.len() == expected => Ok(data),
+            Some(Ok(_)) => Err(fault("it has the wrong size".into())),
+            Some(Err(error)) => Err(fault(error.to_string())),
+            None => Err(fault("it cannot be decompressed".into())),
         }
     }
 

@@ -171,11 +171,10 @@ impl<'a> Accessor<'a> {
             None => None,
         };
         let sparse = match self.place.get("sparse")? {
-            Some(place) => self.sparse(&place, buffers)?,
+            Some(place) => self.sparse(&place, buffers, budget)?,
             None => Vec::new(),
         };
         let pairs = size_of_val(&sparse[..]) as u64;
-        budget.take(&self.place.pointer(), pairs)?;
         budget.take_many(&self.place.pointer(), self.count, size_of::<T>())?;
         let mut values = match base {
             Some(elements) => elements.map(&read).collect(),
@@ -199,11 +198,12 @@ impl<'a> Accessor<'a> {
         slices(place, view, count, size)
     }
 
-    /// Pairs of an index below `count` and the bytes of its element.
+    /// Pairs of an index below `count` and the bytes of its element. The budget holds them until they are given back.
     fn sparse<'b>(
         &self,
         place: &Cursor<'a>,
         buffers: &'b Buffers<'a>,
+        budget: &mut Budget,
     ) -> Result<Vec<(usize, &'b [u8])>> {
         let count = place.need("count")?;
         let many = count.usize()?;
@@ -221,8 +221,8 @@ impl<'a> Accessor<'a> {
         let place_of_values = place.need("values")?;
         let view = buffers.view(&place_of_values.need("bufferView")?)?;
         let values = self.elements(&place_of_values, view, many)?;
-        // both ranges lie in buffers that have been read, so this is no larger than they are
-        let mut pairs = Vec::new();
+        budget.take_many(&place.pointer(), many, size_of::<(usize, &[u8])>())?;
+        let mut pairs = Vec::with_capacity(many);
         for (index, value) in indices.zip(values) {
             let index = component.whole(index) as usize;
             if index >= self.count {

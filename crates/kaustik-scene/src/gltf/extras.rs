@@ -71,7 +71,31 @@ pub(super) fn material(
         material.priority = priority.i32()?;
     }
     material.model = model(reader, place)?;
+    drop_lost_layers(reader, place, material);
     Ok(())
+}
+
+/// A measured metal and a model of its own have no place for what lies on a surface.
+fn drop_lost_layers(
+    reader: &mut Reader<'_>,
+    place: &Cursor<'_>,
+    material: &mut MaterialDescription,
+) {
+    let what = match (material.metal, material.model) {
+        (None, None) => return,
+        (Some(_), _) => "\"metal\"",
+        (None, Some(_)) => "\"model\"",
+    };
+    let lost = [
+        ("clearcoat", material.clearcoat.take().is_some()),
+        ("sheen", material.sheen.take().is_some()),
+        ("anisotropy", material.anisotropy.take().is_some()),
+        ("iridescence", material.iridescence.take().is_some()),
+    ];
+    for (layer, _) in lost.iter().filter(|(_, there)| *there) {
+        let message = format!("{layer} is left out: it does not go with {what}");
+        reader.warn(place, message);
+    }
 }
 
 fn model(reader: &mut Reader<'_>, place: &Cursor<'_>) -> Result<Option<Model>> {

@@ -3,12 +3,14 @@
 use std::io;
 use std::sync::Arc;
 
+use image::error::DecodingError;
 use image::{ColorType, DynamicImage, ImageDecoder, ImageError, ImageFormat, ImageReader, Limits};
 
 use super::json::{Cursor, shorten};
 use super::reader::Reader;
 use super::{ErrorKind, LoadError, extras};
 use crate::description::{ImageData, Pixels};
+use crate::fence::fenced;
 
 type Result<T> = std::result::Result<T, LoadError>;
 
@@ -189,7 +191,7 @@ impl<'a> Encoded<'a> {
     fn reserve(&self, reader: &mut Reader<'_>) -> Result<Room> {
         let (place, bytes) = (&self.place, self.bytes.len());
         let side = reader.options.max_image_side;
-        let limits = limits(side, reader.budget.left());
+        let limits = limits(self.format, bytes, side, reader.budget.left());
         let job = Job {
             bytes: &self.bytes,
             format: self.format,
@@ -203,12 +205,11 @@ impl<'a> Encoded<'a> {
             let expected = format!("sides up to {side} and data for them");
             return Err(place.error(ErrorKind::Image, found, expected));
         }
-        // the decoder's own pixels (WebP's planes beside them), the converted ones, and the file kept
-        // for export
-        let planes = if self.format == ImageFormat::WebP {
-            2
-        } else {
-            1
+        // the decoder's own pixels and what it works with, the converted ones, and the file kept for export
+        let planes = match self.format {
+            ImageFormat::WebP => 4, // the frame's own, a canvas, YUV and alpha
+            ImageFormat::Jpeg => 3, // the coefficients of a progressive one are 16 bits each
+            _ => 1,
         };
         let scratch = decoder.total_bytes().saturating_mul(planes);
         let pixel = if is_wide(decoder.color_type()) { 8 } else { 4 };
@@ -261,19 +262,32 @@ fn is_wide(color: ColorType) -> bool {
 
 impl<'b> Job<'b> {
     fn decoder(self) -> std::result::Result<impl ImageDecoder + 'b, ImageError> {
-        let mut input = ImageReader::with_format(io::Cursor::new(self.bytes), self.format);
-        input.limits(self.limits);
-        input.into_decoder()
+        let format = self.format;
+        fenced(|| {
+            let mut input = ImageReader::with_format(io::Cursor::new(self.bytes), self.format);
+            input.limits(self.limits);
+            input.into_decoder()
+        })
+        .unwrap_or_else(|| Err(gave_up(format)))
     }
 
     fn pixels(self) -> Decoded {
-        let decoded = DynamicImage::from_decoder(self.decoder()?)?;
+        let format = self.format;
+        let decoder = self.decoder()?;
+        let decoded = fenced(|| DynamicImage::from_decoder(decoder));
+        let decoded = decoded.unwrap_or_else(|| Err(gave_up(format)))?;
         Ok(if is_wide(decoded.color()) {
             Pixels::Rgba16(decoded.into_rgba16().into_raw())
         } else {
             Pixels::Rgba8(decoded.into_rgba8().into_raw())
         })
     }
+}
+
+/// What a panic of a decoder becomes.
+fn gave_up(format: ImageFormat) -> ImageError {
+    let reason = "its decoder gave up";
+    ImageError::Decoding(DecodingError::new(format.into(), reason))
 }
 
 #[cfg(feature = "parallel")]
@@ -317,10 +331,16 @@ fn is_generated(reader: &mut Reader<'_>, place: &Cursor<'_>) -> Result<bool> {
     ours.flag("generated")
 }
 
-fn limits(side: u32, memory: u64) -> Limits {
+/// What a decoder may take beside the pixels, which are counted by [`Encoded::reserve`]. PNG's inflates the
+/// profile of colours up to its limit, for each image anew, and nobody reads it: it gets a few times the file.
+fn limits(format: ImageFormat, bytes: usize, side: u32, memory: u64) -> Limits {
     let mut limits = Limits::default();
     limits.max_image_width = Some(side);
     limits.max_image_height = Some(side);
-    limits.max_alloc = Some(memory);
+    let enough = match format {
+        ImageFormat::Png => (1 << 20) + 4 * bytes as u64 + 16 * u64::from(side),
+        _ => u64::MAX,
+    };
+    limits.max_alloc = Some(memory.min(enough));
     limits
 }

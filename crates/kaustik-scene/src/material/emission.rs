@@ -136,14 +136,14 @@ impl Emission {
         if self.is_even() {
             return self.luminance;
         }
-        let sum: f32 = PROBES
+        let sum: f64 = PROBES
             .iter()
             .map(|&[u, v]| {
                 let surface = world.surface_at(instance, primitive, u, v);
-                luminance(self.tint(textures, &surface))
+                f64::from(luminance(self.tint(textures, &surface)))
             })
             .sum();
         // Never zero: the probes may have missed what shines.
-        self.luminance * f64::from(sum / PROBES.len() as f32).max(1e-3)
+        self.luminance * (sum / PROBES.len() as f64).max(1e-3)
     }
 }

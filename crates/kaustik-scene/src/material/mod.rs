@@ -92,8 +92,11 @@ impl Material {
         )?;
         let transmission = description.transmission;
         let specular_scale = description.specular.color.into_iter().fold(1.0, f32::max);
+        let kind = Kind::of(description);
+        // other kinds have no place for them: an unlit surface scatters nothing, measured metals stay bare
+        let is_layered = kind == Kind::Principled && Layers::exist(description);
         Ok(Self {
-            kind: Kind::of(description),
+            kind,
             base,
             alpha_factor: description.base_color[3],
             alpha_mode: description.alpha_mode,
@@ -122,7 +125,7 @@ impl Material {
                 slot(description.base_color_texture)?,
             )?,
             solid: Solid::new(description),
-            layers: Layers::exist(description)
+            layers: is_layered
                 .then(|| Layers::new(description, textures).map(Box::new))
                 .transpose()?,
             both_sides: description.double_sided || description.unlit,

@@ -175,9 +175,11 @@ fn motions(
         return Ok(Motions::default());
     };
     // Roughly the size of the scene at rest: a light that turns must not miss by much at its far end.
+    let boxes: Vec<_> = (description.meshes.iter())
+        .map(|mesh| mesh.bounds())
+        .collect();
     let reach = |instance: &InstanceDescription| {
-        let size = description.meshes.get(instance.mesh).map_or(0.0, |mesh| {
-            let bounds = mesh.bounds();
+        let size = boxes.get(instance.mesh).map_or(0.0, |bounds| {
             let far = bounds.min.abs().max(bounds.max.abs());
             f64::from(instance.transform.matrix3.abs().mul_vec3(far).max_element())
         });

@@ -45,12 +45,17 @@ impl Motions {
             left: MOST,
         };
         let mut motions = Self::default();
+        let corners: Vec<_> = description
+            .meshes
+            .iter()
+            .map(|mesh| corners(mesh))
+            .collect();
         let around = [DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z].map(|axis| axis * reach);
         for carried in &animation.carried {
             match carried.load {
                 Load::Instance(index) => {
-                    let mesh = &description.meshes[description.instances[index].mesh];
-                    let motion = clock.motion(carried, &corners(mesh))?;
+                    let corners = &corners[description.instances[index].mesh];
+                    let motion = clock.motion(carried, corners)?;
                     motions.instances.push((index as u32, motion));
                 }
                 Load::Light(index) => {

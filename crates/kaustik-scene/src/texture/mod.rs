@@ -77,7 +77,6 @@ pub struct Texture {
     image: Arc<ImageData>,
     wrap: [Wrap; 2],
     filtering: Filtering,
-    opaque: bool,
     tables: [&'static Table; 2],
 }
 
@@ -89,16 +88,10 @@ impl Texture {
         image: Arc<ImageData>,
     ) -> Result<Self, TextureError> {
         check(&image)?;
-        let opaque = match &image.pixels {
-            Pixels::Rgba8(bytes) => bytes.chunks_exact(4).all(|texel| texel[3] == u8::MAX),
-            Pixels::Rgba16(values) => values.chunks_exact(4).all(|texel| texel[3] == u16::MAX),
-            Pixels::RgbF32(_) => true,
-        };
         Ok(Self {
             image,
             wrap: [description.wrap_s, description.wrap_t],
             filtering: description.filtering,
-            opaque,
             tables: [&SRGB, &LINEAR],
         })
     }
@@ -143,12 +136,6 @@ impl Texture {
             }
         }
         sum.map(|sum| (sum / (width * height) as f64) as f32)
-    }
-
-    /// Is alpha one everywhere?
-    #[must_use]
-    pub fn is_opaque(&self) -> bool {
-        self.opaque
     }
 
     /// The image that is read.

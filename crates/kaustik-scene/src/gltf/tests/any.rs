@@ -144,6 +144,10 @@ fn material(rng: &mut Rng, textures: usize) -> MaterialDescription {
         Some(Model::OrenNayar { sigma: unit(rng) }),
     ];
     let bright = |rng: &mut Rng| number(rng).abs();
+    let metal = maybe(rng, |rng| Metal::ALL[below(rng, 4)]);
+    let model = models[below(rng, 4)];
+    // A measured metal and a model of its own have no layers.
+    let bare = metal.is_some() || model.is_some();
     MaterialDescription {
         name: format!("material \"{}\"", below(rng, 100)),
         base_color: numbers(rng, unit),
@@ -187,30 +191,34 @@ fn material(rng: &mut Rng, textures: usize) -> MaterialDescription {
             roughness_texture: texture(rng),
             normal_texture: coat_normals,
             normal_scale: coat_normals.map_or(1.0, |_| number(rng)),
-        }),
+        })
+        .filter(|_| !bare),
         sheen: maybe(rng, |rng| Sheen {
             color: numbers(rng, unit),
             color_texture: texture(rng),
             roughness: unit(rng),
             roughness_texture: texture(rng),
-        }),
+        })
+        .filter(|_| !bare),
         anisotropy: maybe(rng, |rng| Anisotropy {
             strength: unit(rng),
             rotation: number(rng),
             texture: texture(rng),
-        }),
+        })
+        .filter(|_| !bare),
         iridescence: maybe(rng, |rng| Iridescence {
             factor: unit(rng),
             texture: texture(rng),
             ior: 1.0 + unit(rng),
             thickness: numbers(rng, bright),
             thickness_texture: texture(rng),
-        }),
+        })
+        .filter(|_| !bare),
         reflectance: maybe(rng, |rng| spectrum(rng, 1.0)),
         emission: maybe(rng, |rng| spectrum(rng, 50.0)),
-        metal: maybe(rng, |rng| Metal::ALL[below(rng, 4)]),
+        metal,
         glass: maybe(rng, glass),
-        model: models[below(rng, 4)],
+        model,
         priority: below(rng, 5) as i32 - 2,
     }
 }

@@ -133,3 +133,27 @@ fn a_thousand_textures_take_linear_time() {
         file
     });
 }
+
+/// Each copy is placed without a look at every triangle.
+#[test]
+#[ignore = "long"]
+fn many_copies_of_a_large_mesh_take_linear_time() {
+    grows(
+        "triangles, and an eighth as many copies",
+        400_000,
+        |count| {
+            let mut file = File::triangle();
+            file.push(
+                "accessors",
+                json!({ "componentType": 5126, "type": "VEC3", "count": 3 * count }),
+            );
+            let points = file.json["accessors"].as_array().map_or(0, Vec::len) - 1;
+            file.json["meshes"][0]["primitives"] =
+                json!([{ "attributes": { "POSITION": points } }]);
+            let node = |i: usize| json!({ "mesh": 0, "translation": [i, 0, 0] });
+            file.json["nodes"] = (0..count / 8).map(node).collect();
+            file.json["scenes"][0]["nodes"] = (0..count / 8).collect();
+            file
+        },
+    );
+}

@@ -7,6 +7,7 @@
 mod animation;
 mod any;
 mod crafted;
+mod decoders;
 mod file;
 mod formats;
 mod geometry;
