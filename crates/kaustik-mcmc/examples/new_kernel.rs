@@ -26,10 +26,6 @@ struct Jumps {
     knows: bool,
 }
 
-impl Jumps {
-    const JUMP: usize = 3; // a kind of its own in the statistics, after SMALL, LARGE and SECOND
-}
-
 // 1. The kernel. It proposes and says with which ratio; it never decides. The state is the
 // value itself, so there is nothing else to remember, `()`, and nothing to take back.
 impl Kernel<()> for Jumps {
@@ -60,7 +56,8 @@ impl Kernel<()> for Jumps {
             (1.0 - self.leave[y]) / (1.0 - self.leave[x])
         };
         if jump {
-            Move::new(Self::JUMP, routes * self.guess[x] / self.guess[y])
+            // counted as a kind of its own in the statistics
+            Move::new(Move::OWN, routes * self.guess[x] / self.guess[y])
         } else {
             Move::new(Move::SMALL, routes)
         }

@@ -45,8 +45,8 @@
 //! at a high probability of them. With few large steps, plain [`Metropolis::step`] is as
 //! good, and gives weights that sum to the number of steps.
 
-use crate::decide::{acceptance, decide};
-use crate::metropolis::{Decided, Pending};
+use crate::decide::acceptance;
+use crate::metropolis::Pending;
 use crate::{
     Draws, Family, Kernel, Metropolis, Move, Mutation, Point, PointKernel, Recorder, Step, Target,
 };
@@ -120,31 +120,19 @@ impl<S, V, const K: usize> Metropolis<S, V, K> {
         R: Recorder<V, K> + ?Sized,
     {
         let proposal = kernel.propose(&mut self.state, &self.value, &mut self.proposed, draws);
-        let densities = self.statistics.judge(&proposal, family, &self.proposed);
-        let first = densities.map_or(0.0, |d| d[self.level]);
-        let a = match densities {
-            Some(_) => acceptance(self.density(), first, proposal.ratio),
-            None => 0.0,
-        };
-        let accepted = decide(a, draws);
-        let from = self.density();
-        self.statistics
-            .count(&proposal, densities, from, (a, accepted));
+        let first = self.decide_on(proposal, family, draws, acceptance);
         let again = proposal.independent;
         if !again {
-            self.pending.weight += 1.0 - a;
+            self.pending.weight += 1.0 - first.acceptance;
         }
         let visit = Pending {
-            weight: a,
+            weight: first.acceptance,
             independent: f64::from(u8::from(again)),
         };
-        let decided = Decided {
-            proposal,
-            densities,
-            accepted,
-        };
-        self.conclude(kernel, &decided, visit, recorder);
-        let moved = accepted || again && self.second_try(first, kernel, family, draws, recorder);
+        self.conclude(kernel, &first, visit, recorder);
+        let first_density = first.densities.map_or(0.0, |d| d[self.level]);
+        let moved = first.accepted
+            || again && self.second_try(first_density, kernel, family, draws, recorder);
         self.statistics.count_step(moved, &mut self.stay);
         moved
     }
@@ -166,28 +154,16 @@ impl<S, V, const K: usize> Metropolis<S, V, K> {
     {
         let proposal =
             kernel.propose_again(&mut self.state, &self.value, &mut self.proposed, draws);
-        let densities = self.statistics.judge(&proposal, family, &self.proposed);
-        let second = densities.map_or(0.0, |d| d[self.level]);
-        let a = match densities {
-            Some(_) => second_acceptance(self.density(), first, second, proposal.ratio),
-            None => 0.0,
-        };
-        let accepted = decide(a, draws);
-        let from = self.density();
-        self.statistics
-            .count(&proposal, densities, from, (a, accepted));
-        self.pending.weight += 1.0 - a;
+        let second = self.decide_on(proposal, family, draws, |from, to, ratio| {
+            second_acceptance(from, first, to, ratio)
+        });
+        self.pending.weight += 1.0 - second.acceptance;
         let visit = Pending {
-            weight: a,
+            weight: second.acceptance,
             independent: 0.0,
         };
-        let decided = Decided {
-            proposal,
-            densities,
-            accepted,
-        };
-        self.conclude(kernel, &decided, visit, recorder);
-        accepted
+        self.conclude(kernel, &second, visit, recorder);
+        second.accepted
     }
 }
 

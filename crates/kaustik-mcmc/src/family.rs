@@ -5,8 +5,8 @@
 /// defect of the target: the chain counts it and treats the whole value as one of
 /// density zero, so that it neither enters the state nor reaches a recorder.
 ///
-/// A density must be positive wherever what is to be estimated is not zero. Who has log
-/// densities subtracts a constant before taking the exponential.
+/// A density must be positive wherever what is to be estimated is not zero. If you have log
+/// densities, subtract a constant before exponentiating.
 ///
 /// Closures `Fn(&V) -> [f64; K]` are families:
 ///

@@ -10,8 +10,8 @@ use crate::{Draws, Mutation, Point, Step, Target};
 ///
 /// Each [`propose`](Self::propose) is followed by exactly one of [`accept_move`](Self::accept_move)
 /// and [`reject_move`](Self::reject_move), which call [`accept`](Self::accept) and [`reject`](Self::reject)
-/// unless a kernel says otherwise, as a [`Mixture`](crate::Mixture) does. So whoever wraps any kernel forwards
-/// all that it does not change itself: these two, `enter` and `exchange` as well. With
+/// unless a kernel says otherwise, as a [`Mixture`](crate::Mixture) does. So a kernel that wraps another
+/// forwards every method that it does not change: these two, `enter` and `exchange` as well. With
 /// `#[deny(clippy::missing_trait_methods)]` on its implementation, clippy names what is not forwarded.
 pub trait Kernel<S> {
     /// What an evaluation yields.
@@ -149,6 +149,8 @@ impl Move {
     /// The kind of a second try, after a rejected large step: see
     /// [`SecondStage`](crate::SecondStage).
     pub const SECOND: usize = 2;
+    /// The first kind that is free for a kernel of your own.
+    pub const OWN: usize = 3;
 
     /// A symmetric small step.
     pub const fn small() -> Self {

@@ -186,8 +186,8 @@ impl<S, V, const K: usize> Ladder<S, V, K> {
         }
     }
 
-    /// One step of one replica, for who wants more steps at some levels than at others. Weights of visits are
-    /// by step: who adds them up by sweep divides them.
+    /// One step of one replica, for more steps at some levels than at others. The weights of visits count
+    /// steps: divide by the steps of a sweep if you add them up by sweep.
     ///
     /// # Panics
     ///
@@ -334,7 +334,8 @@ impl<S, V, const K: usize> Ladder<S, V, K> {
     }
 
     /// Forgets the statistics of exchanges and the sums of normalisers (after burn-in, say).
-    /// Where lineages stand is kept; so are the replicas' own statistics.
+    /// Where lineages stand is kept; so are the replicas' own statistics. [Flush](Self::flush) first (into
+    /// [`Ignore`](crate::Ignore) after burn-in): what is pending would be counted afterwards.
     pub fn reset_statistics(&mut self) {
         self.statistics = LadderStatistics::new();
         self.stepping_stone = SteppingStone::on(self.stepping_stone.below());

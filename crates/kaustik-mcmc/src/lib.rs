@@ -34,7 +34,8 @@
 //! let (seed, ladder) = (7, 0);
 //! let mut end = 0.0;
 //! let pool = Pool::new((0..50_000).map(|step| {
-//!     sample(&walk, &tail, sample_generator(seed, ladder, step), &mut end).map_or(0.0, |d| d[0])
+//!     let densities = sample(&walk, &tail, sample_generator(seed, ladder, step), &mut end);
+//!     densities.map_or(f64::NAN, |d| d[0]) // NaN: a defect, which the pool counts
 //! }));
 //! let mut rng = generator(seed, ladder);
 //! let start = pool.choose(&mut rng).expect("some walk gets beyond 3");
@@ -103,6 +104,9 @@
 //!
 //! *You ask and tell*: keep your own loop, take a [`Proposal`] from a [`Point`], read
 //! coordinates from it, decide. No trait to implement; [`Proposal`] shows it whole.
+//!
+//! Either way, a renderer that asks a sampler for the *next* number wraps the coordinates in a
+//! [`Cursor`](kaustik_pss::Cursor).
 //!
 //! Path mutations and other states that are no points implement [`Kernel`] and use the
 //! same chain. There is one accept/reject decision, [`decide`](fn@decide), with one acceptance

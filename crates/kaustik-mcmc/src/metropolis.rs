@@ -54,6 +54,7 @@ pub(crate) struct Decided<const K: usize> {
     pub(crate) proposal: Move,
     /// `None` if the proposal must not be used.
     pub(crate) densities: Option<[f64; K]>,
+    pub(crate) acceptance: f64,
     pub(crate) accepted: bool,
 }
 
@@ -99,30 +100,44 @@ impl<S, V, const K: usize> Metropolis<S, V, K> {
         R: Recorder<V, K> + ?Sized,
     {
         let proposal = kernel.propose(&mut self.state, &self.value, &mut self.proposed, draws);
-        let densities = self.statistics.judge(&proposal, family, &self.proposed);
-        let target = densities.map_or(0.0, |d| d[self.level]);
-        let a = match densities {
-            Some(_) => acceptance(self.density(), target, proposal.ratio),
-            None => 0.0,
-        };
-        let accepted = decide(a, draws);
-        let from = self.density();
-        self.statistics
-            .count(&proposal, densities, from, (a, accepted));
-        self.statistics.count_step(accepted, &mut self.stay);
+        let decided = self.decide_on(proposal, family, draws, acceptance);
+        self.statistics.count_step(decided.accepted, &mut self.stay);
 
-        self.pending.weight += 1.0 - a; // Kelemen sec. 1.2
+        self.pending.weight += 1.0 - decided.acceptance; // Kelemen sec. 1.2
         let visit = Pending {
-            weight: a,
+            weight: decided.acceptance,
             independent: f64::from(u8::from(proposal.independent)),
         };
+        self.conclude(kernel, &decided, visit, recorder);
+        decided.accepted
+    }
+
+    /// Judges the value that was proposed, decides and counts. `chance` is the acceptance probability, of the
+    /// densities here and there and the move's ratio.
+    #[inline]
+    pub(crate) fn decide_on<F, D>(
+        &mut self,
+        proposal: Move,
+        family: &F,
+        draws: &mut D,
+        chance: impl FnOnce(f64, f64, f64) -> f64,
+    ) -> Decided<K>
+    where
+        F: Family<V, K> + ?Sized,
+        D: Draws + ?Sized,
+    {
+        let densities = self.statistics.judge(&proposal, family, &self.proposed);
+        let from = self.density();
+        let acceptance = densities.map_or(0.0, |d| chance(from, d[self.level], proposal.ratio));
+        let accepted = decide(acceptance, draws);
         let decided = Decided {
             proposal,
             densities,
+            acceptance,
             accepted,
         };
-        self.conclude(kernel, &decided, visit, recorder);
-        accepted
+        self.statistics.count(&decided, from);
+        decided
     }
 
     /// Carries out what was decided: the proposal becomes the state, or is reported with
@@ -202,8 +217,8 @@ impl<S, V, const K: usize> Metropolis<S, V, K> {
         self.stay = 0;
     }
 
-    /// The same chain with another form of its value, densities as they are: for values that are written down in
-    /// another form than they are worked with.
+    /// The same chain with another form of its value, densities as they are: for values whose stored form is
+    /// not the one in memory.
     pub fn with_value<W: Default>(&self, value: W) -> Metropolis<S, W, K>
     where
         S: Clone,

@@ -17,9 +17,9 @@ use crate::{Draws, Kernel, Move};
 /// Either way each component keeps the target by itself, so that the mixture does; if all
 /// are reversible, so is the mixture. The mixture moves everywhere if together they do.
 ///
-/// With chosen suitability the probability of an independent proposal depends on the state,
-/// so that estimators which need it constant (Kelemen's combination) do not apply, and no
-/// proposal counts as independent; expected values apply.
+/// With chances by suitability the probability of an independent proposal depends on the state. Then
+/// no proposal counts as independent, and Kelemen's combination, which needs a constant
+/// probability, cannot be used; the estimator by expected values can.
 ///
 /// Over points, all components move by the point's one mutation, unless they are
 /// [`SizedKernel`](crate::SizedKernel)s.

@@ -6,7 +6,7 @@
 //! density b. For every N, and after any number of steps, b times the chain's estimate is
 //! unbiased. Only densities are kept; the chosen sample is made again from its generator.
 //!
-//! Evaluating a pool is the caller's affair, because threads are: each sample is
+//! You evaluate the samples yourself, because this crate starts no threads: each is
 //! [`sample`] on the generator of its index, and a [`Pool`] takes the densities in the
 //! order of their indices.
 

@@ -14,7 +14,7 @@ use crate::{Draws, Mutation, Point, Step};
 /// This is the whole of Kelemen's method for a program that would rather keep its own loop:
 ///
 /// ```
-/// use kaustik_mcmc::{Exponential, Point, Step, acceptance, generator};
+/// use kaustik_mcmc::{Draws, Exponential, Point, Step, acceptance, generator};
 /// use kaustik_pss::{Coordinates, Stream};
 ///
 /// let brightness = |u: &mut dyn Coordinates| u.get(Stream::Camera, 0); // yours
@@ -25,9 +25,12 @@ use crate::{Draws, Mutation, Point, Step};
 /// let mut current = brightness(&mut first);
 /// first.decide(1.0);
 /// for _ in 0..100 {
-///     let mut proposal = point.propose(Step::Small, &mut rng);
+///     let step = if rng.bernoulli(0.3) { Step::Large } else { Step::Small };
+///     let mut proposal = point.propose(step, &mut rng);
 ///     let proposed = brightness(&mut proposal);
-///     if proposal.decide(acceptance(current, proposed, 1.0)) {
+///     let a = acceptance(current, proposed, 1.0);
+///     // the picture gets `current` with weight 1 - a and `proposed` with weight a
+///     if proposal.decide(a) {
 ///         current = proposed;
 ///     }
 /// }

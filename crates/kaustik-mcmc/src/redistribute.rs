@@ -25,7 +25,7 @@
 //! guides the chain, is weight * F(y) / I(y): the channels *of y*. A report that computed
 //! them once, from the start, keeps the total right and smears the channels (measured: up
 //! to 99 % per channel). So a [`Deposit`] holds the value on which it falls and its density;
-//! that of the start is not to be had there.
+//! it gives no access to the start's.
 //!
 //! # When
 //!
@@ -42,6 +42,7 @@ use rounding::Rounding;
 
 use crate::decide::{acceptance, decide};
 use crate::family::checked_densities;
+use crate::metropolis::Decided;
 use crate::{Draws, Family, Kernel, Statistics};
 
 /// What a chain deposits on a value.
@@ -287,7 +288,13 @@ impl<S: Clone, V: Clone + Default> Redistributor<S, V> {
             let densities = statistics.judge(&proposal, family, &self.proposed);
             let a = densities.map_or(0.0, |[d]| acceptance(place.density, d, proposal.ratio));
             let accepted = decide(a, draws);
-            statistics.count(&proposal, densities, place.density, (a, accepted));
+            let decided = Decided {
+                proposal,
+                densities,
+                acceptance: a,
+                accepted,
+            };
+            statistics.count(&decided, place.density);
 
             let (there, here) = plan.split(a, accepted, unit);
             if plan.patience.is_some_and(|most| place.rejections > most) {

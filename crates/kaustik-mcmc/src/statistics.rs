@@ -1,4 +1,5 @@
 use crate::family::checked_densities;
+use crate::metropolis::Decided;
 use crate::{Family, Mean, Move};
 
 /// Proposals of one kind: how many were made and what became of them.
@@ -118,23 +119,16 @@ impl<const K: usize> Statistics<K> {
         densities
     }
 
-    /// Counts a proposal from where the density is `from`, decided with acceptance probability `a`. From
+    /// Counts a decided proposal from where the density is `from`. From
     /// density 0 all is accepted: that tells nothing of a kind of moves, and is not counted as one.
-    pub(crate) fn count(
-        &mut self,
-        proposal: &Move,
-        densities: Option<[f64; K]>,
-        from: f64,
-        (a, accepted): (f64, bool),
-    ) {
+    pub(crate) fn count(&mut self, decided: &Decided<K>, from: f64) {
+        let proposal = &decided.proposal;
         if from > 0.0 && proposal.kind != Move::NONE {
             let kind = &mut self.moves[proposal.kind.min(Move::KINDS - 1)];
-            kind.proposed += 1;
-            kind.accepted += u64::from(accepted);
-            kind.expected += a;
+            kind.push(decided.acceptance, decided.accepted);
         }
         if proposal.independent {
-            let densities = densities.unwrap_or([0.0; K]);
+            let densities = decided.densities.unwrap_or([0.0; K]);
             for (mean, density) in self.independent.iter_mut().zip(densities) {
                 mean.push(density);
             }

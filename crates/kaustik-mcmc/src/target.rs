@@ -11,6 +11,38 @@ use kaustik_pss::Coordinates;
 /// [`Family`](crate::Family), so that nothing is evaluated twice.
 ///
 /// The value must be a function of the coordinates alone.
+///
+/// ```
+/// use kaustik_mcmc::{Exponential, Metropolis, Target, generator};
+/// use kaustik_pss::{Coordinates, Stream};
+///
+/// /// What one path brings to which pixels; the buffer is reused.
+/// #[derive(Default)]
+/// struct Splats(Vec<(usize, [f64; 3])>);
+///
+/// struct Renderer {
+///     width: usize,
+/// }
+///
+/// impl Target for Renderer {
+///     type Value = Splats;
+///
+///     fn evaluate(&self, u: &mut dyn Coordinates, splats: &mut Splats) {
+///         splats.0.clear(); // an older path is still in it
+///         let x = u.get(Stream::Camera, 0); // your renderer traces a path here
+///         let y = u.get(Stream::Camera, 1);
+///         splats.0.push(((x * self.width as f64) as usize, [1.0, 0.5, y]));
+///     }
+/// }
+///
+/// // the density that the chain follows: all that a path brings
+/// let brought = |splats: &Splats| [splats.0.iter().flat_map(|(_, rgb)| rgb).sum::<f64>()];
+/// let renderer = Renderer { width: 8 };
+/// let mut rng = generator(1, 0);
+/// let chain = Metropolis::start(&renderer, &brought, 0, Exponential::default(), &mut rng);
+/// assert_eq!(chain.value().0.len(), 1);
+/// assert!(chain.density() >= 1.5);
+/// ```
 pub trait Target {
     /// What an evaluation yields. `Default` makes the empty buffers; they are reused.
     type Value: Default;

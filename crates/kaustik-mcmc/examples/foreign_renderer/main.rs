@@ -16,7 +16,7 @@ mod renderer;
 use kaustik_mcmc::{
     Draws, Exponential, Point, Pool, Step, acceptance, generator, sample_generator,
 };
-use kaustik_pss::{Coordinates, Stream};
+use kaustik_pss::{Coordinates, Cursor, Stream};
 use picture::{Image, SIDE, mean, rmse, write_png};
 use renderer::{V, trace};
 
@@ -40,11 +40,8 @@ fn plain(samples: usize, seed: u64) -> Image {
 
 /// The same paths from the coordinates of a proposal.
 fn read(u: &mut dyn Coordinates) -> (usize, V) {
-    let mut index = 0;
-    path(&mut || {
-        index += 1;
-        u.get(Stream::Camera, index - 1)
-    })
+    let mut cursor = Cursor::new(u, Stream::Camera);
+    path(&mut || cursor.next())
 }
 
 /// A chain. A tenth of the paths go into the pool of its starts; visits have the weights of

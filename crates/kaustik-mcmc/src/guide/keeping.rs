@@ -9,6 +9,32 @@
 //! Exponentials and logarithms come from `libm`, so that machines agree; values of generators,
 //! mutations and sequences are pinned by tests.
 //!
+//! ```
+//! # use kaustik_mcmc::{Exponential, Ignore, Metropolis, PointKernel, Statistics, generator, target};
+//! # use kaustik_pss::{Coordinates, Stream};
+//! # let square = target(|u: &mut dyn Coordinates| u.get(Stream::Camera, 0));
+//! # let family = |x: &f64| [x * x];
+//! let run = |ladder: u64| {
+//!     let mut rng = generator(1, ladder); // all that it does follows from its index
+//!     let mut chain = Metropolis::start(&square, &family, 0, Exponential::default(), &mut rng);
+//!     let kernel = PointKernel::new(&square, 0.3);
+//!     for _ in 0..1000 {
+//!         chain.step(&kernel, &family, &mut rng, &mut Ignore);
+//!     }
+//!     chain.statistics().clone()
+//! };
+//! let parts: Vec<_> = std::thread::scope(|scope| {
+//!     let run = &run;
+//!     let threads: Vec<_> = (0..8).map(|ladder| scope.spawn(move || run(ladder))).collect();
+//!     threads.into_iter().map(|thread| thread.join().expect("no panic")).collect()
+//! });
+//! let mut all = Statistics::new();
+//! for part in &parts {
+//!     all.merge(part); // by index, not by arrival
+//! }
+//! assert_eq!(all.steps, 8000);
+//! ```
+//!
 //! # A state is a value
 //!
 //! With the feature `serde`, all that a run consists of can be written between any two steps

@@ -12,7 +12,7 @@
 //! * **The cube is a torus and the prior uniform.** Random walks wrap round. A model with
 //!   another prior maps each coordinate through the prior's quantile function.
 //! * **Densities are linear, not logarithms**, because zero is an ordinary density: the
-//!   integrand vanishes on large parts of the cube. Who has logarithms subtracts a constant.
+//!   integrand vanishes on large parts of the cube. If you have logarithms, subtract a constant first.
 //! * **An evaluation yields a value**, of which densities are cheap functions: all levels of a
 //!   ladder, all weights of an annealing, and whatever is estimated are read off the one value.
 //! * **What is estimated is an integral, not a posterior mean**: the normalising constant is

@@ -39,9 +39,9 @@ pub enum Step {
 /// A coordinate that sleeps owes steps of the mutation that was in force while it slept.
 /// Paying them later with other step sizes would bias the chain. So the point owns its
 /// mutation, and what changes it pays the debt first: [`set_mutation`](Self::set_mutation),
-/// [`exchange`](Self::exchange). Who writes a mutation whose sizes change by themselves
-/// (through a cell, say) must call [`settle`](Self::settle) before each change; so must,
-/// or [`refresh`](Self::refresh), who moves a point to another level by hand.
+/// [`exchange`](Self::exchange). If the sizes of your mutation change by themselves (through a
+/// `Cell`, say), call [`settle`](Self::settle) before each change. If you move a point to
+/// another level by hand, call [`settle`](Self::settle) or [`refresh`](Self::refresh) first.
 ///
 /// # Memory
 ///

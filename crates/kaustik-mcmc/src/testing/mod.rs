@@ -6,8 +6,8 @@
 //! known to rounding error. Where there is a grid, proofs are exact; where there is none,
 //! they are statistical, and say how often they cry wolf.
 //!
-//! Enable it where you test: `kaustik-mcmc = { version = "...", features = ["testing"] }` among
-//! the dev-dependencies. The example `new_kernel` is this page as a program.
+//! Enable it where you test, with `kaustik-mcmc = { version = "0.1", features = ["testing"] }` among
+//! the dev-dependencies, and `proptest = "1.12"` if you use its `strategies`. The example `new_kernel` is this page as a program.
 //!
 //! # 1. Write decisions as draws
 //!
@@ -37,10 +37,10 @@
 //!     ) -> Move {
 //!         let doubles = draws.bernoulli(2.0 / 3.0);
 //!         if !doubles && x == 0 {
-//!             return Move::impossible(3);
+//!             return Move::impossible(Move::OWN);
 //!         }
 //!         *y = if doubles { x + 1 } else { x - 1 };
-//!         Move::new(3, if doubles { 0.5 } else { 2.0 }) // T(y -> x) / T(x -> y)
+//!         Move::new(Move::OWN, if doubles { 0.5 } else { 2.0 }) // T(y -> x) / T(x -> y)
 //!     }
 //! }
 //!

@@ -61,15 +61,15 @@ pub(crate) const CHAIN: &[Fault] = &[
     fault(
         "visits: a and 1 - a exchanged",
         "metropolis.rs",
-        "self.pending.weight += 1.0 - a;",
-        "self.pending.weight += a;",
+        "self.pending.weight += 1.0 - decided.acceptance;",
+        "self.pending.weight += decided.acceptance;",
         "unbiased::expected_values_are_unbiased",
     ),
     fault(
         "visits: proposals count 1 - a",
         "metropolis.rs",
-        "            weight: a,\n",
-        "            weight: 1.0 - a,\n",
+        "            weight: decided.acceptance,\n",
+        "            weight: 1.0 - decided.acceptance,\n",
         "unbiased::expected_values_are_unbiased",
     ),
     fault(

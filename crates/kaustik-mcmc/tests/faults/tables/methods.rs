@@ -68,15 +68,15 @@ pub(crate) const SECOND: &[Fault] = &[
     fault(
         "second try: the state is given 1 - a twice",
         "delayed_rejection.rs",
-        "        if !again {\n            self.pending.weight += 1.0 - a;\n        }",
-        "        self.pending.weight += 1.0 - a;",
+        "        if !again {\n            self.pending.weight += 1.0 - first.acceptance;\n        }",
+        "        self.pending.weight += 1.0 - first.acceptance;",
         "lib:delayed_rejection::tests::weights_are_expected_visits",
     ),
     fault(
         "second try: its weight is halved by the first",
         "delayed_rejection.rs",
-        "        self.pending.weight += 1.0 - a;\n        let visit = Pending {\n            weight: a,\n            independent: 0.0,",
-        "        self.pending.weight += 1.0 - a;\n        let visit = Pending {\n            weight: a * (1.0 - first),\n            independent: 0.0,",
+        "        self.pending.weight += 1.0 - second.acceptance;\n        let visit = Pending {\n            weight: second.acceptance,\n            independent: 0.0,",
+        "        self.pending.weight += 1.0 - second.acceptance;\n        let visit = Pending {\n            weight: second.acceptance * (1.0 - first),\n            independent: 0.0,",
         "lib:delayed_rejection::tests::weights_are_expected_visits",
     ),
     fault(

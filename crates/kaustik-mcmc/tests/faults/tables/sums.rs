@@ -40,8 +40,8 @@ pub(crate) const SUMS: &[Fault] = &[
     fault(
         "expected acceptance counts certain ones",
         "statistics.rs",
-        "kind.expected += a;",
-        "kind.expected += a.floor();",
+        "self.expected += acceptance;",
+        "self.expected += acceptance.floor();",
         "unbiased::statistics_are_right_in_the_mean",
     ),
     fault(
