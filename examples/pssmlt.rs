@@ -7,6 +7,9 @@
 //! Renders go to FOLDER (`study-pssmlt` by default) with tables, curves and the page `index.html`. Each claim
 //! of the paper is printed with what was measured and whether it holds. A run that was cut goes on where
 //! it was.
+//!
+//! The figures and claims are in `crates/kaustik-study/src/named/pssmlt.rs`, the method is in
+//! `crates/kaustik/src/pssmlt.rs`; `docs/papers/pssmlt.md` has its equations, each with its item.
 #![expect(
     clippy::print_stdout,
     clippy::print_stderr,

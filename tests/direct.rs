@@ -9,7 +9,7 @@ use kaustik::{
     render,
 };
 
-use crate::support::{Tile, Verdict, agree, scene, settings, tiles_of, tiles_of_seeds};
+use crate::support::{Tile, Verdict, agree, means, scene, settings, tiles_of, tiles_of_seeds};
 
 const SIDE: u32 = 16;
 const SEEDS: std::ops::Range<u64> = 0..8;
@@ -45,6 +45,22 @@ fn assert_agree(name: &str, a: &[Tile], b: &[Tile], share: f64) {
     } = agree(a, b, |_| true, share);
     assert!(rejected.is_empty(), "{name}: {rejected:?}");
     assert!(uncertain.is_empty(), "{name}: {uncertain:?}, {worst_error}");
+}
+
+/// Ladders that own no pixel have nothing to do, neither directly nor by chains.
+#[test]
+fn fewer_pixels_than_ladders_are_enough() {
+    let scene = scene("cornell", 3);
+    for method in Method::ALL {
+        if !method.keys().any(|key| key.name == "direct") {
+            continue;
+        }
+        let mut settings = settings(method, 3, 4);
+        settings.options.direct = Direct::Apart;
+        settings.options.ladders = 64;
+        let image = rendered(&scene, &settings, 1).image;
+        assert!(means(&image)[1] > 0.01, "{method}");
+    }
 }
 
 #[test]

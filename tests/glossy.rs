@@ -6,6 +6,7 @@ use kaustik::scene::Scene;
 use kaustik::scene::description::MaterialDescription;
 use kaustik::{Control, Method, RenderSettings, Starts, render};
 
+use crate::scale::scaled;
 use crate::support::{compile, describe, means, settings};
 
 const SIDE: u32 = 8;
@@ -31,8 +32,8 @@ fn faces(half: f32) -> [Mesh; 6] {
     })
 }
 
-/// A closed room of bright metal with narrow lobes, a lamp under its ceiling.
-fn room() -> Scene {
+/// A closed room of bright metal with narrow lobes, a lamp under its ceiling, as many units wide.
+fn room(unit: f32) -> Scene {
     let metal = MaterialDescription {
         metallic: 1.0,
         roughness: 0.1,
@@ -52,7 +53,7 @@ fn room() -> Scene {
     let walls = faces(1.0).into_iter().map(|mesh| (metal.clone(), mesh));
     let things = walls.chain([(lamp, ceiling)]);
     let description = describe(Vec3::new(0.1, -0.2, 0.9), 1.2, things);
-    compile(&description, SIDE)
+    compile(&scaled(&description, unit), SIDE)
 }
 
 /// Green of the whole picture over seeds: mean and standard error. Nothing may have been left out.
@@ -76,10 +77,17 @@ fn brightness(scene: &Scene, settings: &RenderSettings) -> (f64, f64) {
     (mean, (squares / (n - 1.0) / n).sqrt())
 }
 
-/// Methods on paths multiply BSDF values, not throughputs: these have no bound, and light that overflowed was lost.
+/// Methods on paths multiply BSDF values, not throughputs: these have no bound, and light that overflowed was lost. They
+/// divide by squares of lengths as well, in whatever unit a scene has.
 #[test]
 fn long_glossy_paths_do_not_overflow() {
-    let scene = room();
+    for unit in [1.0, 1e-4, 1e4] {
+        as_bright_as_by_path(unit);
+    }
+}
+
+fn as_bright_as_by_path(unit: f32) {
+    let scene = room(unit);
     let (expected, noise) = brightness(&scene, &settings(Method::Path, SIDE, 256));
     assert!(noise < 0.02 * expected, "{noise} of {expected}");
     let mut both = settings(Method::Erpt, SIDE, 8);
@@ -91,11 +99,11 @@ fn long_glossy_paths_do_not_overflow() {
     ] {
         let (found, error) = brightness(&scene, &settings);
         let error = error.hypot(noise);
-        println!("{name}: {found} +- {error}, {expected}");
+        println!("{name}, {unit}: {found} +- {error}, {expected}");
         assert!(error < 0.06 * expected, "{name}: {error} of {expected}");
         assert!(
             (found - expected).abs() < 4.0 * error,
-            "{name}: {found} +- {error}, not {expected}"
+            "{name}, {unit}: {found} +- {error}, not {expected}"
         );
     }
 }

@@ -7,7 +7,7 @@ use kaustik::scene::{Description, builtin};
 use crate::support::{compile, means, picture, settings};
 
 /// The same scene in another unit. Radiance has no length in it.
-fn scaled(description: &Description, factor: f32) -> Description {
+pub(crate) fn scaled(description: &Description, factor: f32) -> Description {
     let mut scaled = description.clone();
     let scale = Affine3A::from_scale(Vec3::splat(factor));
     for instance in &mut scaled.instances {

@@ -143,7 +143,7 @@ fn wrong_words() {
     );
     refused(
         &["render", "builtin:cornell", "--max-memory", "100"],
-        &["a need of", "at most 100"],
+        &["needs", "allows 100"],
     );
     refused(
         &["render", "builtin:cornell", "--camera", "1"],

@@ -63,7 +63,41 @@ impl PathSpace<'_> {
     /// Density of the lens point, 1 where it is Dirac.
     #[inline]
     pub(crate) fn start_at_lens(&self) -> f64 {
-        factor(Factor::LensPdf, self.scene.camera().pdf_lens())
+        factor(Factor::LensPdf, self.lens_pdf())
+    }
+
+    /// The same, of no particular walk.
+    #[inline]
+    pub(crate) fn lens_pdf(&self) -> f64 {
+        let pdf = self.scene.camera().pdf_lens();
+        if self.has_aperture() {
+            pdf * self.unit_area()
+        } else {
+            pdf
+        }
+    }
+
+    /// Density with which emission sampling makes vertex 0.
+    #[inline]
+    pub(crate) fn emitter_point_pdf(&self, path: &impl Vertices) -> f64 {
+        let pdf = self.emission(path).position;
+        if path.at(0).place == Place::Emitter(EmitterPoint::Surface) {
+            pdf * self.unit_area()
+        } else {
+            pdf
+        }
+    }
+
+    /// The unit of area for the density of a vertex that a walk makes from its neighbour; 1 in a run of Dirac
+    /// scatterings, whose density is by direction, and for what is infinitely far away.
+    #[inline]
+    fn unit_of(&self, from: &PathVertex, to: &PathVertex) -> f64 {
+        let endless = matches!(to.place, Place::Emitter(EmitterPoint::Environment(_)));
+        if from.specular || to.specular || endless {
+            1.0
+        } else {
+            self.unit_area()
+        }
     }
 
     /// Densities with which emission sampling makes vertex 0 and leaves it.
@@ -101,7 +135,7 @@ impl PathSpace<'_> {
             let pdf = from.bsdf.pdf(from.wi, from.wo, Mode::Importance);
             factor(Factor::DirectionToEye, pdf)
         };
-        direction * geometry_to_eye(path, i)
+        direction * geometry_to_eye(path, i) * self.unit_of(from, path.at(i))
     }
 
     /// Density with which a walk from the eye makes vertex `i` from the one after it.
@@ -123,7 +157,7 @@ impl PathSpace<'_> {
             let pdf = from.bsdf.pdf(from.wo, from.wi, Mode::Radiance);
             factor(Factor::DirectionToLight, pdf)
         };
-        direction * geometry_to_light(path, i)
+        direction * geometry_to_light(path, i) * self.unit_of(from, path.at(i))
     }
 
     /// The sum over all ways to make the vertices `first..end` between those that are kept: the first
@@ -131,7 +165,7 @@ impl PathSpace<'_> {
     /// number. A way whose joining edge touches a Dirac scattering is none. At the ends of the path
     /// walks begin with a point of an emitter and of the lens.
     pub(crate) fn all_ways(&self, path: &impl Vertices, first: usize, end: usize) -> f64 {
-        let none = Ways::none(joins(path, first));
+        let none = Ways::none(self.joins(path, first));
         (first..end)
             .fold(none, |ways, i| ways.then(self.making(path, i)))
             .sum
@@ -141,7 +175,7 @@ impl PathSpace<'_> {
     #[inline]
     pub(crate) fn making(&self, path: &impl Vertices, i: usize) -> Making {
         let by_light = match i {
-            0 => factor(Factor::EmitterPoint, self.emission(path).position),
+            0 => factor(Factor::EmitterPoint, self.emitter_point_pdf(path)),
             _ => self.step_to_eye_pdf(path, i),
         };
         let by_eye = match path.at(i).place {
@@ -151,13 +185,21 @@ impl PathSpace<'_> {
         Making {
             by_light,
             by_eye,
-            joins: f64::from(u8::from(joins(path, i + 1))),
+            joins: f64::from(u8::from(self.joins(path, i + 1))),
         }
     }
-}
 
-/// May vertices `i - 1` and `i` have been joined? Beyond the ends of the path nothing needs to be.
-#[inline]
-fn joins(path: &impl Vertices, i: usize) -> bool {
-    i == 0 || i == path.len() || !(path.at(i - 1).specular || path.at(i).specular)
+    /// May vertices `i - 1` and `i` have been joined? Beyond the ends of the path nothing needs to be. Parallel rays do not
+    /// meet light from infinitely far away but by chance.
+    #[inline]
+    fn joins(&self, path: &impl Vertices, i: usize) -> bool {
+        if i == 0 || i == path.len() {
+            return true;
+        }
+        let (light, eye) = (path.at(i - 1), path.at(i));
+        let parallel = eye.place == Place::Lens
+            && matches!(light.place, Place::Emitter(EmitterPoint::Environment(_)))
+            && self.scene.camera().is_dirac_direction();
+        !(light.specular || eye.specular || parallel)
+    }
 }

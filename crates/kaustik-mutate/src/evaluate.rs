@@ -62,7 +62,7 @@ impl PathSpace<'_> {
             return false;
         };
         path.raster = raster;
-        path.importance = camera.pdf_lens() * per_direction / cos;
+        path.importance = self.lens_pdf() * per_direction / cos;
         path.importance > 0.0 && self.serves(raster)
     }
 
@@ -85,6 +85,7 @@ impl PathSpace<'_> {
         let mut scale = importance;
         let mut value = path.at(0).value;
         let mut dispersive = false;
+        let unit = self.unit_area();
         for i in 0..path.len() - 1 {
             let (vertex, next) = (path.at(i), path.at(i + 1));
             let edge = &vertex.edge;
@@ -96,6 +97,8 @@ impl PathSpace<'_> {
             scale *= edge.passed * vertex.opacity;
             if !vertex.specular && !next.specular {
                 scale *= vertex.cos_eye * next.cos_light / edge.squared;
+                let endless = matches!(vertex.place, Place::Emitter(EmitterPoint::Environment(_)));
+                scale *= if endless { 1.0 } else { unit };
             }
             if value.max() < SMALL {
                 value *= 1.0 / SMALL;

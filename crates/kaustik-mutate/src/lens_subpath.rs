@@ -15,10 +15,16 @@ pub struct LensMutation<'a> {
     pub space: &'a PathSpace<'a>,
 }
 
+/// Walks of more vertices are not made: room for them would be set aside in every chain.
+const MOST_VERTICES: usize = 256;
+
 /// The vertex that is joined, or nothing where the path has another form. Surfaces that scatter in other ways as
 /// well must not be passed as smooth ones.
 fn joined(path: &Path) -> Option<usize> {
     for i in (1..path.edges()).rev() {
+        if path.len() - i > MOST_VERTICES {
+            return None;
+        }
         if !path.is_specular(i) {
             return (!path.is_specular(i - 1)).then_some(i);
         }
@@ -43,7 +49,7 @@ impl LensMutation<'_> {
     ) -> Option<f64> {
         let space = self.space;
         let kept = joined(x)?;
-        let longest = space.settings.max_edges as usize + 1;
+        let longest = (space.settings.max_edges as usize + 1).min(kept + MOST_VERTICES);
         // Vertices are made at the end of the longest path that there may be, and moved when their number is known.
         y.resize(longest);
         y.tune(x);

@@ -16,7 +16,25 @@ pub struct PathSpace<'a> {
     pub pixels: DVec2,
 }
 
+/// Within these sizes of a scene lengths are measured in its own unit.
+const USUAL: std::ops::RangeInclusive<f64> = 1.0 / 64.0..=64.0;
+
 impl PathSpace<'_> {
+    /// Longest paths, in edges: walks have room for so many vertices set aside.
+    pub const MOST_EDGES: u32 = 4096;
+
+    /// The area in whose unit densities of vertices are: 1 in a scene of a usual size. In one of millimetres or of
+    /// kilometres the product over a long path would leave the range of `f64` with the scene's own unit.
+    #[inline]
+    pub(crate) fn unit_area(&self) -> f64 {
+        let (_, radius) = self.scene.bounding_sphere();
+        if USUAL.contains(&radius) || radius <= 0.0 {
+            1.0
+        } else {
+            radius * radius
+        }
+    }
+
     /// Has `work` see the space at an instant, [`Path::time`](crate::Path::time): in a scene that stands there, so that
     /// whatever is asked of a path is answered for its time. Chains that stay at one instant are run within.
     #[inline]

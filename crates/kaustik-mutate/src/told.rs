@@ -1,7 +1,7 @@
 //! Paths and what chains do with them, told to whoever listens ([`kaustik_path::trace`]).
 
 use glam::DVec3;
-use kaustik_mcmc::{Draws, Kernel, Move, acceptance};
+use kaustik_mcmc::{Draws, Family, Kernel, Move, acceptance};
 use kaustik_path::{Event, Role, Stand, is_listening, note};
 use kaustik_scene::EmitterPoint;
 use kaustik_spectrum::Spectrum;
@@ -12,9 +12,11 @@ use crate::{Path, PathSpace};
 /// A kernel that tells what it proposes and what becomes of it. In a render nobody listens, and a proposal
 /// costs a few looks at one flag of the thread.
 #[derive(Clone, Copy, Debug)]
-pub struct Told<'a, N> {
+pub struct Told<'a, N, F> {
     /// Makes the proposals.
     pub kernel: N,
+    /// The density that the chain follows.
+    pub family: F,
     /// Where paths run.
     pub space: &'a PathSpace<'a>,
     /// A name for each kind of move.
@@ -22,7 +24,7 @@ pub struct Told<'a, N> {
 }
 
 #[deny(clippy::missing_trait_methods)]
-impl<N: Kernel<(), Value = Path>> Kernel<()> for Told<'_, N> {
+impl<N: Kernel<(), Value = Path>, F: Family<Path, 1>> Kernel<()> for Told<'_, N, F> {
     type Value = Path;
 
     #[inline]
@@ -37,16 +39,17 @@ impl<N: Kernel<(), Value = Path>> Kernel<()> for Told<'_, N> {
         if is_listening() {
             self.space.tell(current, Role::Current);
             // Of a move that leads nowhere there is no path.
-            let density = if made.ratio > 0.0 {
+            let density = |path: &Path| self.family.densities(path)[0];
+            let there = if made.ratio > 0.0 {
                 self.space.tell(proposed, Role::Proposed);
-                proposed.density()
+                density(proposed)
             } else {
                 0.0
             };
             note(|| Event::Proposal {
                 kernel: self.names.get(made.kind).copied().unwrap_or_default(),
                 ratio: made.ratio,
-                acceptance: acceptance(current.density(), density, made.ratio),
+                acceptance: acceptance(density(current), there, made.ratio),
             });
         }
         made

@@ -150,7 +150,7 @@ fn traced(space: &PathSpace<'_>, path: &Path, next_event: bool) -> f64 {
     // What is seen without a scattering between is never joined: that would be light tracing.
     let joined = next_event && path.edges() > 1 && !path.is_specular(1);
     let position = if joined {
-        space.emission(path).position
+        space.emitter_point_pdf(path)
     } else {
         0.0
     };

@@ -47,7 +47,7 @@ impl Cells {
         match budget {
             Budget::PerPixel(n) => n.saturating_mul(end - first),
             Budget::Total(n) => (n / self.count()).max(1) * (end - first),
-            Budget::Time(_) => u64::MAX,
+            Budget::Time(_) => u64::MAX.saturating_mul(end - first),
         }
     }
 
@@ -56,6 +56,20 @@ impl Cells {
         let up_to =
             |cell: u64| (u128::from(n) * u128::from(cell) / u128::from(self.count())) as u64;
         up_to(end) - up_to(first)
+    }
+
+    /// Coordinates whose raster point lies in a cell: those of its sample of this index. All samples of a cell with one
+    /// `seed` share it evenly.
+    #[inline]
+    pub(crate) fn confine<C: Coordinates>(
+        &self,
+        (cell, index): (u64, u64),
+        seed: u64,
+        inner: C,
+    ) -> Stratified<C> {
+        let corner = [cell % self.columns(), cell / self.columns()].map(|at| at as f64);
+        let size = [self.columns(), self.rows()].map(|side| 1.0 / side as f64);
+        Stratified::new(inner, corner, size, index, seed ^ cell)
     }
 }
 
@@ -119,5 +133,32 @@ impl Tour {
     pub(crate) fn confine<C: Coordinates>(&self, seed: u64, inner: C) -> Stratified<C> {
         let corner = self.corner.map(|at| at as f64);
         Stratified::new(inner, corner, self.size, self.pass, seed ^ self.cell)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::time::Duration;
+
+    use super::*;
+    use crate::RenderSettings;
+
+    /// Or a render by time would wait for a ladder that has nothing to do.
+    #[test]
+    fn a_ladder_without_cells_plans_no_steps() {
+        let mut settings = RenderSettings {
+            width: 3,
+            height: 3,
+            ..RenderSettings::default()
+        };
+        settings.options.ladders = 64;
+        let cells = Cells::new(&settings);
+        let hour = Budget::Time(Duration::from_secs(3600));
+        let planned: Vec<u64> = (0..64).map(|l| cells.whole_passes(l, hour)).collect();
+        assert_eq!(
+            planned.iter().filter(|steps| **steps == u64::MAX).count(),
+            9
+        );
+        assert_eq!(planned.iter().filter(|steps| **steps == 0).count(), 55);
     }
 }

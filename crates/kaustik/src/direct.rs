@@ -134,8 +134,12 @@ impl<'a> DirectApart<'a> {
     fn split(&self, ladder: u32, steps: u64) -> [u64; 2] {
         let pass = self.direct.grain(ladder).max(1);
         let direct = (steps / pass).div_ceil(CYCLE) * pass;
-        let grain = self.chains.grain(ladder);
-        [direct, (steps - direct) / grain * grain]
+        // A ladder without cells has none of either.
+        let whole = |grain| (steps - direct) / grain * grain;
+        match self.chains.grain(ladder) {
+            0 => [direct, 0],
+            grain => [direct, whole(grain)],
+        }
     }
 }
 
@@ -163,7 +167,7 @@ impl Engine for DirectApart<'_> {
         let passes = match settings.budget {
             Budget::PerPixel(n) => n,
             Budget::Total(n) => n / self.pass,
-            Budget::Time(_) => return u64::MAX,
+            Budget::Time(_) => u64::MAX,
         };
         passes.max(LEAST).saturating_mul(self.direct.grain(ladder))
     }

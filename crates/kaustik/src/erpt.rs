@@ -26,7 +26,7 @@ use crate::control::is_stopped;
 use crate::engine::{Engine, Nonfinite};
 use crate::lost::Lost;
 use crate::mark::FilmMark;
-use crate::render::builder_settings;
+use crate::path_space::path_space;
 use crate::state::{Keep, Reader, StateError, Writer};
 use crate::{
     ChainStatistics, EnergyStatistics, MutationStatistics, Options, Place, RenderError,
@@ -59,12 +59,7 @@ impl<'a> ErptEngine<'a> {
     pub(crate) fn new(scene: &'a Scene, settings: &RenderSettings) -> Result<Self, RenderError> {
         let options = settings.options;
         let size = DVec2::new(f64::from(settings.width), f64::from(settings.height));
-        let space = PathSpace {
-            scene,
-            settings: builder_settings(settings),
-            target: options.target,
-            pixels: size,
-        };
+        let space = path_space(scene, settings)?;
         let (mut pilot, mut all) = (Mean::new(), Mean::new());
         for light in starts::pilot(
             &space,

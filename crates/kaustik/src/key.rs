@@ -72,7 +72,7 @@ pub const KEYS: &[Key] = &[
     Key {
         name: "ladders",
         default: "64",
-        range: "1..=4096",
+        range: "1 to 4096",
         meaning: "independent chains or streams of samples; part of the result, unlike --threads (photon chains: fewer, if an \
                   iteration would not give each of their chains 4096 steps in the mean)",
         methods: EVERY,
@@ -95,7 +95,7 @@ pub const KEYS: &[Key] = &[
     Key {
         name: "pilot",
         default: "100000",
-        range: "1..=10000000",
+        range: "1 to 10000000",
         meaning: "independent samples at the start: they choose the chains' first states, estimate the \
                   normalisation and fix the film's quantum (path, light, bdpt: a hundredth of it; multi-stage methods: \
                   as many again, shared by the stages after the first)",
@@ -241,7 +241,7 @@ pub const KEYS: &[Key] = &[
     Key {
         name: "budget",
         default: "64",
-        range: "1..=1000000",
+        range: "1 to 1000000",
         meaning: "mutations a pixel that the stages are laid out for, whatever the render takes: beyond them, stages of the full \
                   width begin where the mutations have doubled",
         methods: STAGED,
@@ -297,7 +297,7 @@ pub const KEYS: &[Key] = &[
     Key {
         name: "even",
         default: "auto",
-        range: "auto|0..=64",
+        range: "auto|0 to 64",
         meaning: "independent samples a sweep beside the chains, spread evenly over the image (the paper: none): 2 to \
                   64 by how easily light is found, or so many",
         methods: EXCHANGE,
@@ -314,7 +314,7 @@ pub const KEYS: &[Key] = &[
     Key {
         name: "particles",
         default: "10000",
-        range: "1000..=1000000",
+        range: "1000 to 1000000",
         meaning: "particles of the population annealing at the start (first states and constants of \
                   the weights), and of each round of annealing",
         methods: REPLICAS,
@@ -322,7 +322,7 @@ pub const KEYS: &[Key] = &[
     Key {
         name: "length",
         default: "300",
-        range: "1..=100000",
+        range: "1 to 100000",
         meaning: "steps of each chain that spreads the light of a sample (Batty: 100 to 1000)",
         methods: REDISTRIBUTION,
     },
@@ -336,7 +336,7 @@ pub const KEYS: &[Key] = &[
     Key {
         name: "consecutive",
         default: "off",
-        range: "off|1..=100000",
+        range: "off|1 to 100000",
         meaning: "Cline's filter: a chain that stayed in one place for more proposals than this leaves \
                   nothing for its staying. Biased: light is lost (the report uses 10 and 20)",
         methods: REDISTRIBUTION,

@@ -24,7 +24,7 @@ use crate::cells::Cells;
 use crate::engine::Nonfinite;
 use crate::render::builder_settings;
 use crate::state::{Reader, StateError, Writer};
-use crate::stratified::{Stratified, mix};
+use crate::stratified::mix;
 use crate::streams;
 use crate::{Place, RenderError, RenderSettings, direct};
 
@@ -188,12 +188,8 @@ impl<'a> Lamps<'a> {
 
     /// The sample of this index in a cell.
     fn build(&self, cell: u64, index: u64, value: &mut Contributions) {
-        let columns = self.cells.columns();
-        let corner = [cell % columns, cell / columns].map(|at| at as f64);
-        let size = [columns, self.cells.rows()].map(|side| 1.0 / side as f64);
         let inner = Independent::new(self.generators.at(self.step(cell, index)));
-        let seed = mix(self.seed) ^ cell;
-        let mut coordinates = Stratified::new(inner, corner, size, index, seed);
+        let mut coordinates = (self.cells).confine((cell, index), mix(self.seed), inner);
         self.builder.build(self.scene, &mut coordinates, value);
     }
 

@@ -53,6 +53,7 @@ mod mmlt;
 mod mutation_kind;
 mod mutations;
 mod options;
+mod path_space;
 mod photon;
 mod photon_options;
 mod pssmlt;

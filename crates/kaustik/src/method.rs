@@ -37,11 +37,11 @@ pub enum Method {
     PhotonDensity,
     /// Photons of chains that follow the spatial target function (Gruson 2016).
     PhotonSpatial,
-    /// The same with regions of the image.
+    /// Photons of chains that follow the spatial target function over regions of the image (Gruson 2016).
     PhotonImage,
     /// [`Mlt`](Self::Mlt) in stages that even out the relative error (Hoberock and Hart 2010).
     MltMultistage,
-    /// [`Pssmlt`](Self::Pssmlt) in such stages.
+    /// [`Pssmlt`](Self::Pssmlt) in stages that even out the relative error (Hoberock and Hart 2010).
     PssmltMultistage,
 }
 
@@ -135,7 +135,9 @@ impl Method {
             Self::PhotonSpatial => {
                 "photon mapping with chains that even out the relative error, by regions of space (Gruson et al. 2016)"
             }
-            Self::PhotonImage => "the same with regions of the image (Gruson et al. 2016)",
+            Self::PhotonImage => {
+                "photon mapping with chains that even out the relative error, by regions of the image (Gruson et al. 2016)"
+            }
             Self::MltMultistage => {
                 "mlt in stages, each evened out by the picture of those before it (Hoberock, Hart 2010)"
             }
@@ -174,7 +176,7 @@ impl fmt::Display for Method {
 
 /// A name that is no method.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("there is no method '{wanted}'; known are: {}", Method::ALL.map(Method::name).join(", "))]
+#[error("no method '{wanted}'; known are: {}", Method::ALL.map(Method::name).join(", "))]
 pub struct UnknownMethod {
     /// The name.
     pub wanted: String,

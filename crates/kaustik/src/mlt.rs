@@ -27,7 +27,7 @@ use crate::control::is_stopped;
 use crate::engine::{Engine, Nonfinite, STRIDE, add_counters, add_nonfinite};
 use crate::lamps::Lamps;
 use crate::meter::{Meter, Own, Terms};
-use crate::render::builder_settings;
+use crate::path_space::path_space;
 use crate::{
     ChainStatistics, MutationKind, MutationStatistics, Normaliser, Options, Place, RenderError,
     RenderSettings,
@@ -110,12 +110,7 @@ impl<'a> MltEngine<'a> {
     ) -> Result<Self, RenderError> {
         let options = settings.options;
         let size = DVec2::new(f64::from(settings.width), f64::from(settings.height));
-        let space = PathSpace {
-            scene,
-            settings: builder_settings(settings),
-            target: options.target,
-            pixels: size,
-        };
+        let space = path_space(scene, settings)?;
         let pool = Pool::new(pool::weights(&space, &map, settings));
         let b = pool.normaliser().mean();
         Ok(Self {
@@ -158,6 +153,7 @@ impl<'a> MltEngine<'a> {
     ) -> u64 {
         let kernel = Told {
             kernel: mixture(space, &self.options, self.size),
+            family: density(&self.map),
             space,
             names: &MutationKind::NAMES,
         };

@@ -114,7 +114,10 @@ pub enum OptionError {
     #[error("'{0}' is not of the form key=value")]
     Form(String),
     /// A key that the method does not have.
-    #[error("method {method} has no setting '{key}'; it has: {known}")]
+    #[error(
+        "method {method} has no setting '{key}'; it has: {known}{}",
+        elsewhere(others)
+    )]
     Key {
         /// The method.
         method: Method,
@@ -122,9 +125,11 @@ pub enum OptionError {
         key: String,
         /// The keys that it has.
         known: String,
+        /// The methods that have the key.
+        others: Vec<Method>,
     },
     /// A value out of its range.
-    #[error("setting {key}: '{value}' is not one of {range}{}", said(reason))]
+    #[error("setting {key}: found '{value}', expected {range}{}", said(reason))]
     Value {
         /// The key.
         key: &'static str,
@@ -140,6 +145,15 @@ pub enum OptionError {
 /// A reason at the end of a sentence, if there is one.
 fn said(reason: &Option<String>) -> String {
     (reason.as_ref()).map_or_else(String::new, |reason| format!(": {reason}"))
+}
+
+/// Whose setting it is, if it is another method's.
+fn elsewhere(others: &[Method]) -> String {
+    let names: Vec<_> = others.iter().map(|method| method.name()).collect();
+    match names.is_empty() {
+        true => String::new(),
+        false => format!("; that is a setting of {}", names.join(", ")),
+    }
 }
 
 impl Options {
@@ -198,6 +212,9 @@ impl Options {
                     .map(|key| key.name)
                     .collect::<Vec<_>>()
                     .join(", "),
+                others: (Method::ALL.into_iter())
+                    .filter(|other| other.keys().any(|known| known.name == key))
+                    .collect(),
             })?;
         // Words that only other methods know.
         let shared = matches!(key.name, "normaliser" | "direct");

@@ -121,7 +121,7 @@ const REGIONS: &[Method] = &[Method::PhotonSpatial, Method::PhotonImage];
 pub(crate) const LIGHT_PATHS: Key = Key {
     name: "photons",
     default: "250000",
-    range: "1000..=100000000",
+    range: "1000 to 100000000",
     meaning: "light paths an iteration: each iteration sees the scene from new points, with new wavelengths \
               (the paper on the spatial target function takes 10 million)",
     methods: PHOTONS,
@@ -175,7 +175,7 @@ pub(crate) const ACCEPTANCE: Key = Key {
 pub(crate) const BURN_IN: Key = Key {
     name: "burnin",
     default: "64",
-    range: "0..=100000",
+    range: "0 to 100000",
     meaning: "steps of each chain at the start of an iteration that count for nothing, because targets have \
               changed (the paper: 10000 of 10 million, in one ladder)",
     methods: CHAINS,
@@ -202,7 +202,7 @@ pub(crate) const LEVELS: Key = Key {
 pub(crate) const PACE: Key = Key {
     name: "pace",
     default: "auto",
-    range: "auto|a:b:c:d, 1..=64 each",
+    range: "auto|a:b:c:d, 1 to 64 each",
     meaning: "the uniform chain and those of visibility, inverse kernel size and full target take a step in every a-th, b-th, \
               c-th, d-th sweep (4:4:4:1: the last takes four to one of each other); auto: 1:64:64:64 where half of the uniform \
               light paths are seen, else 1:2:2:1 as in the authors' code; without a full target 1:1:1:1",

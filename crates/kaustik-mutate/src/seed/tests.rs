@@ -8,7 +8,7 @@ use crate::Path;
 use crate::tests::space;
 use crate::tests::stage::scene;
 
-const SCENES: [&str; 11] = [
+const SCENES: [&str; 12] = [
     "diffuse",
     "glossy",
     "glass",
@@ -19,6 +19,7 @@ const SCENES: [&str; 11] = [
     "sky",
     "lens",
     "orthographic",
+    "outlook",
     "veil",
 ];
 

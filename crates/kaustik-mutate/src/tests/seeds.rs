@@ -56,7 +56,7 @@ fn kept(scene: &Scene, edges: u32, samples: u64, next_event: bool) -> Mean {
         .collect()
 }
 
-const SCENES: [&str; 17] = [
+const SCENES: [&str; 18] = [
     "diffuse",
     "glossy",
     "mirror",
@@ -70,6 +70,7 @@ const SCENES: [&str; 17] = [
     "sky",
     "lens",
     "orthographic",
+    "outlook",
     "veil",
     "moving",
     "moving-mirror",

@@ -410,6 +410,19 @@ pub(crate) fn scene(name: &str) -> Scene {
         "lens" => plate(metal(0.0)).lens(0.3, 2.5),
         "blades" => plate(metal(0.0)).lens(0.6, 2.5).blades(3),
         "orthographic" => plate(metal(0.0)).orthographic(),
+        // parallel rays that pass beside all there is
+        "outlook" => Stage::new()
+            .add(
+                diffuse([0.7, 0.6, 0.5]),
+                rectangle(Vec3::ZERO, Vec3::Z * 1.2, Vec3::X * 1.2),
+            )
+            .add(
+                diffuse([0.3, 0.7, 0.4]),
+                rectangle(Vec3::new(-1.2, 0.8, 0.0), Vec3::Y * 0.8, Vec3::Z * 1.2),
+            )
+            .add(metal(0.0), slope())
+            .sky(0.5)
+            .orthographic(),
         "aquarium" => aquarium(std::convert::identity),
         "leaning-aquarium" => aquarium(leaning),
         "veil-mirror" => plate(metal(0.0)).add(

@@ -111,7 +111,7 @@ impl Films {
             let kept = scalars(&self.picture, per_sample, |xyz| self.target.of(xyz))?;
             let most = scalars(allowed, per_sample, |xyz| f64::from(xyz.0[0]))?;
             let shares: Vec<f64> = (kept.iter().zip(&most))
-                .map(|(&kept, &most)| if kept > most { most / kept } else { 1.0 })
+                .map(|(&kept, &most)| allowed_share(kept, most))
                 .collect();
             let unfiltered = image.rgb().map(<[f32]>::to_vec);
             image.scale_pixels(|pixel| shares[pixel] as f32);
@@ -125,6 +125,16 @@ impl Films {
             lost.push(Lost::new("proposed", difference, [away, kept.iter().sum()]));
         }
         Ok((image, lost))
+    }
+}
+
+/// What is left of a pixel that may hold at most so much. Beside bright pixels a filter with negative lobes may leave
+/// less than nothing of either: what is negative is kept, and what is not allowed to be more than that goes.
+fn allowed_share(kept: f64, most: f64) -> f64 {
+    if kept > most.max(0.0) {
+        most.max(0.0) / kept
+    } else {
+        1.0
     }
 }
 

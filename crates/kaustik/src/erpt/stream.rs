@@ -282,8 +282,10 @@ impl<D: Draws> Spread<'_, D> {
         } = self;
         // Perturbations keep the time: all chains of a path are at its instant.
         job.space.at(path.time(), |space| {
+            let family = |path: &Path| [path.density()];
             let kernel = Told {
                 kernel: job.perturbations.within(space).kernel(),
+                family,
                 space,
                 names: &NAMES,
             };
@@ -291,7 +293,7 @@ impl<D: Draws> Spread<'_, D> {
                 plan,
                 (&(), path, weight),
                 &kernel,
-                &|path: &Path| [path.density()],
+                &family,
                 draws,
                 &mut deposit,
             );

@@ -17,7 +17,7 @@ use crate::cells::Cells;
 use crate::control::is_stopped;
 use crate::render::builder_settings;
 use crate::state::{Reader, StateError};
-use crate::stratified::{Stratified, mix};
+use crate::stratified::mix;
 use crate::streams;
 use crate::{RenderError, RenderSettings};
 
@@ -231,12 +231,8 @@ impl<'a> Stage<'a> {
 
     /// In the scene at some instant.
     fn measure_in(&self, scene: &Scene, cell: u64, index: u64, out: &mut MeasurementPoints) {
-        let (columns, rows) = (self.cells.columns(), self.cells.rows());
-        let corner = [cell % columns, cell / columns].map(|at| at as f64);
-        let size = [columns, rows].map(|side| 1.0 / side as f64);
         let inner = Independent::new(self.generators.at(index * self.cells.count() + cell));
-        let seed = mix(self.seed) ^ cell;
-        let mut coordinates = Stratified::new(inner, corner, size, index, seed);
+        let mut coordinates = (self.cells).confine((cell, index), mix(self.seed), inner);
         (self.walk).trace(scene, &self.wavelengths, &mut coordinates, out);
     }
 

@@ -18,7 +18,7 @@ use super::start::Started;
 use crate::RenderSettings;
 use crate::cells::Cells;
 use crate::shuffle::Shuffle;
-use crate::stratified::{Stratified, mix};
+use crate::stratified::mix;
 use crate::streams;
 
 /// The fewest and the most samples a sweep, if it is not said how many.
@@ -131,11 +131,8 @@ impl Even {
     ) {
         for _ in 0..count {
             let cell = self.cell();
-            let (columns, rows) = (self.cells.columns(), self.cells.rows());
-            let corner = [cell % columns, cell / columns].map(|at| at as f64);
-            let size = [columns, rows].map(|side| 1.0 / side as f64);
             let inner = Independent::new(self.generators.at(self.step));
-            let mut u = Stratified::new(inner, corner, size, self.pass, self.seed ^ cell);
+            let mut u = (self.cells).confine((cell, self.pass), self.seed, inner);
             target.evaluate(&mut u, &mut self.value);
             if let Some(densities) = checked_densities(family, &self.value) {
                 deposit.record(Visit {

@@ -9,7 +9,7 @@ pub enum StateError {
     #[error("this is no state file: it does not begin as one")]
     Foreign,
     /// A format of another version of the program.
-    #[error("the state file has format {found}, this program reads format {expected} alone")]
+    #[error("the state file has format {found}, this program reads only format {expected}")]
     Version {
         /// The file's.
         found: u32,
