@@ -59,7 +59,7 @@ fn built_in(
 ) -> Result<Input, Failure> {
     if let Some(variant) = variant {
         return Err(Failure::Input(format!(
-            "{scene}: found no material variant \"{variant}\", expected no choice of a variant, as built-in scenes have none"
+            "{scene}: --variant \"{variant}\": built-in scenes have none"
         )));
     }
     let description = builtin::load(name).map_err(Failure::input)?;
@@ -67,7 +67,7 @@ fn built_in(
     let memory = meshes.map(|mesh| mesh.memory() as u64).sum();
     if let Some(most) = max_memory.filter(|&most| memory > most) {
         return Err(Failure::Input(format!(
-            "{scene}: found a need of {memory} bytes, expected at most {most} (--max-memory)"
+            "{scene}: needs {memory} bytes, but --max-memory allows {most}"
         )));
     }
     Ok(Input {
@@ -160,22 +160,22 @@ fn aspect(description: &Description, camera: Option<&str>) -> Option<f64> {
 }
 
 /// Size of the image: what is not given follows from the camera's aspect ratio (4:3 if the file
-/// says nothing).
+/// says nothing). Where neither side is given, a tall picture has the height that a wide one has as its width: a file
+/// must not choose a picture that no memory holds.
 pub(crate) fn image_size(
     description: &Description,
     camera: Option<&str>,
     size: (Option<u32>, Option<u32>),
 ) -> (u32, u32) {
-    const WIDTH: u32 = 1024;
+    const LONGER: u32 = 1024;
     const LARGEST: f64 = 65_536.0;
     let aspect = aspect(description, camera).unwrap_or(4.0 / 3.0);
     let side = |length: f64| length.round().clamp(1.0, LARGEST) as u32;
     match size {
         (Some(width), Some(height)) => (width, height),
         (None, Some(height)) => (side(f64::from(height) * aspect), height),
-        (width, None) => {
-            let width = width.unwrap_or(WIDTH);
-            (width, side(f64::from(width) / aspect))
-        }
+        (Some(width), None) => (width, side(f64::from(width) / aspect)),
+        (None, None) if aspect < 1.0 => (side(f64::from(LONGER) * aspect), LONGER),
+        (None, None) => (LONGER, side(f64::from(LONGER) / aspect)),
     }
 }

@@ -118,11 +118,11 @@ fn held(output: &Path, path: &Path, mut file: File) -> Failure {
             format!("{output}: two outputs of this command: expected another name for each")
         }
         Some(id) => format!(
-            "{output}: process {id} is writing it: expected another name, or an end of that process (it holds {})",
+            "{output}: process {id} is writing it (lock: {}); choose another name, or wait until it is done",
             path.display()
         ),
         None => format!(
-            "{output}: another process is writing it: expected another name (it holds {})",
+            "{output}: another process is writing it (lock: {}); choose another name, or wait until it is done",
             path.display()
         ),
     })

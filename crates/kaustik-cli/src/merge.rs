@@ -66,7 +66,7 @@ fn note_missing(words: &MergeWords, settings: &RenderSettings) {
         picture::remark(
             &words.outputs,
             &format!(
-                "warning: the states hold the ladders {}..{} of 0..{all}: what the others have is missing",
+                "warning: only ladders {}..{} of 0..{all} were given: the light of the others is missing from the picture",
                 here.start, here.end
             ),
         );

@@ -22,12 +22,12 @@ pub(crate) fn check<'a>(
         let extension = path.as_ref().and_then(|path| path.extension());
         extension.map(|extension| extension.to_string_lossy().to_lowercase())
     };
-    if let Some(other @ ("png" | "jpg" | "jpeg" | "hdr")) = kind(&words.output).as_deref() {
+    if let Some(other) = kind(&words.output).filter(|kind| kind != "exr") {
         return Err(Failure::Input(format!(
             "-o writes EXR, and is given a file that ends in .{other}: expected .exr (--png writes PNG)"
         )));
     }
-    if let Some(other @ ("exr" | "jpg" | "jpeg" | "hdr")) = kind(&words.png).as_deref() {
+    if let Some(other) = kind(&words.png).filter(|kind| kind != "png") {
         return Err(Failure::Input(format!(
             "--png writes PNG, and is given a file that ends in .{other}: expected .png (-o writes EXR)"
         )));

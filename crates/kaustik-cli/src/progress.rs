@@ -8,48 +8,50 @@ use kaustik::Progress;
 
 use crate::output;
 
-/// Time between two plain lines.
-const LINE_EVERY: Duration = Duration::from_secs(5);
-
-/// Shows how far a render is.
+/// Shows how far something is: a bar on a terminal, lines elsewhere.
 pub(crate) enum Display {
     Quiet,
     Bar(ProgressBar),
-    Lines { last: Instant },
+    Lines { last: Instant, every: Duration },
 }
 
 impl Display {
-    pub(crate) fn new(quiet: bool) -> Self {
+    /// A bar of this template, or a line so often.
+    pub(crate) fn new(quiet: bool, template: &str, every: Duration) -> Self {
         if quiet {
             return Self::Quiet;
         }
         if !std::io::stderr().is_terminal() {
             return Self::Lines {
                 last: Instant::now(),
+                every,
             };
         }
         let bar = ProgressBar::with_draw_target(Some(1000), ProgressDrawTarget::stderr());
-        if let Ok(style) = ProgressStyle::with_template("{bar:30} {percent:>3} %  {msg}") {
+        if let Ok(style) = ProgressStyle::with_template(template) {
             bar.set_style(style);
         }
         Self::Bar(bar)
     }
 
-    pub(crate) fn show(&mut self, progress: &Progress) {
+    /// For a render.
+    pub(crate) fn of_render(quiet: bool) -> Self {
+        let every = Duration::from_secs(5);
+        Self::new(quiet, "{bar:30} {percent:>3} %  {msg}", every)
+    }
+
+    /// A share done, from 0 to 1, and what else there is to say.
+    pub(crate) fn show(&mut self, fraction: f64, message: impl FnOnce() -> String) {
         match self {
             Self::Quiet => {}
             Self::Bar(bar) => {
-                bar.set_position((progress.fraction * 1000.0) as u64);
-                bar.set_message(line(progress));
+                bar.set_position((fraction * 1000.0) as u64);
+                bar.set_message(message());
             }
-            Self::Lines { last } => {
-                if last.elapsed() >= LINE_EVERY {
+            Self::Lines { last, every } => {
+                if last.elapsed() >= *every {
                     *last = Instant::now();
-                    output::note(&format!(
-                        "{:3.0} %  {}",
-                        progress.fraction * 100.0,
-                        line(progress)
-                    ));
+                    output::note(&format!("{:3.0} %  {}", fraction * 100.0, message()));
                 }
             }
         }
@@ -63,7 +65,7 @@ impl Display {
 }
 
 /// Everything but the share done.
-fn line(progress: &Progress) -> String {
+pub(crate) fn line(progress: &Progress) -> String {
     let mut line = format!(
         "{} left, {:.2} M steps/s",
         time(progress.remaining),

@@ -16,7 +16,7 @@ use crate::arguments::{OutputWords, RenderWords};
 use crate::checkpoint::Checkpoints;
 use crate::lock::Locks;
 use crate::picture::{self, remark};
-use crate::progress::Display;
+use crate::progress::{Display, line};
 use crate::signals::Signals;
 use crate::{Failure, input, output};
 
@@ -99,7 +99,7 @@ fn load_here(
     let environment = environment.transpose()?.map(|(environment, mended)| {
         if mended > 0 {
             let warning =
-                format!("warning: --environment: {mended} values were not finite, negative or too large, and mended");
+                format!("warning: --environment: {mended} values were negative, too large or not finite, and were replaced");
             remark(outputs, &warning);
         }
         environment
@@ -129,8 +129,9 @@ fn finish(
     signals: &Signals,
 ) -> Result<ExitCode, Failure> {
     let mut checkpoints = Checkpoints::new(words, settings, source, signals);
-    let mut display = Display::new(words.outputs.quiet);
-    let mut show = |progress: &kaustik::Progress| display.show(progress);
+    let mut display = Display::of_render(words.outputs.quiet);
+    let mut show =
+        |progress: &kaustik::Progress| display.show(progress.fraction, || line(progress));
     let mut control = Control {
         stop: Some(&signals.stop),
         progress: Some(&mut show),

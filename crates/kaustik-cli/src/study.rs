@@ -1,18 +1,17 @@
 //! `kaustik study`.
 
-use std::io::IsTerminal;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::atomic::Ordering;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use kaustik_study::named::{self, Done, Named, Scale};
 use kaustik_study::{Judged, Listener, Runner, Section, Study, StudyError, StudyProgress, write};
 
 use crate::arguments::StudyWords;
 use crate::lock::Locks;
+use crate::progress::Display;
 use crate::render::failure;
 use crate::signals::Signals;
 use crate::{Failure, output};
@@ -22,9 +21,10 @@ pub(crate) fn run(words: &StudyWords) -> Result<ExitCode, Failure> {
     let signals = Signals::listen(false, &Locks::default())?;
     // A study always ends in order: what it has rendered is kept.
     signals.sampling();
-    let mut display = Display::new(words.quiet);
+    let template = "{bar:30} {percent:>3} %  {elapsed} + {eta}  {msg}";
+    let mut display = Display::new(words.quiet, template, Duration::from_secs(10));
     let mut listener = |progress: &StudyProgress<'_>| {
-        display.show(progress);
+        display.show(progress.fraction, || progress.what.to_owned());
         if signals.stop.load(Ordering::Relaxed) {
             ControlFlow::Break(())
         } else {
@@ -128,56 +128,4 @@ fn folder(words: &StudyWords) -> PathBuf {
     let name = stem.map_or_else(|| "study".into(), |stem| stem.to_string_lossy());
     let default = || PathBuf::from(format!("study-{name}"));
     words.output.clone().unwrap_or_else(default)
-}
-
-/// Time between two plain lines.
-const LINE_EVERY: Duration = Duration::from_secs(10);
-
-/// Shows how far a study is: a bar on a terminal, lines elsewhere.
-enum Display {
-    Quiet,
-    Bar(ProgressBar),
-    Lines { last: Instant },
-}
-
-impl Display {
-    fn new(quiet: bool) -> Self {
-        if quiet {
-            return Self::Quiet;
-        }
-        if !std::io::stderr().is_terminal() {
-            return Self::Lines {
-                last: Instant::now(),
-            };
-        }
-        let bar = ProgressBar::with_draw_target(Some(1000), ProgressDrawTarget::stderr());
-        let template = "{bar:30} {percent:>3} %  {elapsed} + {eta}  {msg}";
-        if let Ok(style) = ProgressStyle::with_template(template) {
-            bar.set_style(style);
-        }
-        Self::Bar(bar)
-    }
-
-    fn show(&mut self, progress: &StudyProgress<'_>) {
-        match self {
-            Self::Quiet => {}
-            Self::Bar(bar) => {
-                bar.set_position((progress.fraction * 1000.0) as u64);
-                bar.set_message(progress.what.to_owned());
-            }
-            Self::Lines { last } => {
-                if last.elapsed() >= LINE_EVERY {
-                    *last = Instant::now();
-                    let percent = progress.fraction * 100.0;
-                    output::note(&format!("{percent:3.0} %  {}", progress.what));
-                }
-            }
-        }
-    }
-
-    fn finish(&self) {
-        if let Self::Bar(bar) = self {
-            bar.finish_and_clear();
-        }
-    }
 }

@@ -20,6 +20,8 @@ pub(crate) struct Render<'a> {
     pub(crate) seed: u64,
     pub(crate) amount: Amount,
     pub(crate) layers: bool,
+    /// Worker threads, 0 for one a processor: decide nothing but how much fits into a time.
+    pub(crate) threads: usize,
 }
 
 /// When a render is looked at or done.

@@ -86,7 +86,7 @@ impl Look<'_> {
             height: self.study.height,
             budget,
             seed: render.seed,
-            threads: self.study.threads,
+            threads: render.threads,
             max_depth: self.study.max_depth,
             features: render.layers,
             ..RenderSettings::default()

@@ -185,6 +185,7 @@ impl Work<'_> {
             seed,
             amount: self.amount(method, budget),
             layers: self.study.layers,
+            threads: self.study.threads,
         }
     }
 
@@ -293,6 +294,7 @@ impl Work<'_> {
                 seed,
                 amount: Amount::Samples(Budget::PerPixel(entry.per_pixel)),
                 layers: false,
+                threads: 0,
             };
             let mut tell = |inside: f64| bar.tell(done + inside / f64::from(most));
             let (record, image) = self.reference_render(place, &render, &mut tell)?;

@@ -70,9 +70,59 @@ fn statue(study: &mut Study, scale: Scale) {
         study.reference.settings =
             vec!["builder=bidirectional".to_owned(), "plarge=0.5".to_owned()];
         study.reference.per_pixel = 1024;
-        study.reference.error = 0.05;
+        study.reference.error = 0.1; // its noise cancels between its halves
     }
 }
+
+/// What is claimed of Figure 5.
+const FIVE: &[Claim] = &[
+    Claim {
+        text: "Sec. 7: with mutations over 20 % of the domain 76 % are accepted, with \
+                       1 % 84 %; here: within ten points",
+        check: |r| acceptance(r, GLOSSY, &[("20 %", 0.76), ("1 %", 0.84)]),
+    },
+    Claim {
+        text: "Sec. 7: in path space 43 % and 62 % are accepted; here: within ten points",
+        check: |r| {
+            let rates = [("path space, 20 %", 0.43), ("path space, 1 %", 0.62)];
+            acceptance(r, GLOSSY, &rates)
+        },
+    },
+    Claim {
+        text: "Fig. 5 left: mutations in the primary sample space converge faster than in path space",
+        check: |r| {
+            let rivals = [("path space, 5 %", 1.0)];
+            lower(r, GLOSSY, Figure::RmseXyz, "5 %, no MIS", &rivals)
+        },
+    },
+    Claim {
+        text: "Fig. 5 right: by the share of pixels whose relative error exceeds a threshold, multiple \
+                       importance sampling is better",
+        check: |r| {
+            lower(
+                r,
+                GLOSSY,
+                Figure::Over10,
+                "5 %, MIS",
+                &[("5 %, no MIS", 1.0)],
+            )
+        },
+    },
+    Claim {
+        text: "Sec. 7: its benefit is not obvious in the root mean square error; here: a ratio from 0.8 to 1.25",
+        check: |r| {
+            let figure = Figure::RmseXyz;
+            let median = |name| Some(last(r, GLOSSY, name)?.quartiles(figure).median);
+            match (median("5 %, MIS"), median("5 %, no MIS")) {
+                (Some(a), Some(b)) => Finding::new(
+                    format!("{}: ratio {:.2}", figure.name(), a / b),
+                    (0.8..1.25).contains(&(a / b)),
+                ),
+                _ => Finding::open("not rendered"),
+            }
+        },
+    },
+];
 
 fn five(scale: Scale) -> PaperFigure {
     let mut study = blank(
@@ -119,54 +169,7 @@ fn five(scale: Scale) -> PaperFigure {
     PaperFigure {
         number: 5,
         study,
-        claims: &[
-            Claim {
-                text: "Sec. 7: with mutations over 20 % of the domain 76 % are accepted, with \
-                       1 % 84 %; here: within ten points",
-                check: |r| acceptance(r, GLOSSY, &[("20 %", 0.76), ("1 %", 0.84)]),
-            },
-            Claim {
-                text: "Sec. 7: in path space 43 % and 62 % are accepted; here: within ten points",
-                check: |r| {
-                    let rates = [("path space, 20 %", 0.43), ("path space, 1 %", 0.62)];
-                    acceptance(r, GLOSSY, &rates)
-                },
-            },
-            Claim {
-                text: "Fig. 5 left: mutations in the primary sample space converge faster than in path space",
-                check: |r| {
-                    let rivals = [("path space, 5 %", 1.0)];
-                    lower(r, GLOSSY, Figure::RmseXyz, "5 %, no MIS", &rivals)
-                },
-            },
-            Claim {
-                text: "Fig. 5 right: by the share of pixels whose relative error exceeds a threshold, multiple \
-                       importance sampling is better",
-                check: |r| {
-                    lower(
-                        r,
-                        GLOSSY,
-                        Figure::Over10,
-                        "5 %, MIS",
-                        &[("5 %, no MIS", 1.0)],
-                    )
-                },
-            },
-            Claim {
-                text: "Sec. 7: its benefit is not obvious in the root mean square error; here: a ratio from 0.8 to 1.25",
-                check: |r| {
-                    let figure = Figure::RmseXyz;
-                    let median = |name| Some(last(r, GLOSSY, name)?.quartiles(figure).median);
-                    match (median("5 %, MIS"), median("5 %, no MIS")) {
-                        (Some(a), Some(b)) => Finding::new(
-                            format!("{}: ratio {:.2}", figure.name(), a / b),
-                            (0.8..1.25).contains(&(a / b)),
-                        ),
-                        _ => Finding::open("not rendered"),
-                    }
-                },
-            },
-        ],
+        claims: FIVE,
     }
 }
 
@@ -263,6 +266,26 @@ fn eight(scale: Scale) -> PaperFigure {
     }
 }
 
+/// What is claimed of Figure 9.
+const NINE: &[Claim] = &[
+    Claim {
+        text: "Fig. 9: better than bidirectional path tracing in the same time",
+        check: |r| {
+            lower(
+                r,
+                STATUE,
+                Figure::RelativeMseTrimmed,
+                "pssmlt",
+                &[("bdpt", 1.0)],
+            )
+        },
+    },
+    Claim {
+        text: "Sec. 2: the maximum heuristic traces fewer shadow rays",
+        check: |r| fewer_shadow_rays(r, STATUE, "bdpt, maximum", "bdpt"),
+    },
+];
+
 fn nine(scale: Scale) -> PaperFigure {
     let mut study = blank(
         "Figure 9: against bidirectional path tracing",
@@ -289,23 +312,6 @@ fn nine(scale: Scale) -> PaperFigure {
     PaperFigure {
         number: 9,
         study,
-        claims: &[
-            Claim {
-                text: "Fig. 9: better than bidirectional path tracing in the same time",
-                check: |r| {
-                    lower(
-                        r,
-                        STATUE,
-                        Figure::RelativeMseTrimmed,
-                        "pssmlt",
-                        &[("bdpt", 1.0)],
-                    )
-                },
-            },
-            Claim {
-                text: "Sec. 2: the maximum heuristic traces fewer shadow rays",
-                check: |r| fewer_shadow_rays(r, STATUE, "bdpt, maximum", "bdpt"),
-            },
-        ],
+        claims: NINE,
     }
 }

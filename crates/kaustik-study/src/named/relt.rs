@@ -105,8 +105,9 @@ fn caustics(study: &mut Study, scale: Scale) {
             .reference
             .settings
             .push("builder=bidirectional".to_owned());
-        study.reference.per_pixel = 4096;
-        study.reference.error = 0.05;
+        // its noise cancels between its halves; renders long enough for chains to have been everywhere
+        study.reference.per_pixel = 1024;
+        study.reference.error = 0.1;
         study.reference.most = 16;
     }
 }

@@ -297,6 +297,47 @@ fn transport(scale: Scale) -> Vec<MethodEntry> {
 /// The paper rescales them: their chains do not know how bright the picture is as a whole.
 const MATCHED: [&str; 4] = ["pssmlt", "pssmlt-multistage", "mlt", "mlt-multistage"];
 
+/// What is claimed of Figure 9.
+const NINE: &[Claim] = &[
+    Claim {
+        text: "Fig. 9: less noise than primary-sample light transport, also in stages (dinner-hall)",
+        check: |r| {
+            let rivals = [("pssmlt", 1.0), ("pssmlt-multistage", 1.0)];
+            lower_nsd(r, HALL, "spatial", &rivals)
+        },
+    },
+    Claim {
+        text: "Less noise than light transport on paths, also in stages (dinner-hall)",
+        check: |r| {
+            let rivals = [("mlt", 1.0), ("mlt-multistage", 1.0)];
+            lower_nsd(r, HALL, "spatial", &rivals)
+        },
+    },
+    Claim {
+        text: "The same (villa)",
+        check: |r| {
+            let rivals = [("mlt", 1.0), ("mlt-multistage", 1.0)];
+            lower_nsd(r, VILLA, "spatial", &rivals)
+        },
+    },
+    Claim {
+        text: "Light transport on paths is ahead on the diffuse canyon",
+        check: |r| lower_nsd(r, CANYON, "mlt", &[("spatial", 1.0)]),
+    },
+    Claim {
+        text: "Hoberock and Hart 2010: stages even out the relative error (dinner-hall)",
+        check: |r| evener(r, HALL, "mlt-multistage", "mlt", 1.0),
+    },
+    Claim {
+        text: "The same on primary samples (dinner-hall)",
+        check: |r| evener(r, HALL, "pssmlt-multistage", "pssmlt", 1.0),
+    },
+    Claim {
+        text: "Stages make less noise (dinner-hall)",
+        check: |r| lower_nsd(r, HALL, "mlt-multistage", &[("mlt", 1.0)]),
+    },
+];
+
 fn nine(scale: Scale) -> PaperFigure {
     let scenes = match scale {
         Scale::Quick => &[HALL][..],
@@ -318,45 +359,7 @@ fn nine(scale: Scale) -> PaperFigure {
     PaperFigure {
         number: 9,
         study,
-        claims: &[
-            Claim {
-                text: "Fig. 9: less noise than primary-sample light transport, also in stages (dinner-hall)",
-                check: |r| {
-                    let rivals = [("pssmlt", 1.0), ("pssmlt-multistage", 1.0)];
-                    lower_nsd(r, HALL, "spatial", &rivals)
-                },
-            },
-            Claim {
-                text: "Less noise than light transport on paths, also in stages (dinner-hall)",
-                check: |r| {
-                    let rivals = [("mlt", 1.0), ("mlt-multistage", 1.0)];
-                    lower_nsd(r, HALL, "spatial", &rivals)
-                },
-            },
-            Claim {
-                text: "The same (villa)",
-                check: |r| {
-                    let rivals = [("mlt", 1.0), ("mlt-multistage", 1.0)];
-                    lower_nsd(r, VILLA, "spatial", &rivals)
-                },
-            },
-            Claim {
-                text: "Light transport on paths is ahead on the diffuse canyon",
-                check: |r| lower_nsd(r, CANYON, "mlt", &[("spatial", 1.0)]),
-            },
-            Claim {
-                text: "Hoberock and Hart 2010: stages even out the relative error (dinner-hall)",
-                check: |r| evener(r, HALL, "mlt-multistage", "mlt", 1.0),
-            },
-            Claim {
-                text: "The same on primary samples (dinner-hall)",
-                check: |r| evener(r, HALL, "pssmlt-multistage", "pssmlt", 1.0),
-            },
-            Claim {
-                text: "Stages make less noise (dinner-hall)",
-                check: |r| lower_nsd(r, HALL, "mlt-multistage", &[("mlt", 1.0)]),
-            },
-        ],
+        claims: NINE,
     }
 }
 
