@@ -99,7 +99,6 @@ fn as_bright_as_by_path(unit: f32) {
     ] {
         let (found, error) = brightness(&scene, &settings);
         let error = error.hypot(noise);
-        println!("{name}, {unit}: {found} +- {error}, {expected}");
         assert!(error < 0.06 * expected, "{name}: {error} of {expected}");
         assert!(
             (found - expected).abs() < 4.0 * error,

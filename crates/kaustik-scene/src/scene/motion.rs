@@ -45,11 +45,7 @@ impl Motions {
             left: MOST,
         };
         let mut motions = Self::default();
-        let corners: Vec<_> = description
-            .meshes
-            .iter()
-            .map(|mesh| corners(mesh))
-            .collect();
+        let corners: Vec<_> = description.meshes.iter().map(corners).collect();
         let around = [DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z].map(|axis| axis * reach);
         for carried in &animation.carried {
             match carried.load {
