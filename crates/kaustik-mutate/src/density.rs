@@ -88,12 +88,13 @@ impl PathSpace<'_> {
         }
     }
 
-    /// The unit of area for the density of a vertex that a walk makes from its neighbour; 1 in a run of Dirac
-    /// scatterings, whose density is by direction, and for what is infinitely far away.
+    /// The unit of area for the density of a vertex that a walk makes from its neighbour: 1 in a run of Dirac
+    /// scatterings and for what is infinitely far away, where the density is by direction. Light from there comes
+    /// through an area, whatever it meets.
     #[inline]
     fn unit_of(&self, from: &PathVertex, to: &PathVertex) -> f64 {
-        let endless = matches!(to.place, Place::Emitter(EmitterPoint::Environment(_)));
-        if from.specular || to.specular || endless {
+        let by_direction = self.is_endless(to) || from.specular || to.specular;
+        if by_direction && !self.is_endless(from) {
             1.0
         } else {
             self.unit_area()

@@ -86,6 +86,10 @@ impl PathSpace<'_> {
         let mut value = path.at(0).value;
         let mut dispersive = false;
         let unit = self.unit_area();
+        if self.is_point(path.at(0)) {
+            // It has no area, but a distance like all others: one unit too many in what follows.
+            scale /= unit;
+        }
         for i in 0..path.len() - 1 {
             let (vertex, next) = (path.at(i), path.at(i + 1));
             let edge = &vertex.edge;
@@ -97,8 +101,7 @@ impl PathSpace<'_> {
             scale *= edge.passed * vertex.opacity;
             if !vertex.specular && !next.specular {
                 scale *= vertex.cos_eye * next.cos_light / edge.squared;
-                let endless = matches!(vertex.place, Place::Emitter(EmitterPoint::Environment(_)));
-                scale *= if endless { 1.0 } else { unit };
+                scale *= if self.is_endless(vertex) { 1.0 } else { unit };
             }
             if value.max() < SMALL {
                 value *= 1.0 / SMALL;

@@ -90,6 +90,13 @@ impl PathSpace<'_> {
         (self.scene).absorption(&interior, wavelengths, distance)
     }
 
+    /// Is it an emitter without extent at a place?
+    #[inline]
+    pub(crate) fn is_point(&self, vertex: &PathVertex) -> bool {
+        matches!(vertex.place, Place::Emitter(EmitterPoint::Punctual(_)))
+            && !self.is_endless(vertex)
+    }
+
     /// Does the edge from here to the eye come from infinitely far away?
     pub(crate) fn is_endless(&self, light: &crate::vertex::PathVertex) -> bool {
         match light.place {

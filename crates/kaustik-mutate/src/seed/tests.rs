@@ -6,9 +6,9 @@ use kaustik_path::PureSpecular;
 use super::{PathSpace, Seeds};
 use crate::Path;
 use crate::tests::space;
-use crate::tests::stage::scene;
+use crate::tests::stage::{scene, stage};
 
-const SCENES: [&str; 12] = [
+const SCENES: [&str; 15] = [
     "diffuse",
     "glossy",
     "glass",
@@ -16,7 +16,10 @@ const SCENES: [&str; 12] = [
     "inlay",
     "point",
     "sun",
+    "point-glass",
+    "sun-glass",
     "sky",
+    "daylight",
     "lens",
     "orthographic",
     "outlook",
@@ -72,5 +75,35 @@ fn a_weight_is_that_of_the_whole_path() {
             paths += count;
         }
         assert!(paths > 500, "{name}: {paths}");
+    }
+}
+
+/// The same numbers make the same paths in any unit of length, and these weigh the same.
+#[test]
+fn weights_do_not_depend_on_the_unit_of_length() {
+    const POWER: f32 = 1024.0; // roundings are the same
+    for name in SCENES {
+        let sums = [1.0, 1.0 / POWER, POWER].map(|unit| {
+            let scene = stage(name).scaled(unit).build();
+            let space = space(&scene, 8);
+            let mut seeds = Seeds::new(&space);
+            let mut path = Path::default();
+            let mut rng = generator(12, 0);
+            let sample = |_| seeds.sample(&mut path, &mut rng);
+            (0..500).map(sample).collect::<Vec<f64>>()
+        });
+        let [plain, small, large] = &sums;
+        for (i, &wanted) in plain.iter().enumerate() {
+            for found in [small[i], large[i]] {
+                assert!(
+                    (found - wanted).abs() <= 1e-6 * wanted,
+                    "{name}, {i}: {found}, {wanted}"
+                );
+            }
+        }
+        assert!(
+            plain.iter().filter(|&&sum| sum > 0.0).count() > 100,
+            "{name}"
+        );
     }
 }

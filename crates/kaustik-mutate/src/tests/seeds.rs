@@ -56,7 +56,7 @@ fn kept(scene: &Scene, edges: u32, samples: u64, next_event: bool) -> Mean {
         .collect()
 }
 
-const SCENES: [&str; 18] = [
+const SCENES: [&str; 21] = [
     "diffuse",
     "glossy",
     "mirror",
@@ -67,8 +67,11 @@ const SCENES: [&str; 18] = [
     "rainbow",
     "point",
     "sun",
+    "huge-sun",
     "sky",
+    "huge-sky",
     "lens",
+    "huge-lens",
     "orthographic",
     "outlook",
     "veil",
@@ -105,7 +108,7 @@ fn kept_paths_are_as_bright_as_traced_ones() {
         let (a, b) = (traced(&scene, 5, 60_000), kept(&scene, 5, 60_000, true));
         assert_alike(name, &a, &b, 0.03);
         // Without next events a light of no size is not found at all.
-        if !["point", "sun", "moving-point"].contains(&name) {
+        if !["point", "sun", "huge-sun", "moving-point"].contains(&name) {
             assert_alike(name, &a, &kept(&scene, 5, 120_000, false), 0.06);
         }
     }

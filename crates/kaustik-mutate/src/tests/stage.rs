@@ -112,6 +112,41 @@ impl Stage {
         self
     }
 
+    /// The same in another unit of length, as bright as before. Nothing in it may move.
+    pub(crate) fn scaled(mut self, factor: f32) -> Self {
+        let scale = Affine3A::from_scale(Vec3::splat(factor));
+        let description = &mut self.description;
+        for instance in &mut description.instances {
+            instance.transform = scale * instance.transform;
+        }
+        for camera in &mut description.cameras {
+            camera.transform.translation *= factor;
+            if let Some(lens) = &mut camera.lens {
+                lens.aperture *= factor;
+                lens.focus *= factor;
+            }
+            if let Projection::Orthographic { xmag, ymag } = &mut camera.projection {
+                *xmag *= factor;
+                *ymag *= factor;
+            }
+        }
+        for light in &mut description.lights {
+            light.transform.translation *= factor;
+            if light.kind != LightKind::Directional {
+                light.intensity *= factor * factor;
+            }
+        }
+        for volume in description
+            .materials
+            .iter_mut()
+            .filter_map(|m| m.volume.as_mut())
+        {
+            volume.thickness *= factor;
+            volume.attenuation_distance *= factor;
+        }
+        self
+    }
+
     pub(crate) fn build(&self) -> Scene {
         let options = SceneOptions {
             width: 16,
@@ -309,8 +344,16 @@ fn moving(stage: Stage) -> Stage {
         .looking()
 }
 
-/// A scene by name.
+/// A scene by name; after "huge-" in a unit of length in which it is large.
 pub(crate) fn scene(name: &str) -> Scene {
+    match name.strip_prefix("huge-") {
+        Some(name) => stage(name).scaled(1024.0).build(),
+        None => stage(name).build(),
+    }
+}
+
+/// The stage of a scene by name.
+pub(crate) fn stage(name: &str) -> Stage {
     let down = Vec3::new(-0.4, -1.0, 0.1);
     let above = Vec3::new(1.0, 2.0, 0.5);
     match name {
@@ -407,6 +450,11 @@ pub(crate) fn scene(name: &str) -> Scene {
         "point-glass" => block(glass(0.0, 0.0)).light(LightKind::Point, above, down),
         "sun-glass" => block(glass(0.0, 0.0)).light(LightKind::Directional, above, down),
         "sky" => plate(metal(0.0)).sky(0.5),
+        // emitters of all kinds
+        "daylight" => block(glass(0.0, 0.0))
+            .light(LightKind::Point, above, down)
+            .light(LightKind::Directional, above, down)
+            .sky(0.5),
         "lens" => plate(metal(0.0)).lens(0.3, 2.5),
         "blades" => plate(metal(0.0)).lens(0.6, 2.5).blades(3),
         "orthographic" => plate(metal(0.0)).orthographic(),
@@ -435,5 +483,4 @@ pub(crate) fn scene(name: &str) -> Scene {
         ),
         other => panic!("no scene {other}"),
     }
-    .build()
 }
