@@ -92,7 +92,7 @@ impl PathSpace<'_> {
     /// scatterings and for what is infinitely far away, where the density is by direction. Light from there comes
     /// through an area, whatever it meets.
     #[inline]
-    fn unit_of(&self, from: &PathVertex, to: &PathVertex) -> f64 {
+    pub(crate) fn unit_of(&self, from: &PathVertex, to: &PathVertex) -> f64 {
         let by_direction = self.is_endless(to) || from.specular || to.specular;
         if by_direction && !self.is_endless(from) {
             1.0

@@ -149,5 +149,9 @@ pub(crate) fn density(space: &PathSpace<'_>, path: &Path, last: usize) -> f64 {
     let lens = path.at(path.edges());
     let start = space.raster_per_direction(lens.vertex.position, lens.toward_light);
     let start = factor(Factor::Raster, start);
-    (last..path.edges()).fold(start, |product, i| product * geometry_to_light(path, i))
+    (last..path.edges()).fold(start, |product, i| {
+        // What is seen directly may be an emitter at a place here, and one infinitely far away there.
+        let unit = space.unit_of(path.at(i + 1), path.at(i));
+        product * geometry_to_light(path, i) * unit
+    })
 }

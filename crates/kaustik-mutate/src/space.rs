@@ -16,7 +16,7 @@ pub struct PathSpace<'a> {
     pub pixels: DVec2,
 }
 
-/// Within these sizes of a scene lengths are measured in its own unit.
+/// Where edges are so long lengths are measured in the scene's own unit.
 const USUAL: std::ops::RangeInclusive<f64> = 1.0 / 64.0..=64.0;
 
 impl PathSpace<'_> {
@@ -24,14 +24,15 @@ impl PathSpace<'_> {
     pub const MOST_EDGES: u32 = 4096;
 
     /// The area in whose unit densities of vertices are: 1 in a scene of a usual size. In one of millimetres or of
-    /// kilometres the product over a long path would leave the range of `f64` with the scene's own unit.
+    /// kilometres the product over a long path would leave the range of `f64` with the scene's own unit. What counts is
+    /// how far vertices are from each other, not how far the ground reaches.
     #[inline]
     pub(crate) fn unit_area(&self) -> f64 {
-        let (_, radius) = self.scene.bounding_sphere();
-        if USUAL.contains(&radius) || radius <= 0.0 {
+        let length = self.scene.typical_length();
+        if USUAL.contains(&length) {
             1.0
         } else {
-            radius * radius
+            length * length
         }
     }
 

@@ -287,10 +287,11 @@ impl Matter {
 
     /// Outside of all solids nothing is hidden, and surfaces may come in any order.
     fn filtered_transmittance(&self, ray: &Ray) -> f32 {
-        let mut passed = 1.0;
+        let (mut passed, mut layers) = (1.0, 0);
         let blocked = self.world.occluded_filtered(ray, |hit| {
             passed *= 1.0 - self.opacity(hit);
-            passed <= 0.0
+            layers += 1;
+            passed <= 0.0 || layers > MOST_LAYERS
         });
         if blocked { 0.0 } else { passed }
     }
@@ -317,7 +318,7 @@ impl Matter {
             }
             next = self.world.intersect_after(ray, &hit, |_| true);
         }
-        0.0
+        if next.is_none() { passed } else { 0.0 }
     }
 
     /// The solid that fills a point within these.

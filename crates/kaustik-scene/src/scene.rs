@@ -38,6 +38,7 @@ pub struct Scene {
     material_names: Arc<[String]>,
     center: DVec3,
     radius: f64,
+    typical_length: f64,
     image_size: [u32; 2],
     content: [u8; 32],
 }
@@ -123,6 +124,13 @@ impl Scene {
     /// Centre and radius of a sphere around all geometry, wherever it moves.
     pub fn bounding_sphere(&self) -> (DVec3, f64) {
         (self.center, self.radius)
+    }
+
+    /// How long the edges of paths are, roughly: the geometric mean of the distances to what the camera sees, when its
+    /// shutter opens; the radius of [`bounding_sphere`](Self::bounding_sphere) if that is nothing. Positive and finite.
+    #[inline]
+    pub fn typical_length(&self) -> f64 {
+        self.typical_length
     }
 
     /// Can anything emit light? Without, every picture is black.

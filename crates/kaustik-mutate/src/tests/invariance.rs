@@ -24,6 +24,8 @@ const CASES: &[(Kind, &[&str])] = &[
             "point",
             "sun",
             "sky",
+            "window",
+            "huge-window",
             "daylight",
             "huge-daylight",
             "lens",

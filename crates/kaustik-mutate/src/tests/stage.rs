@@ -450,6 +450,13 @@ pub(crate) fn stage(name: &str) -> Stage {
         "point-glass" => block(glass(0.0, 0.0)).light(LightKind::Point, above, down),
         "sun-glass" => block(glass(0.0, 0.0)).light(LightKind::Directional, above, down),
         "sky" => plate(metal(0.0)).sky(0.5),
+        // a lamp that faces the camera, beside the sky
+        "window" => Stage::new()
+            .add(
+                lamp(0.8),
+                rectangle(Vec3::ZERO, Vec3::Z * 1.0, Vec3::X * 1.0),
+            )
+            .sky(0.5),
         // emitters of all kinds
         "daylight" => block(glass(0.0, 0.0))
             .light(LightKind::Point, above, down)

@@ -207,8 +207,9 @@ impl<'a> Encoded<'a> {
         }
         // the decoder's own pixels and what it works with, the converted ones, and the file kept for export
         let planes = match self.format {
-            ImageFormat::WebP => 4, // the frame's own, a canvas, YUV and alpha
-            ImageFormat::Jpeg => 3, // the coefficients of a progressive one are 16 bits each
+            ImageFormat::WebP if moves(&self.bytes) => 4, // the frame's own, a canvas, YUV and alpha
+            ImageFormat::WebP => 2,
+            ImageFormat::Jpeg if is_progressive(&self.bytes) => 3, // coefficients of 16 bits each
             _ => 1,
         };
         let scratch = decoder.total_bytes().saturating_mul(planes);
@@ -282,6 +283,31 @@ impl<'b> Job<'b> {
             Pixels::Rgba8(decoded.into_rgba8().into_raw())
         })
     }
+}
+
+/// Does a WebP file say that it is an animation? It begins with "RIFF", a size, "WEBP", then the first chunk.
+pub(super) fn moves(webp: &[u8]) -> bool {
+    const ANIMATION: u8 = 0x02;
+    webp.get(12..16) == Some(b"VP8X") && webp.get(20).is_none_or(|flags| flags & ANIMATION != 0)
+}
+
+/// Is a JPEG file a progressive one, or one of which this cannot be told? Its segments come one after the other up to the
+/// header of the frame.
+pub(super) fn is_progressive(jpeg: &[u8]) -> bool {
+    const BASELINE: [u8; 2] = [0xc0, 0xc1];
+    const OTHER_FRAMES: [u8; 11] = [
+        0xc2, 0xc3, 0xc5, 0xc6, 0xc7, 0xc9, 0xca, 0xcb, 0xcd, 0xce, 0xcf,
+    ];
+    let mut at = 2;
+    while let Some(&[0xff, marker, high, low]) = jpeg.get(at..at + 4) {
+        match marker {
+            0xff => at += 1, // filling
+            _ if BASELINE.contains(&marker) => return false,
+            _ if OTHER_FRAMES.contains(&marker) => return true,
+            _ => at += 2 + usize::from(u16::from_be_bytes([high, low])),
+        }
+    }
+    true
 }
 
 /// What a panic of a decoder becomes.

@@ -85,6 +85,7 @@ impl Scene {
         };
         let emitters = Emitters::new(&matter, sources)?;
         let camera_interior = matter.interior_at(camera.position());
+        let typical_length = distance_seen(&matter.world, &camera).unwrap_or(radius);
         Ok(Self {
             matter,
             emitters: Arc::new(emitters),
@@ -98,6 +99,7 @@ impl Scene {
                 .collect(),
             center,
             radius,
+            typical_length,
             image_size: [options.width, options.height],
             content: content(description, options),
         })
@@ -326,6 +328,21 @@ fn bounding_sphere(world: &World) -> (DVec3, f64) {
     } else {
         (DVec3::ZERO, 1.0)
     }
+}
+
+/// The geometric mean of the distances to what the camera sees, over a grid of its raster.
+fn distance_seen(world: &World, camera: &Camera) -> Option<f64> {
+    const SIDE: usize = 16;
+    let centre = |i: usize| (i as f64 + 0.5) / SIDE as f64;
+    let (mut sum, mut count) = (0.0, 0);
+    for (x, y) in (0..SIDE * SIDE).map(|i| (i % SIDE, i / SIDE)) {
+        let ray = camera.sample_ray(DVec2::new(centre(x), centre(y)), [0.5; 2]);
+        if let Some(hit) = world.intersect(&ray.ray()).filter(|hit| hit.t > 0.0) {
+            sum += libm::log(f64::from(hit.t));
+            count += 1;
+        }
+    }
+    (count > 0).then(|| libm::exp(sum / f64::from(count)))
 }
 
 fn camera_description(

@@ -4,8 +4,9 @@ use std::time::{Duration, Instant};
 
 use serde_json::json;
 
-use super::file::{File, png};
+use super::file::{File, jpeg, png};
 use super::surface::crc32;
+use crate::gltf::image::{is_progressive, moves};
 use crate::gltf::{ErrorKind, LoadOptions, load_bytes};
 
 /// A progressive JPEG with one channel, whose Adobe marker says that it has three.
@@ -57,6 +58,16 @@ fn a_decoder_that_panics_ends_in_an_error() {
         assert_eq!(error.kind(), ErrorKind::Image, "{what}: {error}");
         assert_eq!(error.place(), "/images/0", "{what}: {error}");
     }
+}
+
+/// What decides how much a decoder may take.
+#[test]
+fn files_that_take_more_are_told_apart() {
+    assert!(is_progressive(&GREY_AS_COLOUR));
+    assert!(!is_progressive(&jpeg(16, 16)));
+    assert!(is_progressive(&jpeg(16, 16)[..20]), "cut before the frame");
+    assert!(moves(&FRAME_TOO_LARGE));
+    assert!(!moves(b"RIFF\x10\0\0\0WEBPVP8 \x04\0\0\0\0\0\0\0"));
 }
 
 /// The chunks of a PNG: name and data.

@@ -87,3 +87,24 @@ fn emitters_know_what_they_are_in() {
     // floating on the surface: air on one side, water on the other
     assert_eq!(plate(1.0 - 1e-6, true), [(false, 0), (true, 1)]);
 }
+
+/// How far the ground reaches says nothing about how long the edges of paths are.
+#[test]
+fn the_typical_length_is_that_of_what_is_seen() {
+    let mut stage = Stage::new();
+    stage.camera(Vec3::ZERO);
+    stage.add(diffuse(0.5), cuboid(Vec3::splat(-2.0), Vec3::splat(2.0)));
+    let room = stage.build().typical_length();
+    assert!((2.0..4.0).contains(&room), "{room}");
+    let (u, v) = (Vec3::X * 1e6, Vec3::Z * 1e6);
+    stage.add(diffuse(0.5), rectangle(Vec3::NEG_Y * 3.0, u, v));
+    let scene = stage.build();
+    assert!(scene.bounding_sphere().1 > 1e6);
+    assert_eq!(scene.typical_length(), room);
+    // what sees nothing has the size of all there is
+    let mut void = Stage::new();
+    void.camera(Vec3::Y * 1e3);
+    void.add(diffuse(0.5), rectangle(Vec3::Y * 2e3, Vec3::Z, Vec3::X));
+    let scene = void.build();
+    assert_eq!(scene.typical_length(), scene.bounding_sphere().1);
+}
