@@ -113,7 +113,7 @@ pub enum Direct {
 /// Sizes of small steps of `relt`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Steps {
-    /// Those that RELT 5.1.3 prints, but for the specific replica Kelemen's.
+    /// From Kelemen's smallest to the largest that RELT 5.1.3 prints; of the specific replica Kelemen's.
     #[default]
     Fine,
     /// Kelemen's for all.

@@ -306,7 +306,7 @@ pub const KEYS: &[Key] = &[
         name: "steps",
         default: "fine",
         range: "fine|kelemen|paper|adapted",
-        meaning: "small steps. fine: 1/61 to 16/61, of the specific replica 1/1024 to 1/64; kelemen: 1/1024 to 1/64 for all; \
+        meaning: "small steps. fine: 1/1024 to 16/61, of the specific replica 1/1024 to 1/64; kelemen: 1/1024 to 1/64 for all; \
                   paper: 1/61 to 16/61, of the specific replica 1/96 to 16/96 (RELT 5.1.3); adapted: those of paper times \
                   factors that every ladder of relt adapts to an acceptance of 0.234",
         methods: REPLICAS,

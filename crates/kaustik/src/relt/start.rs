@@ -33,17 +33,19 @@ pub(crate) fn replica_builder(settings: &RenderSettings) -> Bidirectional {
     }
 }
 
-/// Small steps of a replica: RELT 5.1.3's sizes, s2 = 16 s1. The specific replica's are
-/// smaller: as printed, or fine enough for light through glass that is a peak a thousandth wide.
+/// Small steps of a replica: RELT 5.1.3's sizes, s2 = 16 s1, or finer ones. Light through glass is a peak a thousandth
+/// wide, and so is other light that comes through a slit; what is spread wide still wants the largest of the paper's.
 pub(crate) fn mutation(set: &ReplicaSet, steps: Steps, level: usize) -> Mutation {
+    const KELEMEN: [f64; 2] = [1.0 / 1024.0, 1.0 / 64.0];
+    const PAPER: [f64; 2] = [1.0 / 61.0, 16.0 / 61.0];
     let specific = set.is_specific() && level + 1 == set.count();
-    let s1 = match steps {
-        Steps::Kelemen => 1.0 / 1024.0,
-        Steps::Fine if specific => 1.0 / 1024.0,
-        Steps::Paper | Steps::Adapted if specific => 1.0 / 96.0,
-        Steps::Fine | Steps::Paper | Steps::Adapted => 1.0 / 61.0,
+    let [s1, s2] = match (steps, specific) {
+        (Steps::Kelemen, _) | (Steps::Fine, true) => KELEMEN,
+        (Steps::Fine, false) => [KELEMEN[0], PAPER[1]],
+        (Steps::Paper | Steps::Adapted, true) => [1.0 / 96.0, 16.0 / 96.0],
+        (Steps::Paper | Steps::Adapted, false) => PAPER,
     };
-    Exponential::new(s1, 16.0 * s1)
+    Exponential::new(s1, s2)
 }
 
 /// Kernels of all replicas: the uniform one draws anew, the others perturb.
