@@ -5,8 +5,11 @@ use std::str::FromStr;
 
 use kaustik_path::Class;
 
-/// Weights of the six path classes in one replica's density: `d_{k,0}` to `d_{k,5}` (RELT eq. 19).
-pub type ClassWeights = [f64; Class::COUNT];
+/// Weights of path classes in one replica's density: `d_{k,0}` to `d_{k,5}` (RELT eq. 19), of [`Class::L0`] to
+/// [`Class::L5`].
+pub type ClassWeights = [f64; WEIGHED];
+
+const WEIGHED: usize = 6;
 
 /// The replicas of a run (RELT 4.2.3): the uniform one, then a row of class
 /// weights each.
@@ -29,7 +32,7 @@ pub struct ReplicaSet {
 
 /// Replicas in a line, a step each.
 const LINE: ReplicaSet = ReplicaSet {
-    rows: [[0.0; Class::COUNT]; ReplicaSet::MOST],
+    rows: [[0.0; WEIGHED]; ReplicaSet::MOST],
     below: [0, 0, 1, 2, 3, 4, 5, 6],
     repeats: [1; ReplicaSet::MOST],
     scouts: 0,
@@ -93,6 +96,18 @@ impl ReplicaSet {
         &self.below[..self.count]
     }
 
+    /// The weights of all classes in a replica's density. [`Class::L0Joined`] has that of [`Class::L0`], but in a
+    /// specific replica none: that one is there for what nothing else finds.
+    pub fn weights(&self, replica: usize) -> [f64; Class::COUNT] {
+        let row = &self.rows()[replica];
+        let mut weights = [0.0; Class::COUNT];
+        weights[..WEIGHED].copy_from_slice(row);
+        if !(self.is_specific() && replica == self.count - 1) {
+            weights[Class::L0Joined as usize] = row[Class::L0 as usize];
+        }
+        weights
+    }
+
     /// Steps of each in a sweep, at least one.
     pub fn repeats(&self) -> &[u32] {
         &self.repeats[..self.count]
@@ -122,7 +137,7 @@ impl ReplicaSet {
     }
 
     /// Is the last replica there for implicit specular paths: does it weigh them more than any
-    /// other class? Then these go to its film alone (RELT 5.1.4).
+    /// other class? Then those that nothing else finds ([`Class::L0`]) go to its film alone (RELT 5.1.4).
     pub fn is_specific(&self) -> bool {
         let [specular, rest @ ..] = self.rows[self.count - 1];
         self.count > Self::FEWEST && rest.iter().all(|&weight| weight < specular)
@@ -145,7 +160,8 @@ impl ReplicaSet {
             let class = *class as usize;
             row[class] > 0.0 && self.rows[below][class] <= 0.0
         };
-        if let Some(class) = Class::ALL.into_iter().find(outside).filter(|_| below > 0) {
+        let mut weighed = Class::ALL.into_iter().take(WEIGHED);
+        if let Some(class) = weighed.find(outside).filter(|_| below > 0) {
             return Err(ReplicaSetError::Nesting {
                 replica,
                 class,
@@ -234,8 +250,7 @@ impl fmt::Display for ReplicaSetError {
             Self::Count(found) => write!(f, "{found} replicas, not {fewest} to {most}"),
             Self::Row { replica, found } => write!(
                 f,
-                "replica {replica} is '{found}', not {} numbers >= 0, one of them positive",
-                Class::COUNT
+                "replica {replica} is '{found}', not {WEIGHED} numbers >= 0, one of them positive"
             ),
             Self::Nesting {
                 replica,

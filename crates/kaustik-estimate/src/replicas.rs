@@ -4,13 +4,13 @@ use kaustik_film::Film;
 use kaustik_mcmc::{Family, Recorder, Visit};
 use kaustik_path::{Class, Contributions, ScalarTarget};
 
-use crate::{ClassWeights, ReplicaSet, Scale, Shares, SpecularSplit};
+use crate::{ReplicaSet, Scale, Shares, SpecularSplit};
 
 /// The densities of K replicas: `q_0 = 1`, `q_k = sum of d_{k,n} L_n` (RELT eq. 19, which counts
-/// from 1).
+/// from 1; [`ReplicaSet::weights`]).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ReplicaFamily<const K: usize> {
-    rows: [ClassWeights; K],
+    weights: [[f64; Class::COUNT]; K],
     target: ScalarTarget,
 }
 
@@ -21,7 +21,7 @@ impl<const K: usize> ReplicaFamily<K> {
     /// If the set has fewer.
     pub fn new(set: &ReplicaSet, target: ScalarTarget) -> Self {
         Self {
-            rows: std::array::from_fn(|k| set.rows()[k]),
+            weights: std::array::from_fn(|k| set.weights(k)),
             target,
         }
     }
@@ -32,8 +32,8 @@ impl<const K: usize> Family<Contributions, K> for ReplicaFamily<K> {
     fn densities(&self, value: &Contributions) -> [f64; K] {
         let classes = value.by_class(self.target);
         let mut densities = [1.0; K];
-        for (density, row) in densities.iter_mut().zip(&self.rows).skip(1) {
-            *density = row.iter().zip(&classes).map(|(d, l)| d * l).sum();
+        for (density, weights) in densities.iter_mut().zip(&self.weights).skip(1) {
+            *density = weights.iter().zip(&classes).map(|(d, l)| d * l).sum();
         }
         densities
     }
@@ -170,9 +170,9 @@ impl<const K: usize> ReplicaWeights<K> {
 /// pixels and `scale_k` the replica's of [`Shares::scales`], or `b_k / b_hat_k`.
 ///
 /// Without a specific replica every visit goes to its replica's film, weighted by
-/// [`factor`](ReplicaWeights::factor). With one, implicit specular light ([`Class::L0`]) goes to the
-/// last film alone, from visits of the last replica; all other light from visits of the other
-/// replicas to theirs. (The heuristic would leave specular light to the replicas that seldom meet it.)
+/// [`factor`](ReplicaWeights::factor). With one, implicit specular light that nothing else finds ([`Class::L0`]) goes to
+/// the last film alone, from visits of the last replica; all other light from visits of the other
+/// replicas to theirs. (The heuristic would leave that light to the replicas that seldom meet it.)
 #[derive(Debug)]
 pub struct ReplicaDeposit<'a, const K: usize> {
     /// A film for each replica.

@@ -6,7 +6,8 @@ use crate::ScalarTarget;
 /// 5.1.4).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SpecularSplit {
-    /// Implicit specular light ([`Class::L0`]).
+    /// Implicit specular light that nothing else finds ([`Class::L0`]). What other strategies find as well is no harder
+    /// than these are: heuristics leave it as much as they do not find better.
     pub specular: f64,
     /// All other.
     pub other: f64,

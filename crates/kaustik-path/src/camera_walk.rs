@@ -58,6 +58,8 @@ pub(crate) fn start<'w>(
         dispersive: false,
         specular: false,
         pure: true,
+        open: true,
+        joined: false,
         edges: 0,
     };
     walk.tell_start();

@@ -46,7 +46,7 @@ pub use photon::{
 pub use pure_specular::PureSpecular;
 pub use rays::Rays;
 pub use scalar::ScalarTarget;
-pub use sighting::{Beginning, Sighting, sight};
+pub use sighting::{Sighting, sight};
 pub use trace::{Event, Role, Side, Stand, is_listening, note, trace};
 pub use unidirectional::Unidirectional;
 pub use ways::{Find, sight_ways};

@@ -10,7 +10,7 @@ use crate::contributions::Gathered;
 use crate::next_event::{Shares, next_event};
 use crate::trace::{Event, note};
 use crate::walk::{Walk, power_heuristic};
-use crate::{BuilderSettings, Class, Contributions, PathBuilder, PureSpecular, camera_walk};
+use crate::{BuilderSettings, Contributions, PathBuilder, PureSpecular, camera_walk};
 
 /// Walks from the camera; emitters are found by next-event estimation at every vertex and by
 /// running into them, weighted by the power heuristic (Veach 1997, 9.2), or by
@@ -113,7 +113,7 @@ pub(crate) fn emission(
     });
     let value = walk.throughput * radiance * weight;
     tell(walk, weight, value);
-    gathered.add(Class::implicit(walk.specular), value, walk.dispersive);
+    gathered.add(walk.implicit(), value, walk.dispersive);
 }
 
 /// Adds what a walk that left the scene sees.
@@ -134,7 +134,7 @@ pub(crate) fn escape(
     });
     let value = walk.throughput * radiance * weight;
     tell(walk, weight, value);
-    gathered.add(Class::implicit(walk.specular), value, walk.dispersive);
+    gathered.add(walk.implicit(), value, walk.dispersive);
 }
 
 /// Strategy (0, t), for whoever looks at the path.

@@ -7,6 +7,7 @@ use kaustik_pss::{Coordinates, Stream};
 use kaustik_scene::{EmissionSample, Interior, Scene, Vertex};
 use kaustik_spectrum::{Spectrum, Wavelengths};
 
+use crate::Class;
 use crate::layout;
 use crate::roulette;
 use crate::trace::{Event, Side, note};
@@ -32,6 +33,11 @@ pub(crate) struct Walk<'w> {
     pub(crate) specular: bool,
     /// Has scattered into Dirac directions alone, or not at all.
     pub(crate) pure: bool,
+    /// Stands at an end of the path, or has last scattered otherwise than into a Dirac direction: what a neighbour
+    /// like it could be joined to.
+    pub(crate) open: bool,
+    /// Two neighbours so far could have been joined.
+    pub(crate) joined: bool,
     /// Edges so far.
     pub(crate) edges: u32,
 }
@@ -65,10 +71,22 @@ impl<'w> Walk<'w> {
             dispersive: false,
             specular: false,
             pure: true,
+            open: true,
+            joined: false,
             edges: 0,
         };
         walk.tell_start();
         walk
+    }
+
+    /// The kind of path, if the walk is one from the camera and has run into an emitter.
+    #[inline]
+    pub(crate) fn implicit(&self) -> Class {
+        match (self.specular, self.open || self.joined) {
+            (false, _) => Class::L1,
+            (true, false) => Class::L0,
+            (true, true) => Class::L0Joined,
+        }
     }
 
     /// Tells whoever looks where the walk begins.
@@ -199,6 +217,8 @@ impl<'w> Walk<'w> {
         self.dispersive |= sample.dispersive;
         self.specular |= sample.delta;
         self.pure &= sample.delta;
+        self.joined |= self.open && !sample.delta;
+        self.open = !sample.delta;
         self.direction = vertex.frame.to_world(sample.wi);
         if sample.transmitted {
             scene.cross(vertex, self.direction, &mut self.interior);

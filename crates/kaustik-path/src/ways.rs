@@ -31,17 +31,16 @@ impl fmt::Debug for Find<'_> {
     }
 }
 
-/// Looks for implicit specular light by a walk from the camera that begins at a Dirac surface
-/// ([`Beginning::Dirac`](crate::Beginning::Dirac)). It goes on along so many `ways` (one at least) from the
-/// first surface that scatters otherwise, along half as many from the next, and so on.
+/// Looks for light of [`Class::L0`](crate::Class::L0) by a walk from the camera, as [`sight`](crate::sight) does. It
+/// goes on along so many `ways` (one at least) from the first surface that does not scatter into a Dirac direction, along
+/// half as many from the next, and so on.
 ///
 /// From such a surface, which the walk has reached through glass or by mirrors, only few directions lead
 /// through glass or mirrors again to the lamp. So several are followed from there, each at the cost of its
 /// own new edges alone; only the first goes on past the next surface that scatters otherwise. Lengths of
 /// paths fall into stretches by this, and `found` is told of light that was met with its stretch. At the
 /// coordinates of a find, [`Bidirectional`](crate::Bidirectional) paths in their full form, with the find's
-/// settings, have some light of [`Class::L0`](crate::Class::L0). The sum of this light times the weight, over
-/// all finds, has the mean of that light of walks that begin so.
+/// settings, have some light of that class. The sum of this light times the weight, over all finds, has its mean.
 ///
 /// The first way has the coordinates of `u` itself, the others have them turned: each is as uniform as `u`
 /// is, though not independent of the others. `u` must remember what it has said.
@@ -68,7 +67,8 @@ pub fn sight_ways(
 struct Leg {
     /// It met light.
     lit: bool,
-    /// It ended at a surface that scatters otherwise, where the walk stands before it is scattered.
+    /// It ended at a surface that scatters otherwise, where the walk stands before it is scattered, and which could
+    /// not be joined to the one before.
     stands: bool,
 }
 
@@ -110,7 +110,7 @@ impl Look<'_> {
             told.tell(u, self.within([1, walk.edges]), 1.0);
         }
         let mut ways = self.ways.max(1);
-        while leg.stands && walk.specular {
+        while leg.stands {
             let parting = walk.edges;
             if ways == 1 {
                 if self.meets_light(&mut walk, &mut vertex, u) {
@@ -192,7 +192,7 @@ impl Look<'_> {
             }
             let scatter = walk.scatter(scene, vertex, &mut bsdf);
             if !scatter.bsdf.has_choice() && !scatter.bsdf.is_delta() {
-                leg.stands = true;
+                leg.stands = !walk.open;
                 return leg;
             }
             let before = walk.clone();
@@ -200,7 +200,7 @@ impl Look<'_> {
             let sample = walk.bounce(scene, &scatter, u);
             if !sample.is_some_and(|sample| sample.delta) {
                 *walk = before;
-                leg.stands = true;
+                leg.stands = !walk.open;
                 return leg;
             }
             if !walk.survives(u) {
@@ -209,7 +209,7 @@ impl Look<'_> {
         }
     }
 
-    /// Goes on from a surface, by whatever others, to the first light.
+    /// Goes on from a surface to the first light.
     fn meets_light(
         &self,
         walk: &mut Walk<'_>,

@@ -3,9 +3,9 @@
 //! Chains know what is bright beside what, not how bright all of it is: that is an integral over all paths,
 //! which independent samples know. Where light runs into a small lamp by way of glass, mirrors or water,
 //! those of most methods hardly ever meet it: a share of the picture that one seed misses and another counts
-//! ten times over. So such light ([`Class::L0`](kaustik_path::Class::L0)) is looked for by scouts, walks from
-//! the camera alone, many of them and where it comes from, and all other light is measured by bidirectional
-//! samples, which meet the rest of it well. Of replicas all but the specific one know their light by samples
+//! ten times over. So what nothing else finds of such light ([`Class::L0`](kaustik_path::Class::L0)) is looked for by
+//! scouts, walks from the camera alone, many of them and where it comes from, and all other light is measured by
+//! bidirectional samples, which meet it well. Of replicas all but the specific one know their light by samples
 //! of the uniform one: there the meter has scouts alone.
 
 mod grid;
@@ -34,11 +34,6 @@ use samples::{At, Samples, Scratch, WORTH};
 const JOINED: u64 = 6;
 /// Scouts a pass, for each cell in the mean, that look at Dirac surfaces.
 const SCOUTS: u64 = 16;
-/// Scouts a pass, for each cell, that look for what comes to the camera from a surface that is none of these
-/// first: a millionth of such light in `ring-and-sphere`, a twentieth in `mirror-statue`.
-const OTHERS: u64 = 2;
-/// The same where they stand beside scouts of the method's own.
-const OTHERS_BESIDE_SCOUTS: u64 = 8;
 /// Passes that tell how well the meter knows the light, and are no part of what it says of it.
 const TRIALS: Range<u64> = (1 << 40)..(1 << 40) + 4;
 /// A meter whose estimate would have less than this weight beside the method's own is not run.
@@ -82,8 +77,6 @@ pub(crate) struct Meter<'a> {
     samples: Samples<'a>,
     /// Samples of a cell that join two walks; none where scouts alone are wanted.
     joined: u64,
-    /// Scouts of a cell that look for other beginnings.
-    others: u64,
     /// Number of the first sample of each cell in a pass, and of the first of the next pass.
     first: Vec<u64>,
     terms: Terms,
@@ -161,19 +154,18 @@ impl<'a> Meter<'a> {
         if !is_wanted(scene, settings) {
             return None;
         }
-        let (target, joined, others) = match settings.method {
-            Method::Relt => (ScalarTarget::Xyz, 0, OTHERS_BESIDE_SCOUTS),
-            _ => (settings.options.target, JOINED, OTHERS),
+        let (target, joined) = match settings.method {
+            Method::Relt => (ScalarTarget::Xyz, 0),
+            _ => (settings.options.target, JOINED),
         };
         let samples = |stream| Samples::new(scene, settings, target, stream);
         let look = Look::new(&samples(streams::METER_LOOK))?;
         let samples = samples(streams::METER);
         let scouts = look.often(&samples, SCOUTS, JOINED);
         let meter = Self {
-            first: first(joined + others, &scouts),
+            first: first(joined, &scouts),
             samples,
             joined,
-            others,
             terms,
             passes: 0,
             light: Mean::new(),
@@ -235,7 +227,7 @@ impl<'a> Meter<'a> {
         let (pass, number) = (step / self.samples_a_pass(), step % self.samples_a_pass());
         let cell = self.first.partition_point(|first| *first <= number) - 1;
         let number = number - self.first[cell];
-        let scouts = self.first[cell + 1] - self.first[cell] - self.joined - self.others;
+        let scouts = self.first[cell + 1] - self.first[cell] - self.joined;
         let at = |first: u64| At {
             step,
             pass,
@@ -244,10 +236,8 @@ impl<'a> Meter<'a> {
         };
         if number < self.joined {
             self.samples.join(at(0), scratch) / self.joined as f64
-        } else if number < self.joined + scouts {
-            self.samples.scout(at(self.joined), scratch).light / scouts as f64
         } else {
-            self.samples.other(at(self.joined + scouts), scratch) / self.others as f64
+            self.samples.scout(at(self.joined), scratch).light / scouts as f64
         }
     }
 

@@ -30,7 +30,7 @@ use crate::{
     ReplicaStatistics, Steps,
 };
 use run::{Run, below, pool, runs};
-use scouts::{Looks, scouting};
+use scouts::{SpecularLight, scouting};
 use start::{Started, for_so_many_replicas, kernels, replica_builder, start};
 
 /// Paths of a sweep, about: a look at the stop flag comes as often as elsewhere.
@@ -84,7 +84,7 @@ struct ReltEngine<'a, const K: usize> {
     /// What the first population and the first scouts say of the light of each replica.
     pool: Shares<K>,
     /// What scouts look for, if there are any.
-    looks: Option<Looks<'a>>,
+    scouted: Option<SpecularLight<'a>>,
     /// Samples of each replica a sweep.
     counts: [f64; K],
     /// How many of the first's are spread evenly.
@@ -137,7 +137,7 @@ impl<'a, const K: usize> ReltEngine<'a, K> {
             family,
             weights,
             pool,
-            looks: scouts.map(|_| Looks::new(scene, settings)),
+            scouted: scouts.map(|_| SpecularLight::new(scene, settings)),
             counts,
             even,
             rough,
@@ -187,10 +187,10 @@ impl<'a, const K: usize> ReltEngine<'a, K> {
                     (run.ladder).step_at(level, kernel, &self.family, &mut run.draws, &mut deposit);
                 }
             }
-            if let Some(looks) = &self.looks {
+            if let Some(region) = &self.scouted {
                 run.scout(
                     self.set.scouts(),
-                    (&target, looks),
+                    (&target, region),
                     &self.family,
                     &mut deposit,
                 );

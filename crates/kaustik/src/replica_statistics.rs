@@ -14,7 +14,7 @@ pub struct ReplicaStatistics {
     pub pairs: Vec<[usize; 2]>,
     /// Independent samples of all ladders that were spread evenly over the image.
     pub even: u64,
-    /// Scouts sent by all ladders, those not counted that accompany one in 16 and look for what it leaves out.
+    /// Scouts sent by all ladders.
     pub scouts: u64,
     /// How many of all found implicit specular light.
     pub scouts_found: u64,

@@ -11,7 +11,6 @@ use super::vertex::PathVertex;
 use super::witness::{Joint, Seen, Witness};
 use super::workspace::{Subpath, Workspace};
 use super::{Form, Job};
-use crate::Class;
 use crate::contributions::Gathered;
 use crate::walk::Walk;
 
@@ -124,7 +123,7 @@ pub(super) fn emission(
     let weight = job.weights().implicit(z.edges, &pdf, &z.running);
     let value = z.throughput * radiance * weight as f32;
     seen(witness, z.edges, eye, (pdf, z.back), weight, value);
-    gathered.add(Class::implicit(walk.specular), value, z.dispersive);
+    gathered.add(walk.implicit(), value, z.dispersive);
 }
 
 /// s = 0: what a walk that left the scene sees.
@@ -155,7 +154,7 @@ pub(super) fn escape(
         weight,
         value,
     );
-    gathered.add(Class::implicit(walk.specular), value, walk.dispersive);
+    gathered.add(walk.implicit(), value, walk.dispersive);
 }
 
 fn seen(

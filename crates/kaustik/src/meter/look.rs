@@ -1,4 +1,4 @@
-//! A first look at where implicit specular light comes from.
+//! A first look at where implicit specular light that nothing else finds comes from.
 
 use kaustik_path::Sighting;
 use rayon::prelude::*;

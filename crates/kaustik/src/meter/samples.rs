@@ -2,10 +2,7 @@
 
 use kaustik_estimate::{ScalarTarget, SpecularSplit};
 use kaustik_mcmc::{Exponential, Independent, Point, SampleGenerators, Step};
-use kaustik_path::{
-    Beginning, Bidirectional, Contributions, Form, PathBuilder, Sighting, sight, sight_ways,
-};
-use kaustik_pss::Coordinates;
+use kaustik_path::{Bidirectional, Contributions, Form, PathBuilder, Sighting, sight_ways};
 use kaustik_scene::Scene;
 
 use super::grid::Grid;
@@ -35,7 +32,7 @@ pub(super) struct At {
 pub(super) struct Seen {
     /// How far.
     pub(super) sighting: Sighting,
-    /// Implicit specular light.
+    /// Implicit specular light that nothing else finds.
     pub(super) light: f64,
     /// The same of squares: without products of what a walk finds at several places.
     pub(super) square: f64,
@@ -94,7 +91,7 @@ impl<'a> Samples<'a> {
         }
     }
 
-    /// All light but the implicit specular that two walks joined in every way bring.
+    /// All light but what scouts look for.
     pub(super) fn join(&self, at: At, scratch: &mut Scratch) -> f64 {
         let (corner, size) = self.grid.place(at.cell);
         let inner = Independent::new(self.generators.at(at.step));
@@ -106,7 +103,7 @@ impl<'a> Samples<'a> {
         SpecularSplit::of(value, self.target).other
     }
 
-    /// Looks for implicit specular light by a walk from the camera that a Dirac surface scatters first.
+    /// Looks for implicit specular light that nothing else finds.
     pub(super) fn scout(&self, at: At, scratch: &mut Scratch) -> Seen {
         let mut seen = Seen {
             sighting: Sighting::Plain,
@@ -114,45 +111,6 @@ impl<'a> Samples<'a> {
             square: 0.0,
             finds: 0,
         };
-        self.walk(at, scratch, |u, value, nonfinite| {
-            let settings = &self.builder.settings;
-            seen.sighting = sight_ways(settings, self.scene, WAYS, u, &mut |find| {
-                let builder = Bidirectional {
-                    settings: find.settings,
-                    ..self.builder
-                };
-                builder.build(self.scene, find.u, value);
-                *nonfinite += value.nonfinite();
-                let light = SpecularSplit::of(value, self.target).specular;
-                seen.light += find.weight * light;
-                seen.square += find.weight * light * light;
-                seen.finds += 1;
-            });
-        });
-        seen
-    }
-
-    /// Looks for what other surfaces scatter first.
-    pub(super) fn other(&self, at: At, scratch: &mut Scratch) -> f64 {
-        let mut light = 0.0;
-        self.walk(at, scratch, |u, value, nonfinite| {
-            let settings = &self.builder.settings;
-            if sight(settings, self.scene, Beginning::Other, u) == Sighting::Light {
-                self.builder.build(self.scene, u, value);
-                *nonfinite = value.nonfinite();
-                light = SpecularSplit::of(value, self.target).specular;
-            }
-        });
-        light
-    }
-
-    /// At the point of a scout, which remembers its coordinates.
-    fn walk(
-        &self,
-        at: At,
-        scratch: &mut Scratch,
-        look: impl FnOnce(&mut dyn Coordinates, &mut Contributions, &mut u32),
-    ) {
         let Scratch {
             point,
             value,
@@ -161,11 +119,25 @@ impl<'a> Samples<'a> {
         *nonfinite = 0;
         let (corner, size) = self.grid.place(at.cell);
         let mut draws = self.generators.at(at.step);
+        // It remembers its coordinates, which ways and evaluations ask for again.
         let mut proposal = point.propose(Step::Large, &mut draws);
         let scramble = self.scramble(!at.pass, at.cell);
         let mut u = Stratified::new(&mut proposal, corner, size, at.index, scramble);
-        look(&mut u, value, nonfinite);
+        let settings = &self.builder.settings;
+        seen.sighting = sight_ways(settings, self.scene, WAYS, &mut u, &mut |find| {
+            let builder = Bidirectional {
+                settings: find.settings,
+                ..self.builder
+            };
+            builder.build(self.scene, find.u, value);
+            *nonfinite += value.nonfinite();
+            let light = SpecularSplit::of(value, self.target).specular;
+            seen.light += find.weight * light;
+            seen.square += find.weight * light * light;
+            seen.finds += 1;
+        });
         proposal.reject();
+        seen
     }
 
     /// Passes are independent of each other: their spread tells their error.

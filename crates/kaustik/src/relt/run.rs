@@ -10,7 +10,7 @@ use kaustik_mcmc::{
 use kaustik_path::Contributions;
 
 use super::even::Even;
-use super::scouts::{Looks, SpecularLight};
+use super::scouts::SpecularLight;
 use super::start::{Mutation, Started, State, mutation};
 use crate::RenderSettings;
 use crate::engine::Nonfinite;
@@ -58,27 +58,10 @@ impl<const K: usize> Run<K> {
     pub(super) fn scout(
         &mut self,
         count: u32,
-        (target, looks): (&PathTarget<'_>, &Looks<'_>),
+        (target, region): (&PathTarget<'_>, &SpecularLight<'_>),
         family: &ReplicaFamily<K>,
         deposit: &mut ReplicaDeposit<'_, K>,
     ) {
-        for number in 0..count {
-            let mut light = self.send(target, &looks.dirac, family, deposit);
-            if let Some(weight) = Looks::companion(number, count) {
-                light += weight * self.send(target, &looks.other, family, deposit);
-            }
-            deposit.shares.scout(K - 1, light);
-        }
-    }
-
-    /// Sends one; returns the light that it has found.
-    fn send(
-        &mut self,
-        target: &PathTarget<'_>,
-        region: &SpecularLight<'_>,
-        family: &ReplicaFamily<K>,
-        deposit: &mut ReplicaDeposit<'_, K>,
-    ) -> f64 {
         let scouting = Scouting { target, region };
         let Self {
             ladder,
@@ -86,13 +69,16 @@ impl<const K: usize> Run<K> {
             draws,
             ..
         } = self;
-        match ladder.scout(K - 1, &scouting, spare, family, draws, deposit) {
-            Scouted::Nothing => 0.0,
-            Scouted::Found { measure, accepted } => {
-                self.found += 1;
-                self.followed += u64::from(accepted);
-                measure
-            }
+        for _ in 0..count {
+            let light = match ladder.scout(K - 1, &scouting, spare, family, draws, deposit) {
+                Scouted::Nothing => 0.0,
+                Scouted::Found { measure, accepted } => {
+                    self.found += 1;
+                    self.followed += u64::from(accepted);
+                    measure
+                }
+            };
+            deposit.shares.scout(K - 1, light);
         }
     }
 

@@ -1,10 +1,10 @@
-//! Scouts: walks from the camera alone that look for implicit specular paths.
+//! Scouts: walks from the camera alone that look for implicit specular paths that nothing else finds.
 
 use kaustik_estimate::{PathTarget, ReplicaFamily, ReplicaSet, ScalarTarget, SpecularSplit};
 use kaustik_mcmc::{
     Estimate, Exponential, Mean, Point, Region, SampleGenerators, Step, Target, checked_densities,
 };
-use kaustik_path::{Beginning, BuilderSettings, Contributions, Sighting, sight};
+use kaustik_path::{BuilderSettings, Contributions, Sighting, sight};
 use kaustik_pss::Coordinates;
 use kaustik_scene::Scene;
 use rayon::prelude::*;
@@ -18,7 +18,7 @@ pub(crate) fn scouting(set: &ReplicaSet) -> Option<u32> {
     Some(set.scouts()).filter(|scouts| set.is_specific() && *scouts > 0)
 }
 
-/// The part of the cube where there is implicit specular light of a beginning.
+/// The part of the cube where there is implicit specular light that nothing else finds.
 ///
 /// That a walk from the camera runs into a lamp behind glass or water by chance is what the specific replica is
 /// there for, and what independent samples seldom see. To see whether one does takes no light
@@ -27,15 +27,13 @@ pub(crate) fn scouting(set: &ReplicaSet) -> Option<u32> {
 pub(crate) struct SpecularLight<'a> {
     scene: &'a Scene,
     settings: BuilderSettings,
-    beginning: Beginning,
 }
 
 impl<'a> SpecularLight<'a> {
-    pub(crate) fn new(scene: &'a Scene, settings: &RenderSettings, beginning: Beginning) -> Self {
+    pub(crate) fn new(scene: &'a Scene, settings: &RenderSettings) -> Self {
         Self {
             scene,
             settings: builder_settings(settings),
-            beginning,
         }
     }
 }
@@ -43,44 +41,13 @@ impl<'a> SpecularLight<'a> {
 impl Region<Contributions> for SpecularLight<'_> {
     #[inline]
     fn may_hold(&self, u: &mut dyn Coordinates) -> bool {
-        sight(&self.settings, self.scene, self.beginning, u) == Sighting::Light
+        sight(&self.settings, self.scene, u) == Sighting::Light
     }
 
     /// The light itself, X + Y + Z.
     #[inline]
     fn measure(&self, value: &Contributions) -> f64 {
         SpecularSplit::of(value, ScalarTarget::Xyz).specular
-    }
-}
-
-/// What the scouts of a ladder look for: all implicit specular light, in two parts that are not looked for
-/// equally often.
-#[derive(Clone, Copy)]
-pub(super) struct Looks<'a> {
-    /// By way of a Dirac surface from the first, which is nearly all of it.
-    pub(super) dirac: SpecularLight<'a>,
-    /// The rest, so that nothing is left out.
-    pub(super) other: SpecularLight<'a>,
-}
-
-impl<'a> Looks<'a> {
-    /// One scout in so many is accompanied by one for the rest: a millionth of such light in
-    /// `ring-and-sphere`, a twentieth in `mirror-statue`.
-    pub(super) const APART: u32 = 16;
-
-    pub(super) fn new(scene: &'a Scene, settings: &RenderSettings) -> Self {
-        let light = |beginning| SpecularLight::new(scene, settings, beginning);
-        Self {
-            dirac: light(Beginning::Dirac),
-            other: light(Beginning::Other),
-        }
-    }
-
-    /// Is this one, of as many as go out in a sweep, accompanied? Then by how much the light of its companion
-    /// counts, so that all companions of a sweep count as much as all others do.
-    pub(super) fn companion(number: u32, count: u32) -> Option<f64> {
-        let accompanied = number.is_multiple_of(Self::APART);
-        accompanied.then(|| f64::from(count) / f64::from(count.div_ceil(Self::APART)))
     }
 }
 
@@ -113,7 +80,7 @@ impl<'a, const K: usize> Scouts<'a, K> {
     ) -> Self {
         let mut scouts = Self {
             target,
-            region: SpecularLight::new(target.scene, settings, Beginning::Any),
+            region: SpecularLight::new(target.scene, settings),
             generators: SampleGenerators::new(settings.seed, ladder),
             count,
             // nobody has looked
@@ -150,12 +117,8 @@ impl<'a, const K: usize> Scouts<'a, K> {
     fn look(&self, index: u64, point: &mut Point<Mutation>, value: &mut Contributions) -> Sighting {
         let mut draws = self.generators.at(index);
         let mut proposal = point.propose(Step::Large, &mut draws);
-        let SpecularLight {
-            scene,
-            settings,
-            beginning,
-        } = &self.region;
-        let sighting = sight(settings, scene, *beginning, &mut proposal);
+        let SpecularLight { scene, settings } = &self.region;
+        let sighting = sight(settings, scene, &mut proposal);
         value.clear();
         if sighting == Sighting::Light {
             self.target.evaluate(&mut proposal, value);
@@ -195,20 +158,5 @@ impl<'a, const K: usize> Scouts<'a, K> {
     pub(crate) fn light(&self) -> (Vec<f64>, u64) {
         let light = self.found.iter().map(|find| find.light);
         (light.collect(), self.count)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn companions_of_a_sweep_count_as_much_as_the_others() {
-        for count in 1..=ReplicaSet::MOST_SCOUTS {
-            let companions = (0..count).filter_map(|number| Looks::companion(number, count));
-            let sum: f64 = companions.sum();
-            let off = (sum / f64::from(count) - 1.0).abs();
-            assert!(off < 1e-12, "{sum} for {count}");
-        }
     }
 }

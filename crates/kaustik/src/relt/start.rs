@@ -116,8 +116,7 @@ pub(crate) const MOVES: usize = 2;
 const AGAIN: u32 = 3;
 /// But with no more than so many, which is what may be asked for at most.
 const MOST_PARTICLES: u64 = 1_000_000;
-/// Before an annealing so many scouts a particle go out, or fewer if fewer go out a sweep. These look at all
-/// beginnings.
+/// Before an annealing so many scouts a particle go out, or fewer if fewer go out a sweep.
 const FIRST_SCOUTS: u32 = 16;
 /// Below this share of the replica before, the specific one is not worth its steps. Its whole
 /// density counts, not only what particles have seen of its light: in water under a small lamp that is nothing, and
@@ -171,7 +170,7 @@ fn anneal<const K: usize>(
             ));
         } else if set.is_specific() && sighted == Sighting::Plain {
             started.drop_last(format!(
-                "the specific replica does not run: none of {} walks from the camera scattered specularly",
+                "the specific replica does not run: none of {} walks from the camera began at a mirror or at smooth glass",
                 started.scouted.1
             ));
         } else if set.is_specific()
