@@ -214,6 +214,8 @@ fn scouts_know_the_specific_light_better_than_samples_do() {
         let mut settings = settings(Method::Relt, 16, 256);
         settings.options.replicas = Some(replicas.parse().expect("a set"));
         settings.options.meter = false;
+        // many of those would know it too
+        settings.options.even = EvenSamples::Count(2);
         let done = rendered("water-cornell?light=0.8", &settings);
         let mean = means(&done.image)[1];
         let replicas = done.statistics.replicas.expect("statistics of replicas");

@@ -21,8 +21,9 @@ use crate::shuffle::Shuffle;
 use crate::stratified::mix;
 use crate::streams;
 
-/// The fewest and the most samples a sweep, if it is not said how many.
-const FEWEST: f64 = 2.0;
+/// The fewest and the most samples a sweep, if it is not said how many. With 2 in place of 16 the grain of what is easy to
+/// find is two to four times as strong in the same time, and what chains alone find is known little better.
+const FEWEST: f64 = 16.0;
 const MOST: f64 = 64.0;
 
 /// How many even samples a sweep are worth their cost.
