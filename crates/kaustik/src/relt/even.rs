@@ -21,10 +21,12 @@ use crate::shuffle::Shuffle;
 use crate::stratified::mix;
 use crate::streams;
 
-/// The fewest and the most samples a sweep, if it is not said how many. With 2 in place of 16 the grain of what is easy to
-/// find is two to four times as strong in the same time, and what chains alone find is known little better.
-const FEWEST: f64 = 16.0;
+/// The most samples a sweep, if it is not said how many; the fewest, where a specific replica has little light; the fewest anywhere.
 const MOST: f64 = 64.0;
+const FEW: f64 = 16.0;
+const FEWEST: f64 = 2.0;
+/// From this share of the full replica's density on, the last replica's light wants more of its sweeps.
+const LITTLE: f64 = 0.04;
 
 /// How many even samples a sweep are worth their cost.
 ///
@@ -33,8 +35,9 @@ const MOST: f64 = 64.0;
 /// `1/r - 1`. A visit of a chain has 1 or more, because visits meet a pixel by chance. So from
 /// `r` = 1/2 on even samples are the better ones, and chains go on only for what they may yet
 /// find. The replica that is hardest to sample decides, since its light is what chains are for.
-/// Measured: `docs/papers/relt.md`.
-pub(super) fn samples_a_sweep<const K: usize>(started: &Started) -> u32 {
+/// Where light is hard to find there are some all the same: they show what is easy. Fewer, the more light there is
+/// that only the last replica's chains and scouts see, in sweeps. Measured: `docs/papers/relt.md`.
+pub(super) fn samples_a_sweep<const K: usize>(started: &Started, specific: bool) -> u32 {
     let particles = started.particles.max(1) as f64;
     let shares = started
         .effective
@@ -42,7 +45,13 @@ pub(super) fn samples_a_sweep<const K: usize>(started: &Started) -> u32 {
         .take(K)
         .map(|[at_once, _]| at_once / particles);
     let ease = 2.0 * shares.fold(0.5, f64::min);
-    (MOST * ease * ease).round().max(FEWEST) as u32
+    let last = if specific {
+        started.rough[K - 1].value / started.rough[1].value
+    } else {
+        0.0
+    };
+    let few = (FEW * (LITTLE / last).min(1.0)).max(FEWEST);
+    (MOST * ease * ease).max(few).round() as u32
 }
 
 /// The way of one ladder over the cells.
