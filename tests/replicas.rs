@@ -198,6 +198,19 @@ fn a_sweep_is_as_many_mutations_as_its_replicas_take() {
     }
 }
 
+/// Most where light is easy to find, some where it is hard, few where a specific replica has much to show.
+#[test]
+fn even_samples_go_by_what_is_hard_to_find() {
+    let a_sweep = |words: &str| {
+        let done = rendered(words, &settings(Method::Relt, 16, 32));
+        let replicas = done.statistics.replicas.expect("statistics of replicas");
+        replicas.even / replicas.sweeps
+    };
+    assert!(a_sweep("cornell") > 32);
+    assert_eq!(a_sweep("glossy-cornell"), 16);
+    assert!((2..8).contains(&a_sweep("water-cornell")));
+}
+
 #[test]
 fn annealing_climbs_a_line() {
     let mut sides = settings(Method::Annealing, 16, 1);

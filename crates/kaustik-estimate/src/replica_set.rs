@@ -9,6 +9,7 @@ use kaustik_path::Class;
 /// [`Class::L5`].
 pub type ClassWeights = [f64; WEIGHED];
 
+/// Classes that a row gives a weight to: the paper's.
 const WEIGHED: usize = 6;
 
 /// The replicas of a run (RELT 4.2.3): the uniform one, then a row of class
@@ -367,6 +368,20 @@ mod tests {
         assert_eq!(ReplicaSet::paper(0.05).repeats(), [1; 4]);
         assert_eq!(set.pairs(4), [(0, 1), (1, 2), (2, 3)]);
         assert_eq!(set.pairs(3), [(0, 1), (1, 2)]);
+    }
+
+    #[test]
+    fn the_specific_replica_leaves_out_what_others_find() {
+        let joined = |set: &ReplicaSet| -> Vec<f64> {
+            let weights = (0..set.count()).map(|k| set.weights(k));
+            weights.map(|w| w[Class::L0Joined as usize]).collect()
+        };
+        assert_eq!(joined(&ReplicaSet::paper(0.05)), [0.0, 1.0, 1.0, 0.0]);
+        assert_eq!(joined(&ReplicaSet::sides()), [0.0, 1.0, 0.0]);
+        // the last is not specific
+        let even: ReplicaSet = "uniform;1,1,1,1,1,1;0.5,0,0,0,0,0.5".parse().unwrap();
+        assert_eq!(joined(&even), [0.0, 1.0, 0.5]);
+        assert_eq!(even.weights(2)[..WEIGHED], even.rows()[2]);
     }
 
     #[test]

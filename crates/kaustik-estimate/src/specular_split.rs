@@ -6,8 +6,8 @@ use crate::ScalarTarget;
 /// 5.1.4).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SpecularSplit {
-    /// Implicit specular light that nothing else finds ([`Class::L0`]). What other strategies find as well is no harder
-    /// than these are: heuristics leave it as much as they do not find better.
+    /// Implicit specular light that nothing else finds ([`Class::L0`]). Of what other strategies find as well, heuristics
+    /// leave only so much to the walk from the eye as that finds no worse.
     pub specular: f64,
     /// All other.
     pub other: f64,

@@ -16,9 +16,9 @@ use crate::control::is_stopped;
 use crate::engine::{Engine, Nonfinite, add_counters, add_nonfinite};
 use crate::lamps::Lamps;
 use crate::mark::FilmMark;
+use crate::relt::kernels::{Mutation, kernel, kernels, mutation};
 use crate::relt::start::{
-    MOVES, Mutation, Started, State, for_so_many_replicas, kernel, kernels, mutation,
-    replica_builder, samples, start,
+    MOVES, Started, State, for_so_many_replicas, replica_builder, samples, start,
 };
 use crate::relt::{finite, full_replica, layer};
 use crate::{

@@ -2,6 +2,7 @@
 
 mod even;
 mod keep;
+pub(crate) mod kernels;
 mod run;
 pub(crate) mod scouts;
 pub(crate) mod start;
@@ -29,9 +30,10 @@ use crate::{
     ChainStatistics, EvenSamples, Normaliser, Options, Place, RenderError, RenderSettings,
     ReplicaStatistics, Steps,
 };
+use kernels::kernels;
 use run::{Run, below, pool, runs};
 use scouts::{SpecularLight, scouting};
-use start::{Started, for_so_many_replicas, kernels, replica_builder, start};
+use start::{Started, for_so_many_replicas, replica_builder, start};
 
 /// Paths of a sweep, about: a look at the stop flag comes as often as elsewhere.
 const PATHS_A_SWEEP: u64 = 16;
@@ -84,7 +86,7 @@ struct ReltEngine<'a, const K: usize> {
     /// What the first population and the first scouts say of the light of each replica.
     pool: Shares<K>,
     /// What scouts look for, if there are any.
-    scouted: Option<SpecularLight<'a>>,
+    specular_light: Option<SpecularLight<'a>>,
     /// Samples of each replica a sweep.
     counts: [f64; K],
     /// How many of the first's are spread evenly.
@@ -137,7 +139,7 @@ impl<'a, const K: usize> ReltEngine<'a, K> {
             family,
             weights,
             pool,
-            scouted: scouts.map(|_| SpecularLight::new(scene, settings)),
+            specular_light: scouts.map(|_| SpecularLight::new(scene, settings)),
             counts,
             even,
             rough,
@@ -187,7 +189,7 @@ impl<'a, const K: usize> ReltEngine<'a, K> {
                     (run.ladder).step_at(level, kernel, &self.family, &mut run.draws, &mut deposit);
                 }
             }
-            if let Some(region) = &self.scouted {
+            if let Some(region) = &self.specular_light {
                 run.scout(
                     self.set.scouts(),
                     (&target, region),

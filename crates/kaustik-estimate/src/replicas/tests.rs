@@ -13,8 +13,8 @@ use super::*;
 const PIXELS: usize = 10;
 
 /// What the toy brings in each class at a point: a narrow specular peak, light that only the uniform
-/// replica sees, and smooth rest; dark at the right end but for class 1.
-fn classes(u: f64) -> [f64; 6] {
+/// replica sees, smooth rest, and specular light that others find as well; dark at the right end but for class 1.
+fn classes(u: f64) -> [f64; Class::COUNT] {
     let bump = |at: f64, width: f64| libm::exp(-((u - at) / width) * ((u - at) / width));
     let lit = if u < 0.9 { 1.0 } else { 0.0 };
     [
@@ -28,6 +28,7 @@ fn classes(u: f64) -> [f64; 6] {
         } else {
             0.0
         },
+        lit * 6.0 * bump(0.6, 0.03),
     ]
 }
 
@@ -62,6 +63,9 @@ fn exact() -> ([f64; 4], [f64; PIXELS]) {
         for (b, row) in b.iter_mut().zip(set().rows()).skip(1) {
             *b += row.iter().zip(&l).map(|(d, l)| d * l).sum::<f64>();
         }
+        // the full and the indirect replica, not the specific one
+        b[1] += l[6];
+        b[2] += l[6];
         pixels[(u * PIXELS as f64) as usize] += l.iter().sum::<f64>();
     }
     let n = f64::from(points);

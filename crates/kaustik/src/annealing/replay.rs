@@ -9,7 +9,7 @@ use kaustik_mcmc::{
 use kaustik_path::{Event, note, trace};
 
 use super::{AnnealingEngine, Climbing, Step, target};
-use crate::relt::start::{kernel, kernels, mutation};
+use crate::relt::kernels::{kernel, kernels, mutation};
 use crate::{Place, RenderError};
 
 impl<const K: usize> AnnealingEngine<'_, K> {

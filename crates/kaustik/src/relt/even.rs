@@ -14,6 +14,7 @@ use kaustik_mcmc::{
 };
 use kaustik_path::Contributions;
 
+use super::full_replica;
 use super::start::Started;
 use crate::RenderSettings;
 use crate::cells::Cells;
@@ -21,11 +22,12 @@ use crate::shuffle::Shuffle;
 use crate::stratified::mix;
 use crate::streams;
 
-/// The most samples a sweep, if it is not said how many; the fewest, where a specific replica has little light; the fewest anywhere.
+/// The most samples a sweep, if it is not said how many, and the fewest.
 const MOST: f64 = 64.0;
-const FEW: f64 = 16.0;
 const FEWEST: f64 = 2.0;
-/// From this share of the full replica's density on, the last replica's light wants more of its sweeps.
+/// As many where light is hard to find, and a specific replica has little of it.
+const FEW: f64 = 16.0;
+/// That is: of the full replica's density, in the mean, its own is at most this share.
 const LITTLE: f64 = 0.04;
 
 /// How many even samples a sweep are worth their cost.
@@ -35,8 +37,7 @@ const LITTLE: f64 = 0.04;
 /// `1/r - 1`. A visit of a chain has 1 or more, because visits meet a pixel by chance. So from
 /// `r` = 1/2 on even samples are the better ones, and chains go on only for what they may yet
 /// find. The replica that is hardest to sample decides, since its light is what chains are for.
-/// Where light is hard to find there are some all the same: they show what is easy. Fewer, the more light there is
-/// that only the last replica's chains and scouts see, in sweeps. Measured: `docs/papers/relt.md`.
+/// Where light is hard to find there are [`few`] all the same.
 pub(super) fn samples_a_sweep<const K: usize>(started: &Started, specific: bool) -> u32 {
     let particles = started.particles.max(1) as f64;
     let shares = started
@@ -45,13 +46,20 @@ pub(super) fn samples_a_sweep<const K: usize>(started: &Started, specific: bool)
         .take(K)
         .map(|[at_once, _]| at_once / particles);
     let ease = 2.0 * shares.fold(0.5, f64::min);
-    let last = if specific {
-        started.rough[K - 1].value / started.rough[1].value
+    let rough = |k: usize| started.rough[k].value;
+    let specific = if specific {
+        rough(K - 1) / rough(full_replica::<K>())
     } else {
         0.0
     };
-    let few = (FEW * (LITTLE / last).min(1.0)).max(FEWEST);
-    (MOST * ease * ease).max(few).round() as u32
+    (MOST * ease * ease).max(few(specific)).round() as u32
+}
+
+/// Even samples where light is hard to find: they show what is easy all the same. The more light the specific
+/// replica has, of its share of the full replica's density, the fewer: that light is seen in sweeps alone. Measured:
+/// `docs/papers/relt.md`.
+fn few(specific: f64) -> f64 {
+    (FEW * (LITTLE / specific).min(1.0)).max(FEWEST)
 }
 
 /// The way of one ladder over the cells.
@@ -164,6 +172,14 @@ impl Even {
 mod tests {
     use super::*;
     use crate::Method;
+
+    #[test]
+    fn the_more_only_sweeps_show_the_fewer_are_even() {
+        let found = [0.0, 0.04, 0.08, 0.16, 0.32, 1.0].map(few);
+        for (found, wanted) in found.into_iter().zip([16.0, 16.0, 8.0, 4.0, 2.0, 2.0]) {
+            assert!((found - wanted).abs() < 1e-12, "{found} {wanted}");
+        }
+    }
 
     fn walks(columns: u32, rows: u32, ladders: u32, seed: u64) -> Vec<Even> {
         let mut settings = RenderSettings {

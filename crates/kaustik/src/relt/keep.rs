@@ -10,8 +10,8 @@ use kaustik_path::Contributions;
 use serde::{Deserialize, Serialize};
 
 use super::ReltEngine;
+use super::kernels::Mutation;
 use super::run::{Run, below};
-use super::start::Mutation;
 use crate::Steps;
 use crate::engine::Nonfinite;
 use crate::state::{Keep, Reader, StateError, Writer};

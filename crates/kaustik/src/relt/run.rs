@@ -10,8 +10,9 @@ use kaustik_mcmc::{
 use kaustik_path::Contributions;
 
 use super::even::Even;
+use super::kernels::{Mutation, mutation};
 use super::scouts::SpecularLight;
-use super::start::{Mutation, Started, State, mutation};
+use super::start::{Started, State};
 use crate::RenderSettings;
 use crate::engine::Nonfinite;
 

@@ -9,7 +9,8 @@ use kaustik_pss::Coordinates;
 use kaustik_scene::Scene;
 use rayon::prelude::*;
 
-use super::start::{Mutation, State};
+use super::kernels::Mutation;
+use super::start::State;
 use crate::RenderSettings;
 use crate::render::builder_settings;
 

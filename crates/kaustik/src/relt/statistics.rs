@@ -40,7 +40,7 @@ impl<const K: usize> ReltEngine<'_, K> {
                 .collect(),
             pairs: pairs.iter().map(|&(a, b)| [a + 1, b + 1]).collect(),
             even: self.sweeps() * u64::from(self.even),
-            scouts: match self.scouted {
+            scouts: match self.specular_light {
                 Some(_) => self.sweeps() * u64::from(self.set.scouts()),
                 None => 0,
             },
