@@ -247,6 +247,48 @@ fn scouts_know_the_specific_light_better_than_samples_do() {
     assert!(followed > 100 && none == 0, "{followed} {none}");
 }
 
+/// Tours show the specific replica's light where its own steps show it.
+#[test]
+fn tours_show_the_same_light() {
+    let with = |last: &str| {
+        let mut settings = RenderSettings {
+            features: true,
+            ..settings(Method::Relt, 16, 512)
+        };
+        let set = format!("uniform+16;1,0,1,1,1,1;1,0,0,1,1,1;1,0,0,0,0,0.05*3{last}");
+        settings.options.replicas = Some(set.parse().expect("a set"));
+        let done = rendered("water-cornell?light=0.8", &settings);
+        let layer = done.image.layer("replica-4").expect("its layer");
+        let plane = layer.channel("G").expect("its channel");
+        let mut quarters = [0.0; 4];
+        for (pixel, value) in plane.iter().enumerate() {
+            quarters[pixel / 16 / 8 * 2 + pixel % 16 / 8] += f64::from(*value);
+        }
+        (
+            quarters,
+            done.statistics.replicas.expect("statistics of replicas"),
+        )
+    };
+    let ((steps, without), (tours, replicas)) = (with(""), with("~8"));
+    let sum: f64 = steps.iter().sum();
+    for (one, other) in steps.iter().zip(&tours) {
+        assert!((one - other).abs() < 0.05 * sum, "{steps:?} {tours:?}");
+    }
+    assert_eq!((without.tours, without.tour_steps), (0, 0));
+    assert_eq!(replicas.tours, 2 * replicas.sweeps);
+    assert_eq!(replicas.tour_steps % 8, 0);
+    let share = replicas.tours_followed as f64 / (replicas.tour_steps / 8) as f64;
+    assert!(
+        share > 0.5 && replicas.tour_steps > replicas.tours,
+        "{share}"
+    );
+    assert!(
+        (0.1..0.6).contains(&replicas.tour_acceptance),
+        "{}",
+        replicas.tour_acceptance
+    );
+}
+
 #[test]
 fn gibbs_takes_no_more_replicas_than_it_can() {
     let mut six = settings(Method::Relt, 16, 1);

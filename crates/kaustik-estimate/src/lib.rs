@@ -40,7 +40,7 @@ pub use raster_map::RasterMap;
 pub use region_sums::{RegionSums, Witnesses};
 pub use regions::{LeafTally, Learnt, Place, Refinement, Regions, inverse};
 pub use replica_set::{ClassWeights, ReplicaSet, ReplicaSetError};
-pub use replicas::{ReplicaDeposit, ReplicaFamily, ReplicaWeights};
+pub use replicas::{ReplicaDeposit, ReplicaFamily, ReplicaWeights, SpecificFamily};
 pub use scalar::{Contribution, MappedContribution, ScalarContribution};
 pub use shares::Shares;
 pub use specular_split::SpecularSplit;

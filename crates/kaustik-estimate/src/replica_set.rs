@@ -28,6 +28,8 @@ pub struct ReplicaSet {
     /// Steps of each in a sweep.
     repeats: [u32; ReplicaSet::MOST],
     scouts: u32,
+    /// Steps of a tour of the last; 0: it goes on none.
+    tour: u32,
     count: usize,
 }
 
@@ -37,6 +39,7 @@ const LINE: ReplicaSet = ReplicaSet {
     below: [0, 0, 1, 2, 3, 4, 5, 6],
     repeats: [1; ReplicaSet::MOST],
     scouts: 0,
+    tour: 0,
     count: 1,
 };
 
@@ -52,6 +55,8 @@ impl ReplicaSet {
     pub const MOST_REPEATS: u32 = 64;
     /// The most scouts a sweep.
     pub const MOST_SCOUTS: u32 = 1024;
+    /// The most steps of a tour.
+    pub const MOST_TOUR: u32 = 1024;
 
     /// The paper's four: uniform, full, indirect, specific, a step each in a sweep. `delta` > 0 is the share
     /// of joined paths in the last, which lets it exchange with the one before.
@@ -63,11 +68,12 @@ impl ReplicaSet {
         set
     }
 
-    /// The paper's four with more steps for the specific one, whose light takes longest to explore, and
-    /// with scouts for what is hardest to find.
+    /// The paper's four with more steps for the specific one, whose light takes longest to explore, most of them by
+    /// tours, and with scouts for what is hardest to find.
     pub fn standard(delta: f64) -> Self {
         let mut set = Self::paper(delta);
         set.repeats[3] = SPECIFIC_REPEATS;
+        set.tour = TOUR;
         set.scouts = SCOUTS;
         set
     }
@@ -120,6 +126,12 @@ impl ReplicaSet {
         self.scouts
     }
 
+    /// Steps of a tour ([`Metropolis::step_by_tour`](kaustik_mcmc::Metropolis::step_by_tour)): all of the specific
+    /// replica's [`repeats`](Self::repeats) but the first are by tours of so many steps. 0 if there are none.
+    pub fn tour(&self) -> u32 {
+        self.tour
+    }
+
     /// Does each stand on the one just before?
     pub fn is_line(&self) -> bool {
         self.below() == &LINE.below[..self.count]
@@ -144,15 +156,21 @@ impl ReplicaSet {
         self.count > Self::FEWEST && rest.iter().all(|&weight| weight < specular)
     }
 
-    /// Adds a replica, for which there is room: six numbers, then `*N` for N steps a sweep and `@B` for the
-    /// replica, counted from 1, that it stands on, if it is not the one before.
+    /// Adds a replica, for which there is room: six numbers, then `*N` for N steps a sweep, `~T` for tours of T steps, and
+    /// `@B` for the replica, counted from 1, that it stands on, if it is not the one before.
     fn add(&mut self, word: &str) -> Result<(), ReplicaSetError> {
         let (word, below) = match word.split_once('@') {
             Some((word, below)) => (word, number(below, self.count)? - 1),
             None => (word, self.count - 1),
         };
+        let (word, tour) = with_tour(word)?;
         let (word, repeats) = with_repeats(word)?;
         let replica = self.count + 1;
+        // Tours are the last one's.
+        if self.tour > 0 || (tour > 0 && repeats < 2) {
+            return Err(ReplicaSetError::Tours);
+        }
+        self.tour = tour;
         let row = row(word).ok_or_else(|| ReplicaSetError::Row {
             replica,
             found: word.to_owned(),
@@ -179,6 +197,8 @@ impl ReplicaSet {
 
 /// Steps of the specific replica in a sweep of the standard set.
 const SPECIFIC_REPEATS: u32 = 3;
+/// Steps of a tour in the standard set.
+const TOUR: u32 = 8;
 /// Scouts a sweep of the standard set. Most turn round at the first surface.
 const SCOUTS: u32 = 16;
 
@@ -192,6 +212,9 @@ impl fmt::Display for ReplicaSet {
             }
             if self.repeats[k] > 1 {
                 write!(f, "*{}", self.repeats[k])?;
+            }
+            if k + 1 == self.count && self.tour > 0 {
+                write!(f, "~{}", self.tour)?;
             }
             if k == 0 && self.scouts > 0 {
                 write!(f, "+{}", self.scouts)?;
@@ -232,6 +255,10 @@ pub enum ReplicaSetError {
     Repeats(String),
     /// Scouts a sweep that are no number up to [`ReplicaSet::MOST_SCOUTS`].
     Scouts(String),
+    /// Steps of a tour that are no number from 1 to [`ReplicaSet::MOST_TOUR`].
+    Tour(String),
+    /// Tours of another than a specific replica that has at least two steps a sweep.
+    Tours,
     /// A replica stands on one that is not before it.
     Below {
         /// The replica.
@@ -269,6 +296,14 @@ impl fmt::Display for ReplicaSetError {
                 let most = ReplicaSet::MOST_SCOUTS;
                 write!(f, "'+{found}' is no number of scouts up to {most}")
             }
+            Self::Tour(found) => {
+                let most = ReplicaSet::MOST_TOUR;
+                write!(f, "'~{found}' is no number of steps of a tour from 1 to {most}")
+            }
+            Self::Tours => f.write_str(
+                "tours ('~T') are for the last replica, if it weighs class L0 more than any other and has two steps a \
+                 sweep or more ('*2~T')",
+            ),
             Self::Below { replica, found } => {
                 write!(
                     f,
@@ -285,7 +320,8 @@ impl FromStr for ReplicaSet {
     type Err = ReplicaSetError;
 
     /// `paper` (with the default delta), `sides`, or `uniform;1,0,1,1,1,1;...`, each with `*N` for N steps a
-    /// sweep and `@B` for the replica that it stands on, and `uniform+N` with N scouts a sweep.
+    /// sweep and `@B` for the replica that it stands on, the last one with `~T` for tours of T steps, and `uniform+N`
+    /// with N scouts a sweep.
     fn from_str(text: &str) -> Result<Self, ReplicaSetError> {
         match text {
             "sides" => return Ok(Self::sides()),
@@ -315,6 +351,9 @@ impl FromStr for ReplicaSet {
         if set.count < Self::FEWEST {
             return Err(ReplicaSetError::Count(set.count));
         }
+        if set.tour > 0 && !set.is_specific() {
+            return Err(ReplicaSetError::Tours);
+        }
         Ok(set)
     }
 }
@@ -327,6 +366,17 @@ fn with_repeats(word: &str) -> Result<(&str, u32), ReplicaSetError> {
     let repeats = repeats.trim();
     let known = (repeats.parse().ok()).filter(|n| (1..=ReplicaSet::MOST_REPEATS).contains(n));
     let unknown = || ReplicaSetError::Repeats(repeats.to_owned());
+    Ok((word.trim(), known.ok_or_else(unknown)?))
+}
+
+/// A word without its `~T`, and T; 0 without one.
+fn with_tour(word: &str) -> Result<(&str, u32), ReplicaSetError> {
+    let Some((word, tour)) = word.split_once('~') else {
+        return Ok((word, 0));
+    };
+    let tour = tour.trim();
+    let known = (tour.parse().ok()).filter(|n| (1..=ReplicaSet::MOST_TOUR).contains(n));
+    let unknown = || ReplicaSetError::Tour(tour.to_owned());
     Ok((word.trim(), known.ok_or_else(unknown)?))
 }
 
@@ -359,13 +409,14 @@ mod tests {
         let set = ReplicaSet::standard(0.05);
         assert_eq!(
             set.to_string(),
-            "uniform+16;1,0,1,1,1,1;1,0,0,1,1,1;1,0,0,0,0,0.05*3"
+            "uniform+16;1,0,1,1,1,1;1,0,0,1,1,1;1,0,0,0,0,0.05*3~8"
         );
         assert_eq!(set.to_string().parse(), Ok(set));
         assert!(set.is_specific() && set.is_line() && set.count() == 4);
-        assert_eq!(set.repeats(), [1, 1, 1, 3]);
+        assert_eq!((set.repeats(), set.tour()), (&[1, 1, 1, 3][..], TOUR));
         assert_eq!("paper".parse(), Ok(ReplicaSet::paper(ReplicaSet::DELTA)));
-        assert_eq!(ReplicaSet::paper(0.05).repeats(), [1; 4]);
+        let paper = ReplicaSet::paper(0.05);
+        assert_eq!((paper.repeats(), paper.tour()), (&[1; 4][..], 0));
         assert_eq!(set.pairs(4), [(0, 1), (1, 2), (2, 3)]);
         assert_eq!(set.pairs(3), [(0, 1), (1, 2)]);
     }
@@ -449,6 +500,20 @@ mod tests {
         for repeats in ["0", "65", "x", ""] {
             let error = refused(&format!("uniform;1,0,0,0,0,0*{repeats}"));
             assert_eq!(error, E::Repeats(repeats.into()));
+        }
+        for tour in ["0", "1025", "x", "", "8*3"] {
+            let error = refused(&format!("uniform;1,0,0,0,0,0;1,0,0,0,0,0*2~{tour}"));
+            assert_eq!(error, E::Tour(tour.into()));
+        }
+        // of one that is not the last, with one step, of one that is not specific, of the uniform one
+        for (set, error) in [
+            ("uniform;1,0,0,0,0,0*2~8;1,0,0,0,0,0", E::Tours),
+            ("uniform;1,0,0,0,0,0;1,0,0,0,0,0~8", E::Tours),
+            ("uniform;1,0,0,0,0,1;1,0,0,0,0,1*2~8", E::Tours),
+            ("uniform;1,0,0,0,0,0*2~8", E::Tours),
+            ("uniform*2~8;1,0,0,0,0,0", E::Repeats("2~8".into())),
+        ] {
+            assert_eq!(refused(set), error, "{set}");
         }
         assert_eq!(
             refused("uniform;1,0,0,0,0,0;1,1,0,0,0,0").to_string(),

@@ -1,7 +1,7 @@
 //! Replica exchange light transport: densities of the replicas, weights of their samples.
 
 use kaustik_film::Film;
-use kaustik_mcmc::{Family, Recorder, Visit};
+use kaustik_mcmc::{Family, Recorder, TourRecorder, Visit};
 use kaustik_path::{Class, Contributions, ScalarTarget};
 
 use crate::{ReplicaSet, Scale, Shares, SpecularSplit};
@@ -36,6 +36,31 @@ impl<const K: usize> Family<Contributions, K> for ReplicaFamily<K> {
             *density = weights.iter().zip(&classes).map(|(d, l)| d * l).sum();
         }
         densities
+    }
+}
+
+/// The density of the specific replica without that of joined paths: of implicit specular paths that nothing else finds
+/// ([`Class::L0`]), which a walk from the camera alone tells.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SpecificFamily {
+    weight: f64,
+    target: ScalarTarget,
+}
+
+impl SpecificFamily {
+    /// Of the last replica of a set.
+    pub fn new(set: &ReplicaSet, target: ScalarTarget) -> Self {
+        Self {
+            weight: set.weights(set.count() - 1)[Class::L0 as usize],
+            target,
+        }
+    }
+}
+
+impl Family<Contributions, 1> for SpecificFamily {
+    #[inline]
+    fn densities(&self, value: &Contributions) -> [f64; 1] {
+        [self.weight * value.by_class(self.target)[Class::L0 as usize]]
     }
 }
 
@@ -157,10 +182,10 @@ impl<const K: usize> ReplicaWeights<K> {
     }
 
     /// What implicit specular light of a sample of the specific replica is multiplied by:
-    /// `b_hat_K / q_K`, as no other replica shows that light.
+    /// `b_hat_K / q_K` with its density there, as no other replica shows that light.
     #[inline]
-    pub fn specific_factor(&self, densities: &[f64; K]) -> f64 {
-        1.0 / (densities[K - 1] * self.inverse[K - 1])
+    pub fn specific_factor(&self, density: f64) -> f64 {
+        1.0 / (density * self.inverse[K - 1])
     }
 }
 
@@ -186,6 +211,8 @@ pub struct ReplicaDeposit<'a, const K: usize> {
     /// 1 over the samples of each replica a sweep. [`weights`](Self::weights) know of those of the replicas that share
     /// paths ([`ReplicaWeights::with_counts`]).
     pub each: [f64; K],
+    /// 1 over the visits of the specific replica and of its [tours](kaustik_mcmc::Surrogate) a sweep.
+    pub each_specific: f64,
 }
 
 impl<const K: usize> Recorder<Contributions, K> for ReplicaDeposit<'_, K> {
@@ -218,11 +245,49 @@ impl<const K: usize> Recorder<Contributions, K> for ReplicaDeposit<'_, K> {
                 self.shares.hold(visit.level, weight * light.other, whole);
             }
         } else if light.specular > 0.0 {
-            let weight = sojourn * weights.specific_factor(visit.densities);
-            (self.scale).splat_classes(film, visit.value, weight, |class| class == Class::L0);
-            self.shares
-                .hold(visit.level, weight * light.specular, whole);
+            self.specific(
+                visit.value,
+                visit.weight,
+                visit.density(),
+                light.specular,
+                whole,
+            );
         }
+    }
+}
+
+impl<const K: usize> TourRecorder<Contributions> for ReplicaDeposit<'_, K> {
+    #[inline]
+    fn record_tour(&mut self, visit: Visit<'_, Contributions, 1>) {
+        let light = SpecularSplit::of(visit.value, ScalarTarget::Xyz);
+        if visit.weight > 0.0 && light.specular > 0.0 {
+            let whole = light.specular;
+            self.specific(
+                visit.value,
+                visit.weight,
+                visit.density(),
+                light.specular,
+                whole,
+            );
+        }
+    }
+}
+
+impl<const K: usize> ReplicaDeposit<'_, K> {
+    /// Gives the specific replica's film what a visit shows.
+    #[inline]
+    fn specific(
+        &mut self,
+        value: &Contributions,
+        weight: f64,
+        density: f64,
+        light: f64,
+        whole: f64,
+    ) {
+        let weight = weight * self.each_specific * self.weights.specific_factor(density);
+        let film = &self.films[K - 1];
+        (self.scale).splat_classes(film, value, weight, |class| class == Class::L0);
+        self.shares.hold(K - 1, weight * light, whole);
     }
 }
 

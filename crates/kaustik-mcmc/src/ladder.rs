@@ -4,7 +4,8 @@ use crate::decide::{decide, exchange_acceptance};
 use crate::permutation::Permutations;
 use crate::{
     Both, Draws, Family, IndexProcess, Kernel, LadderStatistics, Metropolis, Mutation, Point,
-    Recorder, Region, Schedule, Scouted, Scouting, SteppingStone, SwapGraph, Target,
+    Recorder, Region, Schedule, Scouted, Scouting, SteppingStone, SwapGraph, Target, TourRecorder,
+    Touring,
 };
 
 /// K chains, one a level, that exchange their states (Swendsen and Wang 1986; Geyer 1991; for
@@ -467,6 +468,36 @@ impl<M: Mutation, V, const K: usize> Ladder<Point<M>, V, K> {
     {
         let mut both = Both(&mut self.stepping_stone, recorder);
         self.replicas[level].scout(scouting, spare, family, draws, &mut both)
+    }
+
+    /// A step of the replica of a level by a tour: [`Metropolis::step_by_tour`].
+    ///
+    /// # Panics
+    ///
+    /// If `level` is K or more.
+    #[inline]
+    pub fn step_by_tour<T, C, Q, F, D, R>(
+        &mut self,
+        level: usize,
+        touring: &Touring<'_, T, C, Q>,
+        tour: &mut Metropolis<Point<M>, V, 1>,
+        family: &F,
+        draws: &mut D,
+        recorder: &mut R,
+    ) -> bool
+    where
+        M: Clone,
+        T: Target<Value = V>,
+        C: Target<Value = V>,
+        Q: Family<V, 1>,
+        F: Family<V, K> + ?Sized,
+        D: Draws + ?Sized,
+        R: Recorder<V, K> + TourRecorder<V> + ?Sized,
+    {
+        let replica = &mut self.replicas[level];
+        let ended = replica.tour(touring, tour, draws, recorder);
+        let mut both = Both(&mut self.stepping_stone, recorder);
+        replica.conclude_tour(ended, touring.target, tour, family, draws, &mut both)
     }
 }
 

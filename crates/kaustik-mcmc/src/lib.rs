@@ -77,6 +77,7 @@
 //! | [`Kernel`] | how a chain proposes, for any state: [`PointKernel`] for points, [`LevelKernel`] and [`SizedKernel`] with step sizes of their own |
 //! | [`Mixture`] | several kernels in one, by fixed chances or by [`Suitability`] |
 //! | [`Scouting`] | proposals that are looked at before they are paid for: [`Metropolis::scout`] |
+//! | [`Touring`] | many steps under a cheap surrogate, offered as one: [`Metropolis::step_by_tour`] |
 //! | [`SecondStage`] | a second try after a rejected large step: [`Metropolis::step_delayed`] |
 //! | [`Metropolis`] | a chain: current value, the decision, what is yet to be reported |
 //! | [`Ladder`] | chains at all levels that exchange states: by a [`Schedule`], on a [`SwapGraph`] |
@@ -202,6 +203,7 @@ mod target;
 // `doc`: so that the documentation has it, and links to it, without features
 #[cfg(any(test, doc, feature = "testing"))]
 pub mod testing;
+mod tour;
 mod visit;
 
 pub use adapt::{AcceptanceAdaptation, DiminishingAdaptation, JumpAdaptation};
@@ -242,6 +244,7 @@ pub use stepping_stone::SteppingStone;
 pub use stratified::{Stratification, Stratified};
 pub use swap_graph::{SwapGraph, SwapGraphError};
 pub use target::{FnTarget, Target, target};
+pub use tour::{TourRecorder, Touring};
 pub use visit::{Both, Ignore, Recorder, Visit};
 
 /// The generator that [`generator`] and [`sample_generator`] make.

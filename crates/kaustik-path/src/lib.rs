@@ -27,6 +27,7 @@ mod shadow;
 mod sighting;
 mod trace;
 mod unidirectional;
+mod unjoined;
 mod walk;
 mod ways;
 
@@ -49,4 +50,5 @@ pub use scalar::ScalarTarget;
 pub use sighting::{Sighting, sight};
 pub use trace::{Event, Role, Side, Stand, is_listening, note, trace};
 pub use unidirectional::Unidirectional;
+pub use unjoined::Unjoined;
 pub use ways::{Find, sight_ways};

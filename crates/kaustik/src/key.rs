@@ -266,10 +266,11 @@ pub const KEYS: &[Key] = &[
         name: "replicas",
         default: "standard",
         range: "standard|paper|sides|uniform;D0,D1,D2,D3,D4,D5;...",
-        meaning: "what the chains of a ladder follow: the paper's four, with scouts and more steps for the \
+        meaning: "what the chains of a ladder follow: the paper's four, with scouts, and tours for the \
                   specific one, or as printed; path and light tracing side by side; or 2 to 8 of one's own, \
-                  each the weights of the six classes of paths, *N for N steps a sweep, @B for the replica \
-                  that it stands on (which leaves out no class of it); uniform+N sends N scouts a sweep",
+                  each the weights of the six classes of paths, *N for N steps a sweep, ~T for tours of \
+                  T steps, @B for the replica that it stands on (which leaves out no class of it); uniform+N sends \
+                  N scouts a sweep",
         methods: REPLICAS,
     },
     Key {

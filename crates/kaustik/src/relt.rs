@@ -12,12 +12,14 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use kaustik_estimate::{
     PathTarget, ReplicaDeposit, ReplicaFamily, ReplicaSet, ReplicaWeights, Scale, Shares,
+    SpecificFamily,
 };
 use kaustik_film::{Counters, Film, FilmError, Image, Layer, Layout, Quantum, develop};
 use kaustik_mcmc::{
-    Estimate, RoughNormalisers, RunningNormalisers, Schedule, Statistics, SteppingStone,
+    Estimate, RoughNormalisers, RunningNormalisers, Schedule, Statistics, SteppingStone, Touring,
 };
-use kaustik_path::{Bidirectional, Event, trace};
+use kaustik_path::{Bidirectional, Event, Unjoined, trace};
+use kaustik_pss::Stream;
 use kaustik_scene::Scene;
 use rayon::prelude::*;
 
@@ -31,7 +33,7 @@ use crate::{
     ReplicaStatistics, Steps,
 };
 use kernels::kernels;
-use run::{Run, below, pool, runs};
+use run::{Run, Tours, below, pool, runs};
 use scouts::{SpecularLight, scouting};
 use start::{Started, for_so_many_replicas, replica_builder, start};
 
@@ -91,6 +93,8 @@ struct ReltEngine<'a, const K: usize> {
     counts: [f64; K],
     /// How many of the first's are spread evenly.
     even: u32,
+    /// Tours of the specific replica.
+    tours: Tours,
     particles: u64,
     effective: Vec<[f64; 2]>,
     dropped: Option<String>,
@@ -142,6 +146,7 @@ impl<'a, const K: usize> ReltEngine<'a, K> {
             specular_light: scouts.map(|_| SpecularLight::new(scene, settings)),
             counts,
             even,
+            tours: Tours::of(&set, specific),
             rough,
             lit: started.mean > 0.0,
             particles: started.particles,
@@ -161,6 +166,7 @@ impl<'a, const K: usize> ReltEngine<'a, K> {
             weights: self.weights,
             shares,
             each: self.counts.map(|n| 1.0 / n),
+            each_specific: 1.0 / (self.counts[K - 1] + self.tours.steps()),
         }
     }
 
@@ -179,16 +185,32 @@ impl<'a, const K: usize> ReltEngine<'a, K> {
             nonfinite: &nonfinite,
         };
         let kernels = kernels::<K>(target, &self.set, self.options.steps);
+        let unjoined = Unjoined {
+            settings: self.builder.settings,
+        };
+        let surrogate = PathTarget {
+            builder: &unjoined,
+            ..target
+        };
+        let touring = Touring {
+            target: &target,
+            surrogate: &surrogate,
+            density: &SpecificFamily::new(&self.set, self.options.target),
+            still: &[Stream::Light, Stream::Connection, Stream::Technique],
+            steps: self.tours.each,
+        };
         let mut deposit = self.deposit(run.shares);
         for done in 0..sweeps {
             if done % (STRIDE / PATHS_A_SWEEP) == 0 && is_stopped(stop) {
                 break;
             }
             for (level, kernel) in kernels.iter().enumerate() {
-                for _ in 0..self.set.repeats()[level] {
+                let tours = if level + 1 == K { self.tours.count } else { 0 };
+                for _ in tours..self.set.repeats()[level] {
                     (run.ladder).step_at(level, kernel, &self.family, &mut run.draws, &mut deposit);
                 }
             }
+            run.tour(self.tours.count, &touring, &self.family, &mut deposit);
             if let Some(region) = &self.specular_light {
                 run.scout(
                     self.set.scouts(),

@@ -20,6 +20,14 @@ pub struct ReplicaStatistics {
     pub scouts_found: u64,
     /// How often the specific replica went there.
     pub scouts_followed: u64,
+    /// Times that the specific replica was to go on a tour.
+    pub tours: u64,
+    /// How often it went to where one had ended.
+    pub tours_followed: u64,
+    /// Steps of all tours; there is none where it has no light that nothing else finds.
+    pub tour_steps: u64,
+    /// Mean acceptance of these.
+    pub tour_acceptance: f64,
     /// How often a state's lineage went from the first replica to the last and back.
     pub round_trips: u64,
     /// Particles of the annealing.

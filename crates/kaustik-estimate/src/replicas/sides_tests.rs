@@ -90,6 +90,7 @@ fn run(index: u64, below: [usize; 3], rough: [f64; 3]) -> Ran {
         weights: ReplicaWeights::new(rough, 2.0, false),
         shares: Shares::on(below),
         each: [1.0; 3],
+        each_specific: 1.0,
     };
     const SWEEPS: u32 = 40_000;
     for _ in 0..SWEEPS {

@@ -2,8 +2,8 @@
 
 use kaustik_film::{Layout, Quantum};
 use kaustik_mcmc::{
-    Draws, Exponential, Ladder, LevelKernel, Metropolis, Pcg64Dxsm, Point, Target, generator,
-    target,
+    Draws, Exponential, Ladder, LevelKernel, Metropolis, Pcg64Dxsm, Point, Target, Touring,
+    generator, target,
 };
 use kaustik_pss::{Coordinates, Stream};
 use kaustik_spectrum::Xyz;
@@ -11,6 +11,8 @@ use kaustik_spectrum::Xyz;
 use super::*;
 
 const PIXELS: usize = 10;
+/// Steps of a tour.
+const TOUR: u32 = 4;
 
 /// What the toy brings in each class at a point: a narrow specular peak, light that only the uniform
 /// replica sees, smooth rest, and specular light that others find as well; dark at the right end but for class 1.
@@ -40,6 +42,20 @@ fn toy() -> impl Target<Value = Contributions> {
             // a third of the scalar in each of X, Y, Z
             out.push([u, 0.5].into(), Xyz([value as f32 / 3.0; 3]), class);
         }
+        out
+    })
+}
+
+/// Its implicit specular light alone.
+fn specular() -> impl Target<Value = Contributions> {
+    target(|coordinates: &mut dyn Coordinates| -> Contributions {
+        let u = coordinates.get(Stream::Camera, 0);
+        let mut out = Contributions::default();
+        out.push(
+            [u, 0.5].into(),
+            Xyz([classes(u)[0] as f32 / 3.0; 3]),
+            Class::L0,
+        );
         out
     })
 }
@@ -100,6 +116,8 @@ struct Variant {
     scales: [f64; 4],
     /// Independent samples a sweep beside the ladder's.
     even: u32,
+    /// Visits of tours go to the specific film, which counts so many visits a sweep.
+    tours: (bool, u32),
     right: bool,
 }
 
@@ -109,21 +127,30 @@ fn variants(b: [f64; 4]) -> Vec<Variant> {
     let scales = wrong.map(|w| 1.0 / w);
     let one = |name, constants, beta, specific, scales, right| Variant {
         name,
-        weights: ReplicaWeights::new(constants, beta, specific),
+        weights: ReplicaWeights::new(constants, beta, specific).with_counts([1.0, 1.0, 1.0, 2.0]),
         scales,
         even: 0,
+        // a step, and one by a tour
+        tours: (false, 2),
         right,
     };
     let beside = |name, counts: f64, even, right| {
         let variant = one(name, rough, 2.0, true, scales, right);
-        let weights = variant.weights.with_counts([counts, 1.0, 1.0, 1.0]);
+        let weights = variant.weights.with_counts([counts, 1.0, 1.0, 2.0]);
         Variant {
             weights,
             even,
             ..variant
         }
     };
+    let touring = |name, tours, right| Variant {
+        tours,
+        ..one(name, rough, 2.0, true, scales, right)
+    };
     vec![
+        touring("tours", (true, 2 + TOUR), true),
+        touring("tours that are not counted", (true, 2), false),
+        touring("tours that are not there", (false, 2 + TOUR), false),
         one("beta 1", rough, 1.0, false, scales, true),
         one("beta 2", rough, 2.0, false, scales, true),
         one("beta 2.5", rough, 2.5, false, scales, true),
@@ -144,8 +171,16 @@ fn variants(b: [f64; 4]) -> Vec<Variant> {
     ]
 }
 
-/// Tells all variants the same.
-struct All<'a>(Vec<ReplicaDeposit<'a, 4>>);
+/// Tells all variants the same, but of tours those that take them.
+struct All<'a>(Vec<ReplicaDeposit<'a, 4>>, Vec<bool>);
+
+impl TourRecorder<Contributions> for All<'_> {
+    fn record_tour(&mut self, visit: Visit<'_, Contributions, 1>) {
+        for (deposit, _) in self.0.iter_mut().zip(&self.1).filter(|(_, takes)| **takes) {
+            deposit.record_tour(visit);
+        }
+    }
+}
 
 impl Recorder<Contributions, 4> for All<'_> {
     fn record(&mut self, visit: Visit<'_, Contributions, 4>) {
@@ -168,21 +203,41 @@ fn batch(index: u64, runs: u32, sweeps: u32, variants: &[Variant]) -> Vec<[f64; 
         height: 1.0,
     };
     let deposits = variants.iter().zip(&films);
-    let mut all = All(deposits
+    let all = deposits
         .map(|(variant, films)| ReplicaDeposit {
             films,
             scale,
             weights: variant.weights,
             shares: Shares::default(),
-            each: [1.0; 4],
+            each: [1.0, 1.0, 1.0, 0.5],
+            each_specific: 1.0 / f64::from(variant.tours.1),
         })
-        .collect());
+        .collect();
+    let mut all = All(
+        all,
+        variants.iter().map(|variant| variant.tours.0).collect(),
+    );
+    let mut tour = Metropolis::at(
+        Point::new(sizes[3]),
+        Contributions::default(),
+        &|_: &Contributions| [0.0],
+        0,
+    );
+    let touring = Touring {
+        target: &toy,
+        surrogate: &specular(),
+        density: &SpecificFamily::new(&set(), ScalarTarget::Xyz),
+        still: &[Stream::Light],
+        steps: TOUR,
+    };
     let beside = family();
     for _ in 0..runs {
         let starts = std::array::from_fn(|k| stationary(&toy, k, sizes[k], &mut rng));
         let mut ladder = Ladder::new(starts, &family());
         for _ in 0..sweeps {
-            ladder.sweep(&kernels, &family(), &mut rng, &mut all);
+            ladder.step(&kernels, &family(), &mut rng, &mut all);
+            ladder.step_by_tour(3, &touring, &mut tour, &family(), &mut rng, &mut all);
+            ladder.exchange(&kernels, &mut rng, &mut all);
             for (deposit, variant) in all.0.iter_mut().zip(variants) {
                 for _ in 0..variant.even {
                     let mut value = Contributions::default();
@@ -254,7 +309,7 @@ fn weights_are_a_partition_of_unity() {
                     .sum();
                 assert!((sum - 1.0).abs() < 1e-12, "{sum}");
                 if q[3] > 0.0 {
-                    let one = q[3] / rough[3] * weights.specific_factor(&q);
+                    let one = q[3] / rough[3] * weights.specific_factor(q[3]);
                     assert!((one - 1.0).abs() < 1e-12, "{one}");
                 }
             }

@@ -158,7 +158,34 @@ impl<M: Mutation> Point<M> {
     /// The current state, to be read without moving: for rebuilding its value.
     pub fn current<'a, D: Draws + ?Sized>(&'a mut self, draws: &'a mut D) -> Current<'a, M, D> {
         self.roll_back();
-        Current { point: self, draws }
+        Current {
+            point: self,
+            draws,
+            marks: false,
+        }
+    }
+
+    /// As [`current`](Self::current), for an evaluation that the state is to have from now on: what it reads is what
+    /// [`refresh`](Self::refresh) keeps.
+    pub(crate) fn evaluated_anew<'a, D: Draws + ?Sized>(
+        &'a mut self,
+        draws: &'a mut D,
+    ) -> Current<'a, M, D> {
+        Current {
+            marks: true,
+            ..self.current(draws)
+        }
+    }
+
+    /// The coordinates of these streams took no part in the last so many accepted steps, and owe nothing for them.
+    pub(crate) fn excuse(&mut self, streams: &[Stream], steps: u64) {
+        for &stream in streams {
+            for coordinate in &mut self.streams[stream as usize] {
+                if coordinate.modify >= self.clock.large_time {
+                    coordinate.modify += steps as i64;
+                }
+            }
+        }
     }
 
     /// The mutation of small steps.
@@ -359,6 +386,8 @@ fn grow(stored: &mut Vec<Coordinate>, index: usize) {
 pub struct Current<'a, M, D: ?Sized> {
     point: &'a mut Point<M>,
     draws: &'a mut D,
+    /// Whether what is read counts as read by the state's evaluation.
+    marks: bool,
 }
 
 impl<M: Mutation, D: Draws + ?Sized> Coordinates for Current<'_, M, D> {
@@ -371,6 +400,9 @@ impl<M: Mutation, D: Draws + ?Sized> Coordinates for Current<'_, M, D> {
         } = &mut *self.point;
         let coordinate = Point::<M>::slot(streams, stream, index);
         Point::bring_up(coordinate, (stream, index), clock, mutation, self.draws);
+        if self.marks {
+            coordinate.seen = clock.time - 1;
+        }
         coordinate.value
     }
 }

@@ -1,9 +1,9 @@
 use kaustik_mcmc::{Exponential, Independent, Mean, Point, Step, generator};
 use kaustik_path::{
     Bidirectional, BuilderSettings, Class, Contributions, Form, Heuristic, PathBuilder,
-    PureSpecular, ScalarTarget, Sighting, Unidirectional, sight, sight_ways,
+    PureSpecular, ScalarTarget, Sighting, Unidirectional, Unjoined, sight, sight_ways,
 };
-use kaustik_pss::{Coordinates, Recording};
+use kaustik_pss::{Coordinates, Recording, Stream};
 use kaustik_scene::{Scene, builtin};
 
 use crate::scenes::SCENES;
@@ -115,6 +115,64 @@ fn what_cannot_be_joined_has_the_weight_one() {
         }
     }
     assert!(alone > 300 && less > 100, "{alone} alone; {less} of {more}");
+}
+
+/// The walk from the camera alone brings what the full form has in class 0, and nothing else. It reads no coordinate that the
+/// full form does not read, and none of a light's walk or of a connection.
+#[test]
+fn the_walk_alone_brings_what_cannot_be_joined() {
+    let (mut whole, mut alone) = (Contributions::default(), Contributions::default());
+    let mut found = 0;
+    for (name, scene) in scenes() {
+        for (min_edges, pure_specular) in [
+            (1, PureSpecular::Kept),
+            (4, PureSpecular::Kept),
+            (2, PureSpecular::LeftOut),
+        ] {
+            let settings = BuilderSettings {
+                min_edges,
+                max_edges: 12,
+                pure_specular,
+                ..BuilderSettings::default()
+            };
+            let full = Bidirectional {
+                settings,
+                form: Form::Full,
+                heuristic: Heuristic::Power,
+            };
+            let walk = Unjoined { settings };
+            let mut source = Independent::new(generator(23, u64::from(min_edges)));
+            for point in 0..POINTS {
+                let mut recording = Recording::new(&mut source);
+                full.build(&scene, &mut recording, &mut whole);
+                let mut recorded = recording.finish();
+                let mut reading = Recording::new(&mut recorded);
+                walk.build(&scene, &mut reading, &mut alone);
+                let read = reading.finish();
+                let place = format!("{name}, {settings:?}, point {point}");
+                let wanted: Vec<_> = (whole.splats().iter())
+                    .filter(|splat| splat.class == Class::L0)
+                    .collect();
+                assert_eq!(wanted.len(), alone.splats().len(), "{place}");
+                for (one, other) in wanted.into_iter().zip(alone.splats()) {
+                    assert_eq!(
+                        (one.raster, other.class),
+                        (other.raster, Class::L0),
+                        "{place}"
+                    );
+                    let near = |(a, b): (&f32, &f32)| (a - b).abs() <= 1e-5 * one.xyz.sum();
+                    let alike = one.xyz.0.iter().zip(&other.xyz.0).all(near);
+                    assert!(alike, "{place}: {:?} {:?}", one.xyz, other.xyz);
+                    found += 1;
+                }
+                assert_eq!(recorded.missing(), None, "{place}");
+                let still = [Stream::Light, Stream::Connection, Stream::Technique];
+                let other = read.iter().find(|(stream, ..)| still.contains(stream));
+                assert_eq!(other, None, "{place}");
+            }
+        }
+    }
+    assert!(found > 300, "only {found}");
 }
 
 #[test]

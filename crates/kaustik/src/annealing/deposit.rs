@@ -86,7 +86,7 @@ impl<const K: usize> Recorder<Contributions, K> for AnnealedDeposit<'_, K> {
         let light = SpecularSplit::of(visit.value, ScalarTarget::Xyz);
         let (film, scale) = (self.film, self.scale);
         if visit.level >= weights.shared() {
-            let weight = weight * weights.specific_factor(visit.densities);
+            let weight = weight * weights.specific_factor(visit.density());
             scale.splat_classes(film, visit.value, weight, |class| class == Class::L0);
             self.gathered.light += weight * light.specular;
         } else {

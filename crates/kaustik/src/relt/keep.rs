@@ -4,7 +4,8 @@ use std::io;
 
 use kaustik_estimate::{ReplicaFamily, ReplicaSet, Shares};
 use kaustik_mcmc::{
-    AcceptanceAdaptation, Estimate, Ladder, Metropolis, Pcg64Dxsm, Point, checked_densities,
+    Acceptance, AcceptanceAdaptation, Estimate, Ladder, Metropolis, Pcg64Dxsm, Point,
+    checked_densities,
 };
 use kaustik_path::Contributions;
 use serde::{Deserialize, Serialize};
@@ -28,6 +29,8 @@ struct Kept<L, P, A, S> {
     adaptations: A,
     shares: S,
     scouted: [u64; 2],
+    toured: Acceptance,
+    tours_followed: u64,
     nonfinite: Nonfinite,
 }
 
@@ -61,6 +64,8 @@ impl<const K: usize> Keep for ReltEngine<'_, K> {
                 adaptations: run.adaptations.as_slice(),
                 shares: run.shares,
                 scouted: [run.found, run.followed],
+                toured: run.tour_steps(),
+                tours_followed: run.tours_followed,
                 nonfinite: run.nonfinite,
             })
         })
@@ -129,11 +134,20 @@ impl<const K: usize> Run<K> {
             let steps = kept.sweeps * u64::from(set.repeats()[level]);
             check_replica(replica, steps, &adaptations[level], family)?;
         }
-        for count in kept.scouted {
+        let Acceptance {
+            proposed, accepted, ..
+        } = kept.toured;
+        let [found, followed] = kept.scouted;
+        for count in [found, followed, proposed, accepted, kept.tours_followed] {
             Reader::count(count)?;
+        }
+        if !kept.toured.expected.is_finite() {
+            return wrong("the acceptance of its tours is no number");
         }
         self.nonfinite = kept.nonfinite.checked()?;
         [self.found, self.followed] = kept.scouted;
+        self.toured = kept.toured;
+        self.tours_followed = kept.tours_followed;
         self.sweeps = kept.sweeps;
         self.draws = kept.draws;
         self.ladder = kept.ladder;

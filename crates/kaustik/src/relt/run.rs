@@ -4,8 +4,8 @@ use kaustik_estimate::{
     PathTarget, ReplicaDeposit, ReplicaFamily, ReplicaSet, ReplicaWeights, Shares,
 };
 use kaustik_mcmc::{
-    AcceptanceAdaptation, Ladder, Pcg64Dxsm, Point, Scouted, Scouting, SteppingStone, SwapGraph,
-    generator,
+    Acceptance, AcceptanceAdaptation, Family, Ladder, Metropolis, Pcg64Dxsm, Point, Scouted,
+    Scouting, SteppingStone, SwapGraph, Touring, generator,
 };
 use kaustik_path::Contributions;
 
@@ -24,12 +24,42 @@ pub(super) struct Run<const K: usize> {
     pub(super) even: Even,
     /// Where scouts go.
     pub(super) spare: Point<Mutation>,
+    /// Goes on tours of the specific replica.
+    pub(super) tour: Metropolis<Point<Mutation>, Contributions, 1>,
+    /// Steps of tours before the run was taken up, and tours whose end the replica has gone to.
+    pub(super) toured: Acceptance,
+    pub(super) tours_followed: u64,
     pub(super) found: u64,
     pub(super) followed: u64,
     pub(super) adaptations: [AcceptanceAdaptation<Mutation>; K],
     pub(super) sweeps: u64,
     pub(super) shares: Shares<K>,
     pub(super) nonfinite: Nonfinite,
+}
+
+/// Tours of the specific replica in a sweep.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Tours {
+    pub(super) count: u32,
+    /// Steps of each.
+    pub(super) each: u32,
+}
+
+impl Tours {
+    /// Of a set whose specific replica runs, or does not.
+    pub(super) fn of(set: &ReplicaSet, specific: bool) -> Self {
+        let goes = specific && set.tour() > 0;
+        let repeats = set.repeats()[set.count() - 1];
+        Self {
+            count: if goes { repeats - 1 } else { 0 },
+            each: set.tour(),
+        }
+    }
+
+    /// Of all in a sweep.
+    pub(super) fn steps(self) -> f64 {
+        f64::from(self.count) * f64::from(self.each)
+    }
 }
 
 /// What independent samples and scouts say before any chain has moved.
@@ -83,6 +113,28 @@ impl<const K: usize> Run<K> {
         }
     }
 
+    /// Sends the specific replica on tours.
+    pub(super) fn tour<Q: Family<Contributions, 1>>(
+        &mut self,
+        count: u32,
+        touring: &Touring<'_, PathTarget<'_>, PathTarget<'_>, Q>,
+        family: &ReplicaFamily<K>,
+        deposit: &mut ReplicaDeposit<'_, K>,
+    ) {
+        let (ladder, tour, draws) = (&mut self.ladder, &mut self.tour, &mut self.draws);
+        for _ in 0..count {
+            let followed = ladder.step_by_tour(K - 1, touring, tour, family, draws, deposit);
+            self.tours_followed += u64::from(followed);
+        }
+    }
+
+    /// Steps of all its tours.
+    pub(super) fn tour_steps(&self) -> Acceptance {
+        let mut all = self.toured;
+        all.merge(self.tour.statistics().small());
+        all
+    }
+
     /// Ends a round: new step sizes for all replicas but the uniform one.
     pub(super) fn adapt(&mut self) {
         for (level, adaptation) in self.adaptations.iter_mut().enumerate().skip(1) {
@@ -115,6 +167,14 @@ pub(super) fn runs<const K: usize>(
                 .with_stepping_stone(SteppingStone::on(below(set))),
             even: Even::new(settings, index),
             spare: Point::new(mutation(set, settings.options.steps, K - 1)),
+            tour: Metropolis::at(
+                Point::new(mutation(set, settings.options.steps, K - 1)),
+                Contributions::default(),
+                &|_: &Contributions| [0.0],
+                0,
+            ),
+            toured: Acceptance::default(),
+            tours_followed: 0,
             found: 0,
             followed: 0,
             adaptations: std::array::from_fn(|k| {

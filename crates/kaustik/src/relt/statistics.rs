@@ -1,7 +1,7 @@
 //! What replicas tell about themselves.
 
 use kaustik_estimate::Shares;
-use kaustik_mcmc::{LadderStatistics, RunningNormalisers, Statistics};
+use kaustik_mcmc::{Acceptance, LadderStatistics, RunningNormalisers, Statistics};
 
 use super::{ReltEngine, finite};
 use crate::{ReplicaLevel, ReplicaStatistics};
@@ -21,8 +21,10 @@ impl<const K: usize> ReltEngine<'_, K> {
     /// Of all ladders.
     pub(super) fn statistics(&self) -> ReplicaStatistics {
         let mut exchanges = LadderStatistics::new();
+        let mut tours = Acceptance::default();
         for run in &self.runs {
             exchanges.merge(run.ladder.statistics());
+            tours.merge(&run.tour_steps());
         }
         let (running, uniform) = (self.running(), self.level(0));
         let compared = Compared {
@@ -46,6 +48,10 @@ impl<const K: usize> ReltEngine<'_, K> {
             },
             scouts_found: self.runs.iter().map(|run| run.found).sum(),
             scouts_followed: self.runs.iter().map(|run| run.followed).sum(),
+            tours: self.sweeps() * u64::from(self.tours.count),
+            tours_followed: self.runs.iter().map(|run| run.tours_followed).sum(),
+            tour_steps: tours.proposed,
+            tour_acceptance: tours.rate(),
             round_trips: exchanges.round_trips,
             particles: self.particles,
             dropped: self.dropped.clone(),
