@@ -140,13 +140,44 @@ fn a_negligible_replica_is_dropped_and_its_light_kept() {
     for mean in means(&done.image) {
         assert!((mean - 1.0).abs() < 0.03, "{mean}");
     }
-    let kept = rendered(words, &settings(Method::Relt, 16, 256));
+    let mut paper = small.clone();
+    paper.options.replicas = Some("paper".parse().expect("a set"));
+    let kept = rendered(words, &paper);
     let replicas = kept.statistics.replicas.expect("statistics of replicas");
     assert!(replicas.dropped.is_none() && replicas.levels.len() == 4);
     assert!(replicas.levels[3].weights[Class::L0 as usize] > 0.0);
     for mean in means(&kept.image) {
         assert!((mean - 1.0).abs() < 0.03, "{mean}");
     }
+}
+
+/// Nor does one whose light scouts find everywhere: that is left to independent samples, in a furnace all light there is. Where
+/// they find some seldom it runs.
+#[test]
+fn a_specific_replica_that_nobody_needs_is_dropped_and_its_light_kept() {
+    let with = |words| {
+        let done = rendered(words, &settings(Method::Relt, 16, 256));
+        let replicas = done.statistics.replicas.expect("statistics of replicas");
+        (means(&done.image), replicas)
+    };
+    let (picture, replicas) = with("furnace?kind=glass");
+    assert_eq!((replicas.levels.len(), replicas.scouts), (1, 0));
+    for mean in picture {
+        assert!((mean - 1.0).abs() < 0.02, "{mean}");
+    }
+    let (picture, replicas) = with("prism?light=0.4");
+    assert_eq!((replicas.levels.len(), replicas.scouts), (3, 0));
+    let why = &replicas.notices()[0];
+    assert!(
+        why.contains("walks from the camera find its light"),
+        "{why}"
+    );
+    let samples = means(&rendered("prism?light=0.4", &settings(Method::Bdpt, 16, 2048)).image);
+    for (found, wanted) in picture.into_iter().zip(samples) {
+        assert!((found / wanted - 1.0).abs() < 0.1, "{found} {wanted}");
+    }
+    let (_, replicas) = with("glass-cube");
+    assert!(replicas.dropped.is_none() && replicas.levels.len() == 4);
 }
 
 #[test]
@@ -250,40 +281,42 @@ fn scouts_know_the_specific_light_better_than_samples_do() {
 /// Tours show the specific replica's light where its own steps show it.
 #[test]
 fn tours_show_the_same_light() {
+    const SEEDS: u64 = 6;
     let with = |last: &str| {
-        let mut settings = RenderSettings {
-            features: true,
-            ..settings(Method::Relt, 16, 512)
-        };
-        let set = format!("uniform+16;1,0,1,1,1,1;1,0,0,1,1,1;1,0,0,0,0,0.05*3{last}");
-        settings.options.replicas = Some(set.parse().expect("a set"));
-        let done = rendered("water-cornell?light=0.8", &settings);
-        let layer = done.image.layer("replica-4").expect("its layer");
-        let plane = layer.channel("G").expect("its channel");
         let mut quarters = [0.0; 4];
-        for (pixel, value) in plane.iter().enumerate() {
-            quarters[pixel / 16 / 8 * 2 + pixel % 16 / 8] += f64::from(*value);
+        let mut told = None;
+        for seed in 0..SEEDS {
+            let mut settings = RenderSettings {
+                features: true,
+                seed,
+                ..settings(Method::Relt, 16, 256)
+            };
+            let set = format!("uniform+16;1,0,1,1,1,1;1,0,0,1,1,1;1,0,0,0,0,0.05*3{last}");
+            settings.options.replicas = Some(set.parse().expect("a set"));
+            let done = rendered("water-cornell?light=0.8", &settings);
+            let layer = done.image.layer("replica-4").expect("its layer");
+            let plane = layer.channel("G").expect("its channel");
+            for (pixel, value) in plane.iter().enumerate() {
+                quarters[pixel / 16 / 8 * 2 + pixel % 16 / 8] += f64::from(*value);
+            }
+            told = done.statistics.replicas;
         }
-        (
-            quarters,
-            done.statistics.replicas.expect("statistics of replicas"),
-        )
+        (quarters, told.expect("statistics of replicas"))
     };
     let ((steps, without), (tours, replicas)) = (with(""), with("~8"));
     let sum: f64 = steps.iter().sum();
     for (one, other) in steps.iter().zip(&tours) {
-        assert!((one - other).abs() < 0.05 * sum, "{steps:?} {tours:?}");
+        // 3 % is the standard deviation
+        assert!((one - other).abs() < 0.1 * sum, "{steps:?} {tours:?}");
     }
     assert_eq!((without.tours, without.tour_steps), (0, 0));
     assert_eq!(replicas.tours, 2 * replicas.sweeps);
     assert_eq!(replicas.tour_steps % 8, 0);
     let share = replicas.tours_followed as f64 / (replicas.tour_steps / 8) as f64;
+    assert!(share > 0.5, "{share}");
+    assert!(replicas.tour_steps > 1_000, "{}", replicas.tour_steps);
     assert!(
-        share > 0.5 && replicas.tour_steps > replicas.tours,
-        "{share}"
-    );
-    assert!(
-        (0.1..0.6).contains(&replicas.tour_acceptance),
+        (0.1..0.9).contains(&replicas.tour_acceptance),
         "{}",
         replicas.tour_acceptance
     );

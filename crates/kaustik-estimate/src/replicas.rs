@@ -25,17 +25,22 @@ impl<const K: usize> ReplicaFamily<K> {
             target,
         }
     }
+
+    /// The densities where the scalars of the classes of paths are these.
+    #[inline]
+    pub fn of_classes(&self, classes: &[f64; Class::COUNT]) -> [f64; K] {
+        let mut densities = [1.0; K];
+        for (density, weights) in densities.iter_mut().zip(&self.weights).skip(1) {
+            *density = weights.iter().zip(classes).map(|(d, l)| d * l).sum();
+        }
+        densities
+    }
 }
 
 impl<const K: usize> Family<Contributions, K> for ReplicaFamily<K> {
     #[inline]
     fn densities(&self, value: &Contributions) -> [f64; K] {
-        let classes = value.by_class(self.target);
-        let mut densities = [1.0; K];
-        for (density, weights) in densities.iter_mut().zip(&self.weights).skip(1) {
-            *density = weights.iter().zip(&classes).map(|(d, l)| d * l).sum();
-        }
-        densities
+        self.of_classes(&value.by_class(self.target))
     }
 }
 

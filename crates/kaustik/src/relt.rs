@@ -109,7 +109,7 @@ impl<'a, const K: usize> ReltEngine<'a, K> {
         started: Started,
     ) -> Result<Self, RenderError> {
         let options = settings.options;
-        let set = options.replica_set();
+        let set = started.set;
         let family = ReplicaFamily::new(&set, options.target);
         let rough: [Estimate; K] = std::array::from_fn(|k| started.rough[k]);
         // Without its replica, implicit specular light goes back to the others.

@@ -26,7 +26,7 @@ pub struct ReplicaStatistics {
     pub tours_followed: u64,
     /// Steps of all tours; there is none where it has no light that nothing else finds.
     pub tour_steps: u64,
-    /// Mean acceptance of these.
+    /// Share of these that were accepted.
     pub tour_acceptance: f64,
     /// How often a state's lineage went from the first replica to the last and back.
     pub round_trips: u64,

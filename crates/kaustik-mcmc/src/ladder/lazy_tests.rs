@@ -5,6 +5,7 @@ use kaustik_pss::{Coordinates, Stream};
 use super::*;
 use crate::testing::{Enumerator, GridStep, Law, PointKey, point_key};
 use crate::{Ignore, Move, PointKernel, target};
+use crate::{Point, Target};
 
 const TOLERANCE: f64 = 1e-12;
 

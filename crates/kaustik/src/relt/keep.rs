@@ -4,15 +4,14 @@ use std::io;
 
 use kaustik_estimate::{ReplicaFamily, ReplicaSet, Shares};
 use kaustik_mcmc::{
-    Acceptance, AcceptanceAdaptation, Estimate, Ladder, Metropolis, Pcg64Dxsm, Point,
-    checked_densities,
+    AcceptanceAdaptation, Estimate, Ladder, Metropolis, Pcg64Dxsm, Point, checked_densities,
 };
 use kaustik_path::Contributions;
 use serde::{Deserialize, Serialize};
 
 use super::ReltEngine;
 use super::kernels::Mutation;
-use super::run::{Run, below};
+use super::run::{Run, below, nowhere};
 use crate::Steps;
 use crate::engine::Nonfinite;
 use crate::state::{Keep, Reader, StateError, Writer};
@@ -29,7 +28,7 @@ struct Kept<L, P, A, S> {
     adaptations: A,
     shares: S,
     scouted: [u64; 2],
-    toured: Acceptance,
+    toured: [u64; 2],
     tours_followed: u64,
     nonfinite: Nonfinite,
 }
@@ -85,7 +84,6 @@ impl<const K: usize> Keep for ReltEngine<'_, K> {
         }
         let passes = self.besides.take_up(from)?;
         let (ladders, cost) = (from.ladders(), self.cost());
-        let adapts = self.options.steps == Steps::Adapted;
         let mut steps = 0;
         for run in self
             .runs
@@ -94,7 +92,7 @@ impl<const K: usize> Keep for ReltEngine<'_, K> {
         {
             let kept: Read<K> = from.value()?;
             Reader::count(kept.sweeps.saturating_mul(cost))?;
-            run.take_up(kept, &self.family, &self.set, adapts)?;
+            run.take_up(kept, &self.family, &self.set, self.options.steps)?;
             run.even.go_to(run.sweeps * u64::from(self.even), run.index);
             steps += run.sweeps * cost;
         }
@@ -112,7 +110,7 @@ impl<const K: usize> Run<K> {
         kept: Read<K>,
         family: &ReplicaFamily<K>,
         set: &ReplicaSet,
-        adapts: bool,
+        steps: Steps,
     ) -> Result<(), StateError> {
         let wrong = |what: &str| Err(StateError::damaged(what));
         let Ok(adaptations) = <[_; K]>::try_from(kept.adaptations) else {
@@ -127,26 +125,21 @@ impl<const K: usize> Run<K> {
         if !same {
             return wrong("a ladder does not agree with itself");
         }
-        if !adapts && adaptations != self.adaptations {
+        if steps != Steps::Adapted && adaptations != self.adaptations {
             return wrong("steps have changed that never do");
         }
         for (level, replica) in ladder.replicas().iter().enumerate() {
-            let steps = kept.sweeps * u64::from(set.repeats()[level]);
-            check_replica(replica, steps, &adaptations[level], family)?;
+            let taken = kept.sweeps * u64::from(set.repeats()[level]);
+            check_replica(replica, taken, &adaptations[level], family)?;
         }
-        let Acceptance {
-            proposed, accepted, ..
-        } = kept.toured;
+        let [proposed, accepted] = kept.toured;
         let [found, followed] = kept.scouted;
         for count in [found, followed, proposed, accepted, kept.tours_followed] {
             Reader::count(count)?;
         }
-        if !kept.toured.expected.is_finite() {
-            return wrong("the acceptance of its tours is no number");
-        }
         self.nonfinite = kept.nonfinite.checked()?;
         [self.found, self.followed] = kept.scouted;
-        self.toured = kept.toured;
+        (self.toured, self.tour) = (kept.toured, nowhere(set, steps));
         self.tours_followed = kept.tours_followed;
         self.sweeps = kept.sweeps;
         self.draws = kept.draws;

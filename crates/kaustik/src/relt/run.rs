@@ -4,8 +4,8 @@ use kaustik_estimate::{
     PathTarget, ReplicaDeposit, ReplicaFamily, ReplicaSet, ReplicaWeights, Shares,
 };
 use kaustik_mcmc::{
-    Acceptance, AcceptanceAdaptation, Family, Ladder, Metropolis, Pcg64Dxsm, Point, Scouted,
-    Scouting, SteppingStone, SwapGraph, Touring, generator,
+    AcceptanceAdaptation, Family, Ladder, Metropolis, Pcg64Dxsm, Point, Scouted, Scouting,
+    SteppingStone, SwapGraph, Touring, generator,
 };
 use kaustik_path::Contributions;
 
@@ -13,8 +13,8 @@ use super::even::Even;
 use super::kernels::{Mutation, mutation};
 use super::scouts::SpecularLight;
 use super::start::{Started, State};
-use crate::RenderSettings;
 use crate::engine::Nonfinite;
+use crate::{RenderSettings, Steps};
 
 /// One ladder.
 pub(super) struct Run<const K: usize> {
@@ -26,8 +26,9 @@ pub(super) struct Run<const K: usize> {
     pub(super) spare: Point<Mutation>,
     /// Goes on tours of the specific replica.
     pub(super) tour: Metropolis<Point<Mutation>, Contributions, 1>,
-    /// Steps of tours before the run was taken up, and tours whose end the replica has gone to.
-    pub(super) toured: Acceptance,
+    /// Steps of tours before the run was taken up, and of these the accepted.
+    pub(super) toured: [u64; 2],
+    /// Tours whose end the replica has gone to.
     pub(super) tours_followed: u64,
     pub(super) found: u64,
     pub(super) followed: u64,
@@ -128,11 +129,11 @@ impl<const K: usize> Run<K> {
         }
     }
 
-    /// Steps of all its tours.
-    pub(super) fn tour_steps(&self) -> Acceptance {
-        let mut all = self.toured;
-        all.merge(self.tour.statistics().small());
-        all
+    /// Steps of all its tours, and of these the accepted.
+    pub(super) fn tour_steps(&self) -> [u64; 2] {
+        let since = self.tour.statistics().small();
+        let [proposed, accepted] = self.toured;
+        [proposed + since.proposed, accepted + since.accepted]
     }
 
     /// Ends a round: new step sizes for all replicas but the uniform one.
@@ -144,6 +145,20 @@ impl<const K: usize> Run<K> {
             self.ladder.set_mutation(level, mutation, &mut self.draws);
         }
     }
+}
+
+/// A chain for tours of the last replica, which has not been anywhere.
+pub(super) fn nowhere(
+    set: &ReplicaSet,
+    steps: Steps,
+) -> Metropolis<Point<Mutation>, Contributions, 1> {
+    let point = Point::new(mutation(set, steps, set.count() - 1));
+    Metropolis::at(
+        point,
+        Contributions::default(),
+        &|_: &Contributions| [0.0],
+        0,
+    )
 }
 
 /// The ladders of this process.
@@ -167,13 +182,8 @@ pub(super) fn runs<const K: usize>(
                 .with_stepping_stone(SteppingStone::on(below(set))),
             even: Even::new(settings, index),
             spare: Point::new(mutation(set, settings.options.steps, K - 1)),
-            tour: Metropolis::at(
-                Point::new(mutation(set, settings.options.steps, K - 1)),
-                Contributions::default(),
-                &|_: &Contributions| [0.0],
-                0,
-            ),
-            toured: Acceptance::default(),
+            tour: nowhere(set, settings.options.steps),
+            toured: [0; 2],
             tours_followed: 0,
             found: 0,
             followed: 0,

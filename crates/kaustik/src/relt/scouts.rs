@@ -4,7 +4,7 @@ use kaustik_estimate::{PathTarget, ReplicaFamily, ReplicaSet, ScalarTarget, Spec
 use kaustik_mcmc::{
     Estimate, Exponential, Mean, Point, Region, SampleGenerators, Step, Target, checked_densities,
 };
-use kaustik_path::{BuilderSettings, Contributions, Sighting, sight};
+use kaustik_path::{BuilderSettings, Class, Contributions, Sighting, sight};
 use kaustik_pss::Coordinates;
 use kaustik_scene::Scene;
 use rayon::prelude::*;
@@ -60,13 +60,15 @@ pub(crate) struct Scouts<'a, const K: usize> {
     pub(crate) count: u64,
     /// The furthest that any saw.
     pub(crate) furthest: Sighting,
-    found: Vec<Find<K>>,
+    family: ReplicaFamily<K>,
+    found: Vec<Find>,
 }
 
 /// A point of the region.
-struct Find<const K: usize> {
+struct Find {
     index: u64,
-    densities: [f64; K],
+    /// Scalars of its classes of paths, of which densities are made.
+    classes: [f64; Class::COUNT],
     light: f64,
 }
 
@@ -86,23 +88,24 @@ impl<'a, const K: usize> Scouts<'a, K> {
             count,
             // nobody has looked
             furthest: Sighting::Light,
+            family,
             found: Vec::new(),
         };
         if count == 0 {
             return scouts;
         }
         let scratch = || (Point::new(Exponential::default()), Contributions::default());
-        let all: Vec<(Sighting, Option<Find<K>>)> = (0..count as usize)
+        let all: Vec<(Sighting, Option<Find>)> = (0..count as usize)
             .into_par_iter()
             .with_min_len(256)
             .map_init(scratch, |(point, value), index| {
                 let sighting = scouts.look(index as u64, point, value);
                 let light = scouts.region.measure(value);
-                let densities = checked_densities(&family, value);
-                let find = densities.filter(|_| sighting == Sighting::Light && light > 0.0);
-                let find = find.map(|densities| Find {
+                let sound = checked_densities(&family, value).is_some();
+                let found = sound && sighting == Sighting::Light && light > 0.0;
+                let find = found.then(|| Find {
                     index: index as u64,
-                    densities,
+                    classes: value.by_class(settings.options.target),
                     light,
                 });
                 (sighting, find)
@@ -151,8 +154,24 @@ impl<'a, const K: usize> Scouts<'a, K> {
 
     /// A replica's density at each find.
     pub(crate) fn densities(&self, level: usize) -> Vec<f64> {
-        let densities = self.found.iter().map(|find| find.densities[level]);
-        densities.collect()
+        let densities = |find: &Find| self.family.of_classes(&find.classes)[level];
+        self.found.iter().map(densities).collect()
+    }
+
+    /// Effective share of those that found light: the mean squared over the mean of squares.
+    pub(crate) fn effective_share(&self) -> f64 {
+        let light = self.found.iter().map(|find| find.light);
+        let (sum, squares) = light.fold((0.0, 0.0), |(s, q), l| (s + l, q + l * l));
+        if squares > 0.0 {
+            sum * sum / squares / self.count as f64
+        } else {
+            0.0
+        }
+    }
+
+    /// Judges what they found by another family.
+    pub(crate) fn judge_by(&mut self, family: ReplicaFamily<K>) {
+        self.family = family;
     }
 
     /// Implicit specular light of each find, and how many were sent.

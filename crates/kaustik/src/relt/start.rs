@@ -14,10 +14,10 @@ use rayon::prelude::*;
 
 use super::kernels::{Mutation, kernels, mutation};
 use super::scouts::{Scouts, scouting};
-use crate::RenderSettings;
 use crate::control::is_stopped;
 use crate::render::builder_settings;
 use crate::streams;
+use crate::{Method, RenderSettings};
 
 /// A replica's place and what it brings.
 pub(crate) type State = (Point<Mutation>, Contributions);
@@ -84,6 +84,9 @@ const FIRST_SCOUTS: u32 = 16;
 /// density counts, not only what particles have seen of its light: in water under a small lamp that is nothing, and
 /// a third of the picture.
 const NEGLIGIBLE: f64 = 1e-3;
+/// Where of its scouts more than this share are effective ones, independent samples know its light as well as a chain
+/// does: the heuristic shares it best.
+const EASY: f64 = 1e-2;
 
 /// What an annealing leaves.
 pub(crate) struct Started {
@@ -103,6 +106,8 @@ pub(crate) struct Started {
     pub(crate) mean: f64,
     /// Particles of the last attempt.
     pub(crate) particles: u64,
+    /// The replicas, those that do not run among them.
+    pub(crate) set: ReplicaSet,
     /// Why replicas do not run.
     pub(crate) dropped: Option<String>,
 }
@@ -129,6 +134,11 @@ fn anneal<const K: usize>(
                 "replicas from the {}. on do not run: none of {} particles reached it",
                 level + 1,
                 started.particles
+            ));
+        } else if let Some(share) = climb.easy {
+            started.dropped = Some(format!(
+                "the specific replica does not run: {:.0} % of walks from the camera find its light",
+                100.0 * share
             ));
         } else if set.is_specific() && sighted == Sighting::Plain {
             started.drop_last(format!(
@@ -163,7 +173,9 @@ impl Started {
 /// One attempt at an annealing.
 struct Climb<'a, const K: usize> {
     target: PathTarget<'a>,
-    set: &'a ReplicaSet,
+    set: ReplicaSet,
+    /// Effective share of scouts that found light, where that is so large that no chain need follow it.
+    easy: Option<f64>,
     settings: &'a RenderSettings,
     family: ReplicaFamily<K>,
     attempt: u32,
@@ -196,27 +208,48 @@ impl<'a, const K: usize> Climb<'a, K> {
             None => 0,
         };
         let ladder = streams::annealing(attempt, K + 1);
-        Self {
+        let mut climb = Self {
             target,
-            set,
+            set: *set,
+            easy: None,
             settings,
             family,
             attempt,
             particles,
             scouts: Scouts::send(target, family, settings, ladder, count),
+        };
+        let share = climb.scouts.effective_share();
+        // As a renderer of its own an annealing has no even samples.
+        if settings.method == Method::Relt && share > EASY {
+            climb.leave_specular(share);
         }
+        climb
+    }
+
+    /// Leaves light that so large a share of scouts find to independent samples.
+    fn leave_specular(&mut self, share: f64) {
+        self.easy = Some(share);
+        self.set = self.set.leaving_specular();
+        self.family = ReplicaFamily::new(&self.set, self.settings.options.target);
+        self.scouts.judge_by(self.family);
+    }
+
+    /// How many replicas there are to climb to.
+    fn count(&self) -> usize {
+        K - usize::from(self.easy.is_some())
     }
 
     /// Goes up all levels. Also the first that nobody reached, and how far scouts saw.
     fn run(&self) -> (Started, Option<Extinct>, Sighting) {
         let mut ascent = self.begin();
-        let extinct = (1..K).find_map(|level| self.climb(&mut ascent, level).err());
+        let extinct = (1..self.count()).find_map(|level| self.climb(&mut ascent, level).err());
         (ascent.started, extinct, self.scouts.furthest)
     }
 
     /// Independent samples, and the uniform replica's states among them.
     fn begin(&self) -> Ascent<'a, K> {
-        let Climb { settings, set, .. } = *self;
+        let Climb { settings, .. } = *self;
+        let set = &self.set;
         let steps = settings.options.steps;
         let samples = samples(
             self.target,
@@ -273,6 +306,7 @@ impl<'a, const K: usize> Climb<'a, K> {
             effective: vec![[self.particles as f64; 2]],
             mean,
             particles: self.particles,
+            set: self.set,
             dropped: None,
         }
     }
@@ -372,7 +406,7 @@ impl<'a, const K: usize> Climb<'a, K> {
             if there > 0.0 && draws.index(&[elsewhere, there]) == 1 {
                 let found = draws.index(&densities);
                 if range.contains(&ladder) {
-                    let mutation = mutation(self.set, self.settings.options.steps, level);
+                    let mutation = mutation(&self.set, self.settings.options.steps, level);
                     chosen.push(self.scouts.again(found, mutation));
                 }
             } else {

@@ -1,7 +1,7 @@
 //! What replicas tell about themselves.
 
 use kaustik_estimate::Shares;
-use kaustik_mcmc::{Acceptance, LadderStatistics, RunningNormalisers, Statistics};
+use kaustik_mcmc::{LadderStatistics, RunningNormalisers, Statistics};
 
 use super::{ReltEngine, finite};
 use crate::{ReplicaLevel, ReplicaStatistics};
@@ -21,10 +21,12 @@ impl<const K: usize> ReltEngine<'_, K> {
     /// Of all ladders.
     pub(super) fn statistics(&self) -> ReplicaStatistics {
         let mut exchanges = LadderStatistics::new();
-        let mut tours = Acceptance::default();
+        let mut tours = [0; 2];
         for run in &self.runs {
             exchanges.merge(run.ladder.statistics());
-            tours.merge(&run.tour_steps());
+            for (all, one) in tours.iter_mut().zip(run.tour_steps()) {
+                *all += one;
+            }
         }
         let (running, uniform) = (self.running(), self.level(0));
         let compared = Compared {
@@ -50,8 +52,8 @@ impl<const K: usize> ReltEngine<'_, K> {
             scouts_followed: self.runs.iter().map(|run| run.followed).sum(),
             tours: self.sweeps() * u64::from(self.tours.count),
             tours_followed: self.runs.iter().map(|run| run.tours_followed).sum(),
-            tour_steps: tours.proposed,
-            tour_acceptance: tours.rate(),
+            tour_steps: tours[0],
+            tour_acceptance: tours[1] as f64 / tours[0].max(1) as f64,
             round_trips: exchanges.round_trips,
             particles: self.particles,
             dropped: self.dropped.clone(),
