@@ -75,8 +75,10 @@ impl Family<Contributions, 1> for SpecificFamily {
 pub struct ReplicaWeights<const K: usize> {
     /// `1 / b_hat_k`.
     inverse: [f64; K],
-    /// `n_k / b_hat_k`.
+    /// `v_k n_k / b_hat_k`, with `v_k` the [worth](Self::with_worth) of a visit.
     counted: [f64; K],
+    /// For how much of an independent sample a visit counts.
+    worth: [f64; K],
     beta: f64,
     /// Replicas `0..shared` take part in the heuristic.
     shared: usize,
@@ -100,6 +102,7 @@ impl<const K: usize> ReplicaWeights<K> {
         Self {
             inverse: rough.map(|b| 1.0 / b),
             counted: rough.map(|b| 1.0 / b),
+            worth: [1.0; K],
             beta,
             shared,
         }
@@ -116,7 +119,25 @@ impl<const K: usize> ReplicaWeights<K> {
             "numbers of samples {counts:?}"
         );
         Self {
-            counted: std::array::from_fn(|k| counts[k] * self.inverse[k]),
+            counted: std::array::from_fn(|k| self.worth[k] * counts[k] * self.inverse[k]),
+            ..self
+        }
+    }
+
+    /// With visits of replica k that count for `worth_k` of an independent sample in the heuristic: those of a chain are
+    /// alike. Before, all count for 1. The picture is right in the mean for any.
+    ///
+    /// # Panics
+    /// If a number is not positive and finite.
+    #[must_use]
+    pub fn with_worth(self, worth: [f64; K]) -> Self {
+        assert!(
+            worth.iter().all(|w| *w > 0.0 && w.is_finite()),
+            "worths {worth:?}"
+        );
+        Self {
+            counted: std::array::from_fn(|k| worth[k] / self.worth[k] * self.counted[k]),
+            worth,
             ..self
         }
     }
@@ -144,15 +165,16 @@ impl<const K: usize> ReplicaWeights<K> {
         }
     }
 
-    /// What each sample of a sharing replica is multiplied by: `(n_k q_k/b_hat_k)^(beta-1) / D` (RELT eq. 23 with
-    /// `n_k` samples of replica k), D being the sum of `(n_k q_k/b_hat_k)^beta`.
+    /// What each sample of a sharing replica is multiplied by: `v_k (v_k n_k q_k/b_hat_k)^(beta-1) / D` (RELT eq. 23 with
+    /// `n_k` samples of replica k that count for `v_k`), D being the sum of `(v_k n_k q_k/b_hat_k)^beta`.
     #[inline]
     pub fn factor(&self, level: usize, densities: &[f64; K]) -> f64 {
         let mut sum = 0.0;
         for (density, counted) in densities.iter().zip(&self.counted).take(self.shared) {
             sum += Self::power(density * counted, self.beta);
         }
-        Self::power(densities[level] * self.counted[level], self.beta - 1.0) / sum
+        self.worth[level] * Self::power(densities[level] * self.counted[level], self.beta - 1.0)
+            / sum
     }
 
     /// Densities over the rough constants.
@@ -216,7 +238,7 @@ pub struct ReplicaDeposit<'a, const K: usize> {
     /// 1 over the samples of each replica a sweep. [`weights`](Self::weights) know of those of the replicas that share
     /// paths ([`ReplicaWeights::with_counts`]).
     pub each: [f64; K],
-    /// 1 over the visits of the specific replica and of its [tours](kaustik_mcmc::Surrogate) a sweep.
+    /// 1 over the visits of the specific replica and of its [tours](kaustik_mcmc::Touring) a sweep.
     pub each_specific: f64,
 }
 

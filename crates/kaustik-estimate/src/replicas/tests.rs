@@ -143,6 +143,11 @@ fn variants(b: [f64; 4]) -> Vec<Variant> {
             ..variant
         }
     };
+    let worth = |name, right| {
+        let variant = one(name, rough, 2.0, true, scales, right);
+        let weights = variant.weights.with_worth([1.0, 0.1, 0.1, 1.0]);
+        Variant { weights, ..variant }
+    };
     let touring = |name, tours, right| Variant {
         tours,
         ..one(name, rough, 2.0, true, scales, right)
@@ -166,6 +171,13 @@ fn variants(b: [f64; 4]) -> Vec<Variant> {
         one("the same, two groups", rough, 2.0, true, [1.0; 4], false),
         one("eq. 22 as printed", b, 2.0, false, scales, false),
         beside("samples beside the ladder", 4.0, 3, true),
+        worth("visits that count for a tenth", true),
+        Variant {
+            weights: one("", rough, 2.0, true, scales, true)
+                .weights
+                .with_counts([1.0, 0.1, 0.1, 2.0]),
+            ..one("visits that are not there", rough, 2.0, true, scales, false)
+        },
         beside("samples that are not counted", 1.0, 3, false),
         beside("samples that are not there", 4.0, 0, false),
     ]
@@ -302,7 +314,10 @@ fn weights_are_a_partition_of_unity() {
         for beta in [1.0, 2.0, 2.5, 3.0] {
             for specific in [false, true] {
                 let counts: [f64; 4] = [(); 4].map(|()| 1.0 + 9.0 * rng.uniform());
-                let weights = ReplicaWeights::new(rough, beta, specific).with_counts(counts);
+                let worth: [f64; 4] = [(); 4].map(|()| 0.01 + rng.uniform());
+                let weights = ReplicaWeights::new(rough, beta, specific)
+                    .with_counts(counts)
+                    .with_worth(worth);
                 // w_k = (n_k q_k / b_hat_k) * factor: what a film gains over the density of its samples
                 let sum: f64 = (0..weights.shared())
                     .map(|k| counts[k] * q[k] / rough[k] * weights.factor(k, &q))
