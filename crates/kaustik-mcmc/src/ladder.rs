@@ -22,7 +22,7 @@ use crate::{
 /// `visit.level == k`, estimate means under p_k exactly as those of a single chain do, from a
 /// stationary start without bias; exchanges themselves record nothing.
 ///
-/// Replicas keep what belongs to their level: a lazy [`Point`] its mutation (the debt that a
+/// Replicas keep what belongs to their level: a lazy [`Point`](crate::Point) its mutation (the debt that a
 /// state owes to it is paid when it leaves), the kernel its large steps, the chain its
 /// statistics. Level 0 usually has the uniform density 1 and large steps only
 /// (`PointKernel { large: 1.0, .. }`), the others small steps only.
