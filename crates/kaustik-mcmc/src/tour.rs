@@ -2,11 +2,10 @@
 
 use kaustik_pss::Stream;
 
-use crate::decide::{acceptance, decide};
-use crate::family::checked_densities;
+use crate::decide::acceptance;
 use crate::metropolis::Pending;
 use crate::{
-    Draws, Family, Ignore, Metropolis, Mutation, Point, PointKernel, Recorder, Target, Visit,
+    Draws, Family, Ignore, Metropolis, Move, Mutation, Point, PointKernel, Recorder, Target, Visit,
 };
 
 /// What a tour goes by: a surrogate for the chain's own target, which is cheap to evaluate and whose density is nearly
@@ -158,20 +157,16 @@ impl<M: Mutation + Clone, V, const K: usize> Metropolis<Point<M>, V, K> {
             return false;
         };
         target.evaluate(&mut tour.state.evaluated_anew(draws), &mut self.proposed);
-        let densities = checked_densities(family, &self.proposed);
-        if densities.is_none() {
-            self.statistics.count_defect();
-        }
-        let chance = densities.map_or(0.0, |d| acceptance(self.density(), d[self.level], ratio));
-        let accepted = decide(chance, draws);
-        self.statistics.count_step(accepted, &mut self.stay);
-        self.pending.weight += 1.0 - chance;
+        let proposal = Move::new(Move::NONE, ratio);
+        let decided = self.decide_on(proposal, family, draws, acceptance);
+        self.statistics.count_step(decided.accepted, &mut self.stay);
+        self.pending.weight += 1.0 - decided.acceptance;
         let visit = Pending {
-            weight: chance,
+            weight: decided.acceptance,
             independent: 0.0,
         };
-        match densities {
-            Some(densities) if accepted => {
+        match decided.densities {
+            Some(densities) if decided.accepted => {
                 self.flush(recorder);
                 std::mem::swap(&mut self.value, &mut self.proposed);
                 std::mem::swap(&mut self.state, &mut tour.state);
@@ -183,7 +178,7 @@ impl<M: Mutation + Clone, V, const K: usize> Metropolis<Point<M>, V, K> {
             Some(densities) => visit.report(self.level, &self.proposed, &densities, recorder),
             None => {}
         }
-        accepted
+        decided.accepted
     }
 }
 
