@@ -113,16 +113,10 @@ impl<const K: usize> Statistics<K> {
         }
         let densities = possible.then(|| checked_densities(family, value)).flatten();
         if densities.is_none() {
-            self.count_defect();
+            self.defects += 1;
+            self.first_defect.get_or_insert(self.steps);
         }
         densities
-    }
-
-    /// Counts a value without densities.
-    #[cold]
-    pub(crate) fn count_defect(&mut self) {
-        self.defects += 1;
-        self.first_defect.get_or_insert(self.steps);
     }
 
     /// Counts a decided proposal from where the density is `from`. From
