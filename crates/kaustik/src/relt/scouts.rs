@@ -10,7 +10,7 @@ use kaustik_scene::Scene;
 use rayon::prelude::*;
 
 use super::kernels::Mutation;
-use super::start::State;
+use super::start::{State, effective};
 use crate::RenderSettings;
 use crate::render::builder_settings;
 
@@ -160,13 +160,7 @@ impl<'a, const K: usize> Scouts<'a, K> {
 
     /// Effective share of those that found light: the mean squared over the mean of squares.
     pub(crate) fn effective_share(&self) -> f64 {
-        let light = self.found.iter().map(|find| find.light);
-        let (sum, squares) = light.fold((0.0, 0.0), |(s, q), l| (s + l, q + l * l));
-        if squares > 0.0 {
-            sum * sum / squares / self.count as f64
-        } else {
-            0.0
-        }
+        effective(self.found.iter().map(|find| find.light)) / self.count.max(1) as f64
     }
 
     /// Judges what they found by another family.

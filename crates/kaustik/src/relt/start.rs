@@ -421,7 +421,7 @@ impl<'a, const K: usize> Climb<'a, K> {
 }
 
 /// Effective number of weighted samples: the square of the sum over the sum of squares.
-fn effective(weights: impl Iterator<Item = f64>) -> f64 {
+pub(super) fn effective(weights: impl Iterator<Item = f64>) -> f64 {
     let (sum, squares) = weights.fold((0.0, 0.0), |(s, q), w| (s + w, q + w * w));
     if squares > 0.0 {
         sum * sum / squares
