@@ -15,8 +15,8 @@ mod interior;
 mod material;
 mod matter;
 mod scene;
-#[cfg(test)]
-mod testing;
+#[cfg(any(test, doc, feature = "testing"))]
+pub mod testing;
 pub mod texture;
 mod vertex;
 

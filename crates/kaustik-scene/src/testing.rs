@@ -1,78 +1,36 @@
-//! What the tests of this crate share: a generator, Pearson's test, scenes in the making.
+//! Small scenes by code, for tests: a [`Stage`] to put things on, materials and meshes to put there.
+//!
+//! Enable it where you test, with `kaustik-scene = { version = "0.1", features = ["testing"] }` among
+//! the dev-dependencies.
+//!
+//! ```
+//! use glam::Vec3;
+//! use kaustik_scene::testing::{Stage, ceiling, cuboid, dielectric, diffuse, floor, lamp};
+//!
+//! // A slab of green glass between a grey floor and a lamp.
+//! let scene = Stage::new()
+//!     .look_at(Vec3::new(0.3, 3.0, 2.0), Vec3::ZERO, 0.8)
+//!     .add(diffuse([0.5; 3]), floor(0.0, 6.0))
+//!     .add(
+//!         dielectric(1.5, 0.0, [0.5, 0.8, 0.6]),
+//!         cuboid(Vec3::new(-1.0, 0.4, -1.0), Vec3::new(1.0, 0.7, 1.0)),
+//!     )
+//!     .add(lamp(4.0), ceiling(Vec3::Y * 2.5, 0.7))
+//!     .build();
+//! assert!(scene.has_extended_lights() && !scene.has_punctual_lights());
+//! ```
+//!
+//! Materials are plain [`MaterialDescription`](crate::description::MaterialDescription)s: what else one of them
+//! shall be is said with `..`, as in `MaterialDescription { priority: 1, ..dielectric(1.3, 0.0, [1.0; 3]) }`.
 
-pub(crate) mod stage;
+mod materials;
+mod meshes;
+mod stage;
+#[cfg(test)]
+mod statistics;
 
-use statrs::distribution::{ChiSquared, ContinuousCDF};
-
-/// SplitMix64: small, seeded, good enough to test samplers with.
-#[derive(Debug)]
-pub(crate) struct Rng(u64);
-
-impl Rng {
-    pub(crate) fn new(seed: u64) -> Self {
-        Self(seed)
-    }
-
-    /// Uniform in [0, 1).
-    pub(crate) fn uniform(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
-    }
-
-    pub(crate) fn pair(&mut self) -> [f64; 2] {
-        [self.uniform(), self.uniform()]
-    }
-}
-
-/// The p-value of Pearson's test. Cells that expect fewer than five are pooled; a hit in a cell
-/// that expects nothing gives 0.
-pub(crate) fn chi_square(observed: &[f64], expected: &[f64]) -> f64 {
-    let mut statistic = 0.0;
-    let mut cells = 0_i32;
-    let mut pool = [0.0, 0.0];
-    let mut add = |o: f64, e: f64| {
-        statistic += (o - e) * (o - e) / e;
-        cells += 1;
-    };
-    for (&o, &e) in observed.iter().zip(expected) {
-        if e < 1e-9 && o > 0.0 {
-            return 0.0;
-        }
-        if e >= 5.0 {
-            add(o, e);
-        } else {
-            pool = [pool[0] + o, pool[1] + e];
-            if pool[1] >= 5.0 {
-                add(pool[0], pool[1]);
-                pool = [0.0, 0.0];
-            }
-        }
-    }
-    // What is left expects less than five: too much of it is a fault, too little is none.
-    let [left, expected] = pool;
-    if left > expected {
-        add(left, expected.max(1.0));
-    }
-    let freedom = f64::from(cells - 1);
-    ChiSquared::new(freedom).map_or(0.0, |law| law.sf(statistic))
-}
-
-/// Level of one of `tests` tests that together reject the truth once in a hundred times (Sidak).
-pub(crate) fn level(tests: i32) -> f64 {
-    1.0 - 0.99_f64.powf(1.0 / f64::from(tests))
-}
-
-/// Mean of samples, and the standard error of it.
-pub(crate) fn mean(samples: impl Iterator<Item = f64>) -> (f64, f64) {
-    let (mut count, mut sum, mut squares) = (0.0, 0.0, 0.0);
-    for sample in samples {
-        count += 1.0;
-        sum += sample;
-        squares += sample * sample;
-    }
-    let mean = sum / count;
-    let variance: f64 = (squares / count - mean * mean).max(0.0);
-    (mean, (variance / count).sqrt())
-}
+pub use materials::{blended, dielectric, diffuse, double_sided, grey, lamp, metal};
+pub use meshes::{ceiling, cuboid, floor, rectangle, rectangle_with_uv, sphere};
+pub use stage::{Stage, compile, image, punctual};
+#[cfg(test)]
+pub(crate) use statistics::{Rng, chi_square, level, mean, wavelengths};

@@ -6,7 +6,7 @@ use kaustik_path::PureSpecular;
 use super::{PathSpace, Seeds};
 use crate::Path;
 use crate::tests::space;
-use crate::tests::stage::{scene, stage};
+use crate::tests::stage::{scaled, scene, stage};
 
 const SCENES: [&str; 15] = [
     "diffuse",
@@ -84,7 +84,7 @@ fn weights_do_not_depend_on_the_unit_of_length() {
     const POWER: f32 = 1024.0; // roundings are the same
     for name in SCENES {
         let sums = [1.0, 1.0 / POWER, POWER].map(|unit| {
-            let scene = stage(name).scaled(unit).build();
+            let scene = scaled(stage(name), unit).build();
             let space = space(&scene, 8);
             let mut seeds = Seeds::new(&space);
             let mut path = Path::default();

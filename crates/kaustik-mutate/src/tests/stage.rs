@@ -1,195 +1,32 @@
 //! Small scenes by code.
 
 mod moving;
+mod scaled;
 
-use std::sync::Arc;
-
-use glam::{Affine3A, DVec3, Mat3A, Quat, Vec3, Vec3A};
+use glam::{DVec3, Vec3};
 use kaustik_geometry::Mesh;
+use kaustik_scene::Scene;
 use kaustik_scene::description::{
-    AlphaMode, Blades, CameraDescription, EnvironmentDescription, InstanceDescription, Lens,
-    LightDescription, LightKind, Load, MaterialDescription, Projection, Specular, Transmission,
-    Volume,
+    Blades, Lens, LightDescription, LightKind, Load, MaterialDescription,
 };
-use kaustik_scene::{Description, Scene, SceneOptions};
-use moving::{QUARTER, STRAIGHT};
+use kaustik_scene::testing::{
+    Stage, blended, ceiling, cuboid, dielectric, diffuse, floor, lamp, punctual, rectangle,
+};
+use moving::{Moving, QUARTER, STRAIGHT};
+pub(crate) use scaled::scaled;
 
-/// A description in the making.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct Stage {
-    description: Description,
-}
-
-impl Stage {
-    /// With a square pinhole camera that looks down on the origin.
-    pub(crate) fn new() -> Self {
-        let eye = Vec3::new(0.3, 3.0, 2.0);
-        let z = eye.normalize();
-        let x = Vec3::Y.cross(z).normalize();
-        let axes = [x, z.cross(x), z].map(Vec3A::from);
-        let camera = CameraDescription {
-            name: "camera".to_owned(),
-            transform: Affine3A {
-                matrix3: Mat3A::from_cols(axes[0], axes[1], axes[2]),
-                translation: Vec3A::from(eye),
-            },
-            projection: Projection::Perspective {
-                yfov: 0.9,
-                aspect_ratio: None,
-            },
-            lens: None,
-            shutter: None,
-        };
-        let mut stage = Self::default();
-        stage.description.cameras.push(camera);
-        stage
-    }
-
-    pub(crate) fn lens(mut self, aperture: f32, focus: f32) -> Self {
-        self.description.cameras[0].lens = Some(Lens {
-            aperture,
-            focus,
-            blades: None,
-        });
-        self
-    }
-
-    /// With so many blades.
-    pub(crate) fn blades(mut self, count: u32) -> Self {
-        if let Some(lens) = &mut self.description.cameras[0].lens {
-            let rotation = 0.3;
-            lens.blades = Some(Blades { count, rotation });
-        }
-        self
-    }
-
-    /// Sees more than a right angle.
-    pub(crate) fn wide(mut self) -> Self {
-        self.description.cameras[0].projection = Projection::Perspective {
-            yfov: 2.0,
-            aspect_ratio: None,
-        };
-        self
-    }
-
-    pub(crate) fn orthographic(mut self) -> Self {
-        self.description.cameras[0].projection = Projection::Orthographic {
-            xmag: 1.5,
-            ymag: 1.5,
-        };
-        self
-    }
-
-    /// Adds a mesh of a material of its own.
-    pub(crate) fn add(mut self, material: MaterialDescription, mesh: Mesh) -> Self {
-        let index = self.description.materials.len();
-        self.description.materials.push(material);
-        self.description.instances.push(InstanceDescription {
-            name: format!("instance {index}"),
-            mesh: self.description.meshes.len(),
-            material: Some(index),
-            transform: Affine3A::IDENTITY,
-        });
-        self.description.meshes.push(Arc::new(mesh));
-        self
-    }
-
-    pub(crate) fn light(mut self, kind: LightKind, position: Vec3, axis: Vec3) -> Self {
-        let turn = Quat::from_rotation_arc(Vec3::NEG_Z, axis.normalize());
-        self.description.lights.push(LightDescription {
-            name: String::new(),
-            kind,
-            color: [1.0, 0.9, 0.6],
-            intensity: 3.0,
-            range: None,
-            transform: Affine3A::from_rotation_translation(turn, position),
-        });
-        self
-    }
-
-    pub(crate) fn sky(mut self, radiance: f32) -> Self {
-        self.description.environment = Some(EnvironmentDescription::Constant([radiance; 3]));
-        self
-    }
-
-    /// The same in another unit of length, as bright as before. Nothing in it may move.
-    pub(crate) fn scaled(mut self, factor: f32) -> Self {
-        let scale = Affine3A::from_scale(Vec3::splat(factor));
-        let description = &mut self.description;
-        for instance in &mut description.instances {
-            instance.transform = scale * instance.transform;
-        }
-        for camera in &mut description.cameras {
-            camera.transform.translation *= factor;
-            if let Some(lens) = &mut camera.lens {
-                lens.aperture *= factor;
-                lens.focus *= factor;
-            }
-            if let Projection::Orthographic { xmag, ymag } = &mut camera.projection {
-                *xmag *= factor;
-                *ymag *= factor;
-            }
-        }
-        for light in &mut description.lights {
-            light.transform.translation *= factor;
-            if light.kind != LightKind::Directional {
-                light.intensity *= factor * factor;
-            }
-        }
-        for volume in description
-            .materials
-            .iter_mut()
-            .filter_map(|m| m.volume.as_mut())
-        {
-            volume.thickness *= factor;
-            volume.attenuation_distance *= factor;
-        }
-        self
-    }
-
-    pub(crate) fn build(&self) -> Scene {
-        let options = SceneOptions {
-            width: 16,
-            height: 16,
-            ..SceneOptions::default()
-        };
-        Scene::new(&self.description, &options).expect("a sound scene")
-    }
-}
-
-pub(crate) fn diffuse(rgb: [f32; 3]) -> MaterialDescription {
-    MaterialDescription {
-        base_color: [rgb[0], rgb[1], rgb[2], 1.0],
-        metallic: 0.0,
-        specular: Specular {
-            factor: 0.0,
-            texture: None,
-            color: [1.0; 3],
-            color_texture: None,
-        },
-        ..MaterialDescription::default()
-    }
-}
-
-pub(crate) fn lamp(radiance: f32) -> MaterialDescription {
-    MaterialDescription {
-        emissive: [radiance; 3],
-        ..diffuse([0.0; 3])
-    }
+/// Looks down on the origin; `yfov` in radians.
+fn view(yfov: f32) -> Stage {
+    Stage::new().look_at(Vec3::new(0.3, 3.0, 2.0), Vec3::ZERO, yfov)
 }
 
 /// A mirror, or blurred metal.
-pub(crate) fn metal(roughness: f32) -> MaterialDescription {
-    MaterialDescription {
-        base_color: [0.9, 0.8, 0.6, 1.0],
-        metallic: 1.0,
-        roughness,
-        ..MaterialDescription::default()
-    }
+fn metal(roughness: f32) -> MaterialDescription {
+    kaustik_scene::testing::metal([0.9, 0.8, 0.6], roughness)
 }
 
 /// A smooth coat over a diffuse base.
-pub(crate) fn varnish() -> MaterialDescription {
+fn varnish() -> MaterialDescription {
     MaterialDescription {
         base_color: [0.7, 0.4, 0.3, 1.0],
         metallic: 0.0,
@@ -200,66 +37,23 @@ pub(crate) fn varnish() -> MaterialDescription {
 }
 
 /// A tinted solid.
-pub(crate) fn glass(roughness: f32, dispersion: f32) -> MaterialDescription {
+fn glass(roughness: f32, dispersion: f32) -> MaterialDescription {
     MaterialDescription {
-        metallic: 0.0,
-        roughness,
-        ior: 1.5,
         dispersion,
-        transmission: Some(Transmission {
-            factor: 1.0,
-            texture: None,
-        }),
-        volume: Some(Volume {
-            thickness: 1.0,
-            attenuation_distance: 1.0,
-            attenuation_color: [0.5, 0.8, 0.6],
-        }),
-        ..MaterialDescription::default()
+        ..dielectric(1.5, roughness, [0.5, 0.8, 0.6])
     }
 }
 
-pub(crate) fn veil(opacity: f32) -> MaterialDescription {
-    MaterialDescription {
-        base_color: [0.3, 0.6, 0.8, opacity],
-        alpha_mode: AlphaMode::Blend,
-        ..diffuse([0.5; 3])
-    }
+fn veil() -> MaterialDescription {
+    blended(diffuse([0.3, 0.6, 0.8]), 0.5)
 }
 
-/// A rectangle around `centre`; its front faces `u` x `v`.
-pub(crate) fn rectangle(centre: Vec3, u: Vec3, v: Vec3) -> Mesh {
-    Mesh {
-        positions: vec![
-            centre - u - v,
-            centre + u - v,
-            centre + u + v,
-            centre - u + v,
-        ],
-        indices: vec![[0, 1, 2], [0, 2, 3]],
-        ..Mesh::default()
+/// A yellowish light.
+fn light(kind: LightKind, position: Vec3) -> LightDescription {
+    LightDescription {
+        color: [1.0, 0.9, 0.6],
+        ..punctual(kind, 3.0, position, Vec3::new(-0.4, -1.0, 0.1))
     }
-}
-
-/// A closed box, facing outward.
-pub(crate) fn cuboid(min: Vec3, max: Vec3) -> Mesh {
-    let (centre, half) = ((min + max) * 0.5, (max - min) * 0.5);
-    let mut mesh = Mesh::default();
-    for axis in 0..3 {
-        let along = |i: usize, sign: f32| {
-            let mut v = Vec3::ZERO;
-            v[(axis + i) % 3] = half[(axis + i) % 3] * sign;
-            v
-        };
-        for sign in [1.0, -1.0] {
-            let face = rectangle(centre + along(0, sign), along(1, 1.0), along(2, sign));
-            let first = mesh.positions.len() as u32;
-            mesh.positions.extend(face.positions);
-            mesh.indices
-                .extend(face.indices.iter().map(|t| t.map(|i| i + first)));
-        }
-    }
-    mesh
 }
 
 /// With shading normals that lean away from those of the faces, the same over each face.
@@ -275,11 +69,8 @@ fn leaning(mesh: Mesh) -> Mesh {
 
 /// A floor, a wall at the left and a wall behind.
 fn room() -> Stage {
-    Stage::new()
-        .add(
-            diffuse([0.7, 0.6, 0.5]),
-            rectangle(Vec3::ZERO, Vec3::Z * 3.0, Vec3::X * 3.0),
-        )
+    view(0.9)
+        .add(diffuse([0.7, 0.6, 0.5]), floor(0.0, 3.0))
         .add(
             diffuse([0.3, 0.7, 0.4]),
             rectangle(Vec3::new(-1.4, 1.5, 0.0), Vec3::Y * 1.5, Vec3::Z * 3.0),
@@ -287,10 +78,7 @@ fn room() -> Stage {
 }
 
 fn lit() -> Stage {
-    room().add(
-        lamp(4.0),
-        rectangle(Vec3::new(0.5, 2.4, -0.8), Vec3::X * 0.6, Vec3::Z * 0.6),
-    )
+    room().add(lamp(4.0), ceiling(Vec3::new(0.5, 2.4, -0.8), 0.6))
 }
 
 fn slope() -> Mesh {
@@ -317,7 +105,6 @@ fn aquarium(mesh: fn(Mesh) -> Mesh) -> Stage {
         ior: 2.2,
         ..glass(0.0, 0.0)
     };
-    let small = |centre| rectangle(centre, Vec3::X * 0.2, Vec3::Z * 0.2);
     room()
         .add(
             solid,
@@ -326,8 +113,8 @@ fn aquarium(mesh: fn(Mesh) -> Mesh) -> Stage {
                 Vec3::new(2.0, 3.4, 3.5),
             )),
         )
-        .add(lamp(4.0), small(Vec3::new(0.6, 1.5, -1.0)))
-        .add(lamp(60.0), small(Vec3::new(0.0, 3.8, -0.6)))
+        .add(lamp(4.0), ceiling(Vec3::new(0.6, 1.5, -1.0), 0.2))
+        .add(lamp(60.0), ceiling(Vec3::new(0.0, 3.8, -0.6), 0.2))
 }
 
 /// A lamp that grows while it goes aside, something in its light that turns, and a camera that looks about.
@@ -347,23 +134,19 @@ fn moving(stage: Stage) -> Stage {
 /// A scene by name; after "huge-" in a unit of length in which it is large.
 pub(crate) fn scene(name: &str) -> Scene {
     match name.strip_prefix("huge-") {
-        Some(name) => stage(name).scaled(1024.0).build(),
+        Some(name) => scaled(stage(name), 1024.0).build(),
         None => stage(name).build(),
     }
 }
 
 /// The stage of a scene by name.
 pub(crate) fn stage(name: &str) -> Stage {
-    let down = Vec3::new(-0.4, -1.0, 0.1);
     let above = Vec3::new(1.0, 2.0, 0.5);
     match name {
         "diffuse" => lit(),
         // a lamp that faces a wall that is a mirror
-        "gallery" => Stage::new()
-            .add(
-                diffuse([0.7, 0.6, 0.5]),
-                rectangle(Vec3::ZERO, Vec3::Z * 3.0, Vec3::X * 3.0),
-            )
+        "gallery" => view(0.9)
+            .add(diffuse([0.7, 0.6, 0.5]), floor(0.0, 3.0))
             .add(
                 metal(0.0),
                 rectangle(Vec3::new(-1.4, 1.5, 0.0), Vec3::Y * 1.5, Vec3::Z * 3.0),
@@ -382,39 +165,21 @@ pub(crate) fn stage(name: &str) -> Stage {
                 emissive: [4.0; 3],
                 ..metal(0.5)
             },
-            leaning(rectangle(
-                Vec3::new(0.5, 1.4, -0.8),
-                Vec3::X * 0.6,
-                Vec3::Z * 0.6,
-            )),
+            leaning(ceiling(Vec3::new(0.5, 1.4, -0.8), 0.6)),
         ),
         // a lamp and a wall, seen in a floor that is a mirror
-        "pond" => Stage::new()
-            .wide()
-            .add(
-                metal(0.0),
-                rectangle(Vec3::ZERO, Vec3::Z * 3.0, Vec3::X * 3.0),
-            )
+        "pond" => view(2.0)
+            .add(metal(0.0), floor(0.0, 3.0))
             .add(
                 diffuse([0.3, 0.7, 0.4]),
                 rectangle(Vec3::new(0.0, 3.0, -3.0), Vec3::X * 3.0, Vec3::Y * 3.0),
             )
-            .add(
-                lamp(4.0),
-                rectangle(Vec3::new(-0.15, 1.5, -1.0), Vec3::X * 0.3, Vec3::Z * 0.3),
-            )
-            .light(LightKind::Point, Vec3::new(0.5, 3.0, -1.5), down),
+            .add(lamp(4.0), ceiling(Vec3::new(-0.15, 1.5, -1.0), 0.3))
+            .light(light(LightKind::Point, Vec3::new(0.5, 3.0, -1.5))),
         // a lamp as wide as the view, seen in a floor that is a mirror
-        "ceiling" => Stage::new()
-            .wide()
-            .add(
-                metal(0.0),
-                rectangle(Vec3::ZERO, Vec3::Z * 3.0, Vec3::X * 3.0),
-            )
-            .add(
-                lamp(4.0),
-                rectangle(Vec3::Y * 6.0, Vec3::X * 6.0, Vec3::Z * 6.0),
-            ),
+        "ceiling" => view(2.0)
+            .add(metal(0.0), floor(0.0, 3.0))
+            .add(lamp(4.0), ceiling(Vec3::Y * 6.0, 6.0)),
         "moving" => moving(plate(diffuse([0.6, 0.5, 0.7]))),
         "moving-mirror" => moving(plate(metal(0.0)).lens(0.3, 2.5)),
         "moving-glass" => {
@@ -430,7 +195,7 @@ pub(crate) fn stage(name: &str) -> Stage {
             let goes = [([-1.0, 0.0, 0.3], [1.0; 3]), ([0.6, -0.4, 0.0], [1.0; 3])];
             let at = DVec3::new(1.0, 2.0, 0.5);
             room()
-                .light(LightKind::Point, above, down)
+                .light(light(LightKind::Point, above))
                 .moving(Load::Light(0), at, goes, STRAIGHT)
                 .looking()
         }
@@ -445,47 +210,50 @@ pub(crate) fn stage(name: &str) -> Stage {
         ),
         "frosted" => block(glass(0.5, 0.0)),
         "rainbow" => block(glass(0.0, 2.0)),
-        "point" => room().light(LightKind::Point, above, down),
-        "sun" => room().light(LightKind::Directional, above, down),
-        "point-glass" => block(glass(0.0, 0.0)).light(LightKind::Point, above, down),
-        "sun-glass" => block(glass(0.0, 0.0)).light(LightKind::Directional, above, down),
+        "point" => room().light(light(LightKind::Point, above)),
+        "sun" => room().light(light(LightKind::Directional, above)),
+        "point-glass" => block(glass(0.0, 0.0)).light(light(LightKind::Point, above)),
+        "sun-glass" => block(glass(0.0, 0.0)).light(light(LightKind::Directional, above)),
         "sky" => plate(metal(0.0)).sky(0.5),
         // a lamp that faces the camera, beside the sky
-        "window" => Stage::new()
-            .add(
-                lamp(0.8),
-                rectangle(Vec3::ZERO, Vec3::Z * 1.0, Vec3::X * 1.0),
-            )
-            .sky(0.5),
+        "window" => view(0.9).add(lamp(0.8), floor(0.0, 1.0)).sky(0.5),
         // emitters of all kinds
         "daylight" => block(glass(0.0, 0.0))
-            .light(LightKind::Point, above, down)
-            .light(LightKind::Directional, above, down)
+            .light(light(LightKind::Point, above))
+            .light(light(LightKind::Directional, above))
             .sky(0.5),
         "lens" => plate(metal(0.0)).lens(0.3, 2.5),
-        "blades" => plate(metal(0.0)).lens(0.6, 2.5).blades(3),
-        "orthographic" => plate(metal(0.0)).orthographic(),
+        "blades" => {
+            let mut stage = plate(metal(0.0));
+            stage.description.cameras[0].lens = Some(Lens {
+                aperture: 0.6,
+                focus: 2.5,
+                blades: Some(Blades {
+                    count: 3,
+                    rotation: 0.3,
+                }),
+            });
+            stage
+        }
+        "orthographic" => plate(metal(0.0)).orthographic(1.5),
         // parallel rays that pass beside all there is
-        "outlook" => Stage::new()
-            .add(
-                diffuse([0.7, 0.6, 0.5]),
-                rectangle(Vec3::ZERO, Vec3::Z * 1.2, Vec3::X * 1.2),
-            )
+        "outlook" => view(0.9)
+            .add(diffuse([0.7, 0.6, 0.5]), floor(0.0, 1.2))
             .add(
                 diffuse([0.3, 0.7, 0.4]),
                 rectangle(Vec3::new(-1.2, 0.8, 0.0), Vec3::Y * 0.8, Vec3::Z * 1.2),
             )
             .add(metal(0.0), slope())
             .sky(0.5)
-            .orthographic(),
+            .orthographic(1.5),
         "aquarium" => aquarium(std::convert::identity),
         "leaning-aquarium" => aquarium(leaning),
         "veil-mirror" => plate(metal(0.0)).add(
-            veil(0.5),
+            veil(),
             rectangle(Vec3::Y * 0.8, Vec3::Z * 0.9, Vec3::X * 0.8),
         ),
         "veil" => lit().add(
-            veil(0.5),
+            veil(),
             rectangle(Vec3::Y * 0.8, Vec3::Z * 0.9, Vec3::X * 0.8),
         ),
         other => panic!("no scene {other}"),

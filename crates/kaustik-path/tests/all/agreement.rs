@@ -4,10 +4,10 @@ use kaustik_path::{
     PathBuilder, Techniques, Unidirectional,
 };
 use kaustik_scene::Scene;
+use kaustik_scene::testing::{Stage, ceiling, floor, grey, lamp};
 
 use crate::estimate::{Estimate, REGIONS, image_means};
 use crate::scenes::SCENES;
-use crate::stage::{Stage, ceiling, diffuse, floor, lamp};
 
 /// Enough edges for what matters, few enough for a quick test.
 fn settings() -> BuilderSettings {
@@ -164,8 +164,9 @@ fn builders_agree_on_a_larger_window() {
 }
 
 fn plate(albedo: f32) -> Scene {
-    Stage::new(glam::Vec3::new(0.3, 3.0, 2.0), glam::Vec3::ZERO, 0.8)
-        .add(diffuse([albedo; 3]), floor(0.0, 6.0))
+    Stage::new()
+        .look_at(glam::Vec3::new(0.3, 3.0, 2.0), glam::Vec3::ZERO, 0.8)
+        .add(grey(albedo), floor(0.0, 6.0))
         .add(lamp(4.0), ceiling(glam::Vec3::new(0.5, 2.5, -1.0), 0.7))
         .build()
 }

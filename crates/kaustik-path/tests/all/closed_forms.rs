@@ -4,11 +4,11 @@ use kaustik_path::{
     Unidirectional,
 };
 use kaustik_scene::Scene;
-use kaustik_scene::description::{AlphaMode, MaterialDescription};
+use kaustik_scene::description::MaterialDescription;
+use kaustik_scene::testing::{Stage, blended, cuboid, dielectric, floor, grey, lamp, rectangle};
 
 use crate::estimate::{Estimate, image_means};
 use crate::lengths::white;
-use crate::stage::{Stage, cuboid, diffuse, floor, lamp, rectangle, solid};
 
 const SAMPLES: u32 = 60_000;
 
@@ -41,9 +41,10 @@ fn mean(scene: &Scene, builder: &dyn PathBuilder) -> Estimate {
 /// Radiance within a medium is that outside times the square of the index.
 #[test]
 fn under_water_the_sky_is_brighter() {
-    let water = solid(1.33, 0.0, [1.0; 3]);
+    let water = dielectric(1.33, 0.0, [1.0; 3]);
     // narrow enough that no ray is trapped by total reflection
-    let scene = Stage::new(Vec3::new(0.1, 0.2, -0.1), Vec3::new(0.0, 0.1, -1.0), 0.5)
+    let scene = Stage::new()
+        .look_at(Vec3::new(0.1, 0.2, -0.1), Vec3::new(0.0, 0.1, -1.0), 0.5)
         .add(water, cuboid(Vec3::splat(-1.0), Vec3::splat(1.0)))
         .sky(1.0)
         .build();
@@ -56,14 +57,11 @@ fn under_water_the_sky_is_brighter() {
 }
 
 fn view() -> Stage {
-    Stage::new(Vec3::new(0.0, 3.0, 0.01), Vec3::ZERO, 0.8)
+    Stage::new().look_at(Vec3::new(0.0, 3.0, 0.01), Vec3::ZERO, 0.8)
 }
 
 fn veil(opacity: f32, albedo: f32) -> MaterialDescription {
-    let mut material = diffuse([albedo; 3]);
-    material.base_color[3] = opacity;
-    material.alpha_mode = AlphaMode::Blend;
-    material
+    blended(grey(albedo), opacity)
 }
 
 /// Before a lamp that fills the view, black veils leave the product of what each lets pass.
@@ -99,7 +97,7 @@ fn a_half_transparent_plate_is_a_mixture() {
     let light = LightTracing { settings };
     let over = |ground: f32, opacity: f32| {
         view()
-            .add(diffuse([ground; 3]), floor(0.0, 4.0))
+            .add(grey(ground), floor(0.0, 4.0))
             .add(veil(opacity, 0.9), rectangle(Vec3::Y, Vec3::Z, Vec3::X))
             .sky(1.0)
             .build()

@@ -6,11 +6,11 @@ use kaustik_path::{
     Multiplexed, PathBuilder, Techniques, Unidirectional,
 };
 use kaustik_pss::{Coordinates, Recorded, Recording, Stream};
+use kaustik_scene::testing::compile;
 use kaustik_scene::{Scene, builtin};
 use kaustik_spectrum::WavelengthSampling;
 
 use crate::scenes::SCENES;
-use crate::stage::compile;
 
 /// Passes numbers on and refuses to give one twice.
 struct Once<'a> {

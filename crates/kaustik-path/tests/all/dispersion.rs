@@ -6,10 +6,9 @@ use kaustik_path::{
     PureSpecular, Unidirectional,
 };
 use kaustik_pss::{Recording, Stream};
+use kaustik_scene::testing::{Stage, ceiling, compile, cuboid, dielectric, lamp};
 use kaustik_scene::{Scene, builtin};
 use kaustik_spectrum::{Illuminant, Rgb, Spectrum, WavelengthSampling, Wavelengths, Xyz};
-
-use crate::stage::{Stage, ceiling, compile, cuboid, lamp, solid};
 
 const PATH: Unidirectional = Unidirectional {
     settings: BuilderSettings {
@@ -55,9 +54,10 @@ fn prism(dispersion: f32) -> Scene {
         [2, 3, 0],
     ];
     let mesh = Mesh::new(positions, indices).expect("a prism");
-    let mut glass = solid(1.6, 0.0, [1.0; 3]);
+    let mut glass = dielectric(1.6, 0.0, [1.0; 3]);
     glass.dispersion = dispersion;
-    Stage::new(Vec3::new(0.0, 0.5, 3.0), Vec3::new(0.0, 0.4, 0.0), 0.5)
+    Stage::new()
+        .look_at(Vec3::new(0.0, 0.5, 3.0), Vec3::new(0.0, 0.4, 0.0), 0.5)
         .add(glass, mesh)
         .sky(1.0)
         .build()
@@ -181,10 +181,11 @@ fn heroes_joined(scene: &Scene, class: Class, samples: u32) -> (u32, u32) {
 #[test]
 fn a_dispersive_joint_leaves_the_hero_alone() {
     let plate = |dispersion| {
-        let mut glass = solid(1.6, 0.5, [1.0; 3]);
+        let mut glass = dielectric(1.6, 0.5, [1.0; 3]);
         glass.dispersion = dispersion;
         let half = Vec3::new(2.0, 0.1, 2.0);
-        Stage::new(Vec3::new(0.3, -2.0, 0.1), Vec3::ZERO, 0.7)
+        Stage::new()
+            .look_at(Vec3::new(0.3, -2.0, 0.1), Vec3::ZERO, 0.7)
             .add(glass, cuboid(-half, half))
             .add(lamp(5.0), ceiling(Vec3::new(0.2, 1.5, 0.1), 0.8))
             .build()

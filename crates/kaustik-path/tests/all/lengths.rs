@@ -2,11 +2,11 @@ use kaustik_path::{
     Bidirectional, BuilderSettings, Endpoint, Form, Heuristic, LightTracing, Multiplexed,
     PathBuilder, Techniques, Unidirectional,
 };
+use kaustik_scene::testing::{Stage, compile, floor, grey};
 use kaustik_scene::{Scene, builtin};
 use kaustik_spectrum::Illuminant;
 
 use crate::estimate::{Estimate, image_means};
-use crate::stage::{Stage, compile, diffuse, floor};
 
 /// X + Y + Z of a white emission of strength 1.
 pub(crate) fn white() -> f64 {
@@ -74,8 +74,8 @@ fn each_edge_of_a_furnace_brings_its_share() {
 /// The sky behind everything is one edge away, its light on a surface two.
 #[test]
 fn the_sky_counts_as_an_emitter() {
-    let wall = diffuse([0.5; 3]);
-    let stage = Stage::new(glam::Vec3::new(0.0, 2.0, 0.01), glam::Vec3::ZERO, 1.0);
+    let wall = grey(0.5);
+    let stage = Stage::new().look_at(glam::Vec3::new(0.0, 2.0, 0.01), glam::Vec3::ZERO, 1.0);
     let scene = stage.add(wall, floor(0.0, 0.5)).sky(1.0).build();
     // the plate's share of the window on the plane at its distance
     let half_window = 2.0 * 0.5_f64.tan();

@@ -18,5 +18,3 @@ mod parts;
 mod scenes;
 /// A walk from the camera alone sees what the full form finds.
 mod sighting;
-/// Scenes in the making.
-mod stage;

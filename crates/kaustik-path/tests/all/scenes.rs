@@ -1,7 +1,9 @@
-use glam::Vec3;
-use kaustik_scene::description::{AlphaMode, LightKind, MaterialDescription, Projection};
-
-use crate::stage::{Stage, ball, ceiling, cuboid, diffuse, floor, lamp, rectangle, solid};
+use glam::{Quat, Vec3};
+use kaustik_scene::description::{LightDescription, LightKind, MaterialDescription, Pixels};
+use kaustik_scene::testing::{
+    Stage, blended, ceiling, cuboid, dielectric, diffuse, double_sided, floor, image, lamp, metal,
+    punctual, rectangle, sphere,
+};
 
 const GREY: [f32; 3] = [0.6, 0.5, 0.4];
 const CLEAR: [f32; 3] = [1.0; 3];
@@ -9,7 +11,9 @@ const TINTED: [f32; 3] = [0.5, 0.8, 0.6];
 
 /// Looks down on a floor that fills the view.
 fn above() -> Stage {
-    Stage::new(Vec3::new(0.3, 3.0, 2.0), Vec3::ZERO, 0.8).add(diffuse(GREY), floor(0.0, 6.0))
+    Stage::new()
+        .look_at(Vec3::new(0.3, 3.0, 2.0), Vec3::ZERO, 0.8)
+        .add(diffuse(GREY), floor(0.0, 6.0))
 }
 
 fn overhead(radiance: f32) -> (MaterialDescription, kaustik_geometry::Mesh) {
@@ -36,17 +40,18 @@ fn lamp_in_view() -> Stage {
 
 fn rough_slab() -> Stage {
     plate_under_lamp().add(
-        solid(1.5, 0.6, TINTED),
+        dielectric(1.5, 0.6, TINTED),
         cuboid(Vec3::new(-1.0, 0.4, -1.0), Vec3::new(1.0, 0.7, 1.0)),
     )
 }
 
 /// The camera is under water, the lamp in the air.
 fn under_water() -> Stage {
-    Stage::new(Vec3::new(0.2, 1.0, 0.3), Vec3::new(0.0, 0.0, 0.0), 0.9)
+    Stage::new()
+        .look_at(Vec3::new(0.2, 1.0, 0.3), Vec3::new(0.0, 0.0, 0.0), 0.9)
         .add(diffuse(GREY), floor(0.0, 1.5))
         .add(
-            solid(1.33, 0.0, TINTED),
+            dielectric(1.33, 0.0, TINTED),
             cuboid(Vec3::new(-1.6, -0.1, -1.6), Vec3::new(1.6, 1.4, 1.6)),
         )
         .add(lamp(3.0), ceiling(Vec3::Y * 2.0, 2.5))
@@ -54,18 +59,15 @@ fn under_water() -> Stage {
 
 /// An upright lamp within water that shines to both sides; its back is seen, from within.
 fn lamp_under_water() -> Stage {
-    let both = MaterialDescription {
-        double_sided: true,
-        ..lamp(2.0)
-    };
-    Stage::new(Vec3::new(-0.8, 1.2, 1.0), Vec3::new(0.0, 0.2, 0.0), 0.8)
+    Stage::new()
+        .look_at(Vec3::new(-0.8, 1.2, 1.0), Vec3::new(0.0, 0.2, 0.0), 0.8)
         .add(diffuse(GREY), floor(0.0, 4.0))
         .add(
-            solid(1.33, 0.0, TINTED),
+            dielectric(1.33, 0.0, TINTED),
             cuboid(Vec3::new(-4.1, -0.1, -4.1), Vec3::new(4.1, 1.6, 4.1)),
         )
         .add(
-            both,
+            double_sided(lamp(2.0)),
             rectangle(Vec3::new(0.1, 0.6, 0.0), Vec3::Y * 0.3, Vec3::Z * 0.3),
         )
 }
@@ -73,77 +75,79 @@ fn lamp_under_water() -> Stage {
 /// Light through a smooth ball of glass that is not seen itself.
 fn caustic() -> Stage {
     let (material, mesh) = (lamp(4.0), ceiling(Vec3::new(0.0, 3.5, -1.0), 1.5));
-    Stage::new(Vec3::new(0.0, 1.2, 1.6), Vec3::new(0.0, 0.0, 0.4), 0.6)
+    Stage::new()
+        .look_at(Vec3::new(0.0, 1.2, 1.6), Vec3::new(0.0, 0.0, 0.4), 0.6)
         .add(diffuse(GREY), floor(0.0, 6.0))
         .add(material, mesh)
         .add(
-            solid(1.5, 0.0, TINTED),
-            ball(Vec3::new(0.0, 2.0, -0.4), 0.6),
+            dielectric(1.5, 0.0, TINTED),
+            sphere(Vec3::new(0.0, 2.0, -0.4), 0.6),
         )
 }
 
 fn smooth_ball() -> Stage {
     plate_under_lamp().add(
         diffuse([0.7, 0.3, 0.3]),
-        ball(Vec3::new(-0.2, 0.6, 0.2), 0.6),
+        sphere(Vec3::new(-0.2, 0.6, 0.2), 0.6),
     )
 }
 
 fn glossy_ball() -> Stage {
-    let metal = MaterialDescription {
-        base_color: [0.9, 0.7, 0.4, 1.0],
-        roughness: 0.5,
-        ..MaterialDescription::default()
-    };
-    plate_under_lamp().add(metal, ball(Vec3::new(-0.2, 0.6, 0.2), 0.6))
+    plate_under_lamp().add(
+        metal([0.9, 0.7, 0.4], 0.5),
+        sphere(Vec3::new(-0.2, 0.6, 0.2), 0.6),
+    )
 }
 
-fn punctual(kind: LightKind) -> Stage {
+/// A yellowish light at `position`, which shines along `axis` and not far.
+fn yellow(kind: LightKind, intensity: f32, position: Vec3, axis: Vec3) -> LightDescription {
+    LightDescription {
+        color: [1.0, 0.9, 0.6],
+        range: Some(9.0),
+        ..punctual(kind, intensity, position, axis)
+    }
+}
+
+fn lit_by(kind: LightKind) -> Stage {
+    let position = Vec3::new(1.0, 2.0, 0.5);
     above()
         .add(
             diffuse([0.7, 0.3, 0.3]),
-            ball(Vec3::new(-0.2, 0.6, 0.2), 0.6),
+            sphere(Vec3::new(-0.2, 0.6, 0.2), 0.6),
         )
-        .light(
-            kind,
-            3.0,
-            Vec3::new(1.0, 2.0, 0.5),
-            Vec3::new(-0.4, -1.0, 0.1),
-        )
+        .light(yellow(kind, 3.0, position, Vec3::new(-0.4, -1.0, 0.1)))
 }
 
+/// A sky of four rows and eight columns, brighter and bluer above, with a lamp in it.
 fn painted_sky() -> Stage {
+    let texel = |i: usize| match i {
+        10 => [9.0, 8.0, 6.0],
+        _ => [1.0, 1.1, 1.3].map(|c: f32| c * (4.0 - (i / 8) as f32) * 0.3),
+    };
+    let sky = image(8, 4, Pixels::RgbF32((0..32).flat_map(texel).collect()));
     above()
         .add(
             diffuse([0.7, 0.3, 0.3]),
-            ball(Vec3::new(-0.2, 0.6, 0.2), 0.6),
+            sphere(Vec3::new(-0.2, 0.6, 0.2), 0.6),
         )
-        .painted_sky()
+        .environment_map(sky, Quat::from_rotation_y(0.5))
 }
 
 fn everything() -> Stage {
     let (material, mesh) = overhead(2.0);
-    punctual(LightKind::Directional)
+    let second = yellow(LightKind::Point, 2.0, Vec3::new(-1.0, 1.5, 0.5), Vec3::X);
+    lit_by(LightKind::Directional)
         .add(material, mesh)
-        .light(LightKind::Point, 2.0, Vec3::new(-1.0, 1.5, 0.5), Vec3::X)
+        .light(second)
         .sky(0.3)
 }
 
 fn orthographic() -> Stage {
-    let mut stage = smooth_ball();
-    stage.description.cameras[0].projection = Projection::Orthographic {
-        xmag: 1.5,
-        ymag: 1.5,
-    };
-    stage
+    smooth_ball().orthographic(1.5)
 }
 
 fn veil(opacity: f32) -> MaterialDescription {
-    MaterialDescription {
-        base_color: [0.3, 0.6, 0.8, opacity],
-        alpha_mode: AlphaMode::Blend,
-        ..diffuse(GREY)
-    }
+    blended(diffuse([0.3, 0.6, 0.8]), opacity)
 }
 
 /// Veils over each other, two of them in one place, between floor, lamp and camera.
@@ -172,7 +176,7 @@ fn shining_veil() -> Stage {
 fn overlapping_solids() -> Stage {
     let first = MaterialDescription {
         priority: 1,
-        ..solid(1.4, 0.5, TINTED)
+        ..dielectric(1.4, 0.5, TINTED)
     };
     plate_under_lamp()
         .add(
@@ -180,7 +184,7 @@ fn overlapping_solids() -> Stage {
             cuboid(Vec3::new(-1.0, 0.2, -1.0), Vec3::new(0.5, 0.9, 1.0)),
         )
         .add(
-            solid(1.7, 0.6, CLEAR),
+            dielectric(1.7, 0.6, CLEAR),
             cuboid(Vec3::new(-0.2, 0.3, -0.8), Vec3::new(1.1, 0.7, 0.8)),
         )
         .add(
@@ -194,7 +198,7 @@ fn overlapping_solids() -> Stage {
 fn objects_of_one_material() -> Stage {
     plate_under_lamp()
         .add(
-            solid(1.4, 0.5, TINTED),
+            dielectric(1.4, 0.5, TINTED),
             cuboid(Vec3::new(-1.0, 0.2, -1.0), Vec3::new(0.5, 0.9, 1.0)),
         )
         .and(cuboid(Vec3::new(-0.2, 0.3, -0.8), Vec3::new(1.1, 0.7, 0.8)))
@@ -207,17 +211,18 @@ fn objects_of_one_material() -> Stage {
 fn dispersive(roughness: f32) -> MaterialDescription {
     MaterialDescription {
         dispersion: 2.0,
-        ..solid(1.6, roughness, TINTED)
+        ..dielectric(1.6, roughness, TINTED)
     }
 }
 
 /// The caustic of a ball that bends each wavelength otherwise.
 fn rainbow() -> Stage {
     let (material, mesh) = (lamp(4.0), ceiling(Vec3::new(0.0, 3.5, -1.0), 1.5));
-    Stage::new(Vec3::new(0.0, 1.2, 1.6), Vec3::new(0.0, 0.0, 0.4), 0.6)
+    Stage::new()
+        .look_at(Vec3::new(0.0, 1.2, 1.6), Vec3::new(0.0, 0.0, 0.4), 0.6)
         .add(diffuse(GREY), floor(0.0, 6.0))
         .add(material, mesh)
-        .add(dispersive(0.0), ball(Vec3::new(0.0, 2.0, -0.4), 0.6))
+        .add(dispersive(0.0), sphere(Vec3::new(0.0, 2.0, -0.4), 0.6))
 }
 
 /// Joined through a rough interface that bends each wavelength otherwise.
@@ -246,14 +251,14 @@ pub(crate) const SCENES: [Case; 22] = [
     ("caustic", caustic),
     ("smooth ball", smooth_ball),
     ("glossy ball", glossy_ball),
-    ("point", || punctual(LightKind::Point)),
+    ("point", || lit_by(LightKind::Point)),
     ("spot", || {
-        punctual(LightKind::Spot {
+        lit_by(LightKind::Spot {
             inner: 0.3,
             outer: 0.7,
         })
     }),
-    ("directional", || punctual(LightKind::Directional)),
+    ("directional", || lit_by(LightKind::Directional)),
     ("painted sky", painted_sky),
     ("everything", everything),
     ("thin lens", || smooth_ball().lens(0.2, 2.5)),

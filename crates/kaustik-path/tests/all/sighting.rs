@@ -4,10 +4,10 @@ use kaustik_path::{
     PureSpecular, ScalarTarget, Sighting, Unidirectional, Unjoined, sight, sight_ways,
 };
 use kaustik_pss::{Coordinates, Recording, Stream};
+use kaustik_scene::testing::compile;
 use kaustik_scene::{Scene, builtin};
 
 use crate::scenes::SCENES;
-use crate::stage::compile;
 
 const POINTS: u64 = 1_500;
 

@@ -8,10 +8,11 @@ mod energy;
 
 use std::f64::consts::{PI, TAU};
 
-use glam::DVec3;
+use glam::{DVec3, Quat};
 use kaustik_bsdf::Frame;
 
-use crate::testing::{chi_square, level};
+use crate::description::Pixels;
+use crate::testing::{Stage, chi_square, image, level};
 
 /// Samples of a test in the fast half, and in the long one.
 const FAST: u32 = 100_000;
@@ -20,6 +21,13 @@ const LONG: u32 = 1_000_000;
 /// All chi-square tests of emitters together reject the truth once in a hundred times.
 fn accepts(observed: &[f64], expected: &[f64]) -> bool {
     chi_square(observed, expected) > level(24)
+}
+
+/// A stage with grey radiance around it, `width` texels a row.
+fn under_sky(stage: Stage, width: u32, texels: &[f32]) -> Stage {
+    let pixels = Pixels::RgbF32(texels.iter().flat_map(|&v| [v; 3]).collect());
+    let picture = image(width, texels.len() as u32 / width, pixels);
+    stage.environment_map(picture, Quat::from_rotation_x(0.7))
 }
 
 /// A grid over the sphere of equal solid angles, about `frame.z`.

@@ -8,7 +8,7 @@ mod surroundings;
 use glam::{DVec3, Vec3};
 use kaustik_geometry::Ray;
 
-use crate::testing::stage::wavelengths;
+use crate::testing::wavelengths;
 use crate::{Interior, Scene, Segment, Vertex};
 
 /// The next surface along a ray, with one number for what is partly transparent.

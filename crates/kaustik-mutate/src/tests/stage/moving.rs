@@ -4,8 +4,7 @@ use glam::{DAffine3, DVec3};
 use kaustik_scene::description::{
     AnimationDescription, Carried, Channel, Interpolation, Joint, Load, Rest, Shutter,
 };
-
-use super::Stage;
+use kaustik_scene::testing::Stage;
 
 /// From where something goes and as how many times as large, along each axis, to where.
 pub(super) type Way = [([f32; 3], [f32; 3]); 2];
@@ -18,16 +17,18 @@ fn channel<const N: usize>(values: [[f32; N]; 2]) -> Option<Channel<N>> {
     })
 }
 
-impl Stage {
+/// What moves on a stage.
+pub(super) trait Moving {
     /// Has something go its way about a place, turning about an axis by the rotations of these two
     /// quaternions, while the shutter is open.
-    pub(super) fn moving(
-        mut self,
-        load: Load,
-        about: DVec3,
-        way: Way,
-        turn: [[f32; 4]; 2],
-    ) -> Self {
+    fn moving(self, load: Load, about: DVec3, way: Way, turn: [[f32; 4]; 2]) -> Self;
+
+    /// The camera, which looks about.
+    fn looking(self) -> Self;
+}
+
+impl Moving for Stage {
+    fn moving(mut self, load: Load, about: DVec3, way: Way, turn: [[f32; 4]; 2]) -> Self {
         self.description.cameras[0].shutter = Some(Shutter {
             open: 0.0,
             close: 1.0,
@@ -59,8 +60,7 @@ impl Stage {
         self
     }
 
-    /// The camera, which looks about.
-    pub(super) fn looking(mut self) -> Self {
+    fn looking(mut self) -> Self {
         let camera = &mut self.description.cameras[0].transform;
         let rest = DAffine3 {
             matrix3: camera.matrix3.as_dmat3(),

@@ -3,9 +3,9 @@
 use glam::{DVec3, Vec3};
 use kaustik_geometry::Ray;
 
+use super::under_sky;
 use crate::description::LightKind;
-use crate::testing::Rng;
-use crate::testing::stage::{Stage, diffuse, lamp, rectangle, wavelengths};
+use crate::testing::{Rng, Stage, double_sided, grey, lamp, punctual, rectangle, wavelengths};
 use crate::{EmissionPdf, Interior, Reach, Scene, Vertex};
 
 fn near(a: f64, b: f64) -> bool {
@@ -15,34 +15,29 @@ fn near(a: f64, b: f64) -> bool {
 /// Two lamps, one of which shines to both sides, a sky, a point, a spot and parallel light, around a
 /// grey plate.
 fn stage() -> Stage {
-    let mut stage = Stage::new();
-    stage.add(
-        lamp(1.0, false),
-        rectangle(Vec3::new(0.2, 1.5, 0.0), Vec3::X, Vec3::Z),
-    );
-    stage.add(
-        lamp(3.0, true),
-        rectangle(Vec3::new(-1.6, -0.3, 0.2), Vec3::Z, Vec3::Y),
-    );
-    stage.add(
-        diffuse(0.5),
-        rectangle(Vec3::new(0.0, -1.0, 0.0), Vec3::Z, Vec3::X),
-    );
+    let mut stage = Stage::new()
+        .add(
+            lamp(1.0),
+            rectangle(Vec3::new(0.2, 1.5, 0.0), Vec3::X, Vec3::Z),
+        )
+        .add(
+            double_sided(lamp(3.0)),
+            rectangle(Vec3::new(-1.6, -0.3, 0.2), Vec3::Z, Vec3::Y),
+        )
+        .add(
+            grey(0.5),
+            rectangle(Vec3::new(0.0, -1.0, 0.0), Vec3::Z, Vec3::X),
+        );
     let spot = LightKind::Spot {
         inner: 0.4,
         outer: 0.9,
     };
     for kind in [LightKind::Point, spot, LightKind::Directional] {
-        stage.light(
-            kind,
-            2.0,
-            Vec3::new(0.5, 1.0, 0.3),
-            Vec3::new(-0.3, -1.0, 0.1),
-        );
+        let (position, axis) = (Vec3::new(0.5, 1.0, 0.3), Vec3::new(-0.3, -1.0, 0.1));
+        stage = stage.light(punctual(kind, 2.0, position, axis));
     }
     let sky: Vec<f32> = (0..72).map(|i| (1 + i * i % 11) as f32 * 0.1).collect();
-    stage.sky(12, &sky);
-    stage
+    under_sky(stage, 12, &sky)
 }
 
 /// What running into the start of an emission states, for hittable emitters.

@@ -6,10 +6,9 @@ use glam::{DVec3, Vec3};
 use kaustik_geometry::Ray;
 
 use super::super::alias::AliasTable;
-use super::{FAST, LONG, Sphere, accepts};
-use crate::description::{EnvironmentDescription, LightKind, MaterialDescription};
-use crate::testing::Rng;
-use crate::testing::stage::{Stage, lamp, rectangle, wavelengths};
+use super::{FAST, LONG, Sphere, accepts, under_sky};
+use crate::description::{LightKind, MaterialDescription};
+use crate::testing::{Rng, Stage, double_sided, lamp, punctual, rectangle, wavelengths};
 use crate::{Interior, Reach, Scene, Vertex};
 
 const FROM: DVec3 = DVec3::new(0.1, -0.2, 0.05);
@@ -17,18 +16,17 @@ const FROM: DVec3 = DVec3::new(0.1, -0.2, 0.05);
 /// Lamps around a point that hide nothing of each other: one above, one aside that shows its
 /// back edgewise and its front, a brighter one that emits to both sides and shows its back.
 fn lamps(bright: f32) -> Stage {
-    let mut stage = Stage::new();
     let above = rectangle(Vec3::new(0.2, 1.5, 0.0), Vec3::X, Vec3::Z);
-    stage.add(lamp(1.0, false), above);
     let tilted = Vec3::new(0.9, 0.4, 0.0);
     let aside = rectangle(Vec3::new(-1.6, -0.3, 0.2), Vec3::Z, tilted);
-    stage.add(lamp(2.0, true), aside);
     let behind = rectangle(Vec3::new(0.2, -0.4, -1.2), Vec3::X * 0.8, Vec3::Y * 0.6);
-    stage.add(lamp(bright, true), behind);
     // shows its dark side: what is drawn there is lost
     let dark = rectangle(Vec3::new(1.8, -0.4, 0.3), Vec3::Y, Vec3::Z);
-    stage.add(lamp(1.5, false), dark);
-    stage
+    Stage::new()
+        .add(lamp(1.0), above)
+        .add(double_sided(lamp(2.0)), aside)
+        .add(double_sided(lamp(bright)), behind)
+        .add(lamp(1.5), dark)
 }
 
 /// The stated density of a direction: of the emitter that a ray meets, and of the sky.
@@ -69,10 +67,8 @@ fn agrees(drawn: &Scene, stated: &Scene, samples: u32, fine: usize) -> bool {
 }
 
 fn lit_by_the_sky() -> Scene {
-    let mut stage = lamps(3.0);
     let sky: Vec<f32> = (0..32).map(|i| (i % 7 + i / 8) as f32).collect();
-    stage.sky(8, &sky);
-    stage.build()
+    under_sky(lamps(3.0), 8, &sky).build()
 }
 
 #[test]
@@ -145,18 +141,17 @@ fn choices(scene: &Scene, samples: u32) -> ([f64; 5], [f64; 5]) {
 }
 
 fn all_kinds(intensity: f32) -> Stage {
-    let mut stage = Stage::new();
-    let above = rectangle(Vec3::Y * 2.0, Vec3::X, Vec3::Z);
-    stage.add(lamp(1.0, false), above);
-    stage.light(LightKind::Point, intensity, Vec3::X, Vec3::Z);
     let spot = LightKind::Spot {
         inner: 0.3,
         outer: std::f32::consts::FRAC_PI_3,
     };
-    stage.light(spot, 3.0, Vec3::NEG_X, Vec3::X);
-    stage.light(LightKind::Directional, 0.7, Vec3::ZERO, Vec3::NEG_Y);
-    stage.description.environment = Some(EnvironmentDescription::Constant([0.5; 3]));
-    stage
+    let sun = punctual(LightKind::Directional, 0.7, Vec3::ZERO, Vec3::NEG_Y);
+    Stage::new()
+        .add(lamp(1.0), rectangle(Vec3::Y * 2.0, Vec3::X, Vec3::Z))
+        .light(punctual(LightKind::Point, intensity, Vec3::X, Vec3::Z))
+        .light(punctual(spot, 3.0, Vec3::NEG_X, Vec3::X))
+        .light(sun)
+        .sky(0.5)
 }
 
 #[test]
@@ -194,14 +189,12 @@ fn one_number_chooses_by_weight() {
 /// meets it all the same gets an answer.
 #[test]
 fn a_power_of_zero_is_no_choice() {
-    let mut stage = Stage::new();
     let mesh = rectangle(Vec3::NEG_Z, Vec3::X, Vec3::Y);
     let dim = MaterialDescription {
         emissive: [1e-45, 0.0, 0.0],
-        ..lamp(0.0, false)
+        ..lamp(0.0)
     };
-    stage.add(dim, mesh);
-    let scene = stage.build();
+    let scene = Stage::new().add(dim, mesh).build();
     assert!(!scene.has_light());
     assert_eq!(
         scene.direct_pdf(FROM, &Vertex::default()).to_bits(),

@@ -6,10 +6,9 @@ use glam::{DVec3, Vec3};
 use kaustik_bsdf::Frame;
 
 use super::super::Punctual;
-use super::{FAST, LONG, Sphere, accepts, cell, turns};
-use crate::description::LightKind;
-use crate::testing::Rng;
-use crate::testing::stage::{Stage, diffuse, lamp, rectangle, wavelengths};
+use super::{FAST, LONG, Sphere, accepts, cell, turns, under_sky};
+use crate::description::{LightKind, MaterialDescription};
+use crate::testing::{Rng, Stage, grey, lamp, punctual, rectangle, wavelengths};
 use crate::{EmissionSample, Scene};
 
 /// Counts the cells of samples.
@@ -54,8 +53,11 @@ fn area_cell(sample: &EmissionSample) -> usize {
 
 fn area_agrees(samples: u32, fault: f64) -> bool {
     [false, true].into_iter().all(|both_sides| {
-        let mut stage = Stage::new();
-        stage.add(lamp(2.0, both_sides), rectangle(CENTRE, U, V));
+        let lamp = MaterialDescription {
+            double_sided: both_sides,
+            ..lamp(2.0)
+        };
+        let stage = Stage::new().add(lamp, rectangle(CENTRE, U, V));
         let cells = if both_sides { 512 } else { 256 };
         let mut expected = vec![f64::from(samples) / cells as f64; cells];
         for pair in expected.chunks_exact_mut(2) {
@@ -87,8 +89,7 @@ fn a_wrong_density_is_rejected() {
 /// A point or spot light over the sphere, against its own density.
 fn punctual_agrees(kind: LightKind, samples: u32, fault: f64) -> bool {
     let axis = Vec3::new(0.6, -0.8, 0.1);
-    let mut stage = Stage::new();
-    stage.light(kind, 1.0, CENTRE, axis);
+    let stage = Stage::new().light(punctual(kind, 1.0, CENTRE, axis));
     let light = Punctual::new(&stage.description.lights[0]);
     // the rim of a cone of 60 degrees lies in the middle of a row, between points of the integral
     let sphere = Sphere::new(light.axis(), 30, 16);
@@ -139,18 +140,15 @@ fn on_disc(scene: &Scene, sample: &EmissionSample) -> [f64; 2] {
     [squared, turns(local.x, local.y)]
 }
 
-fn ball() -> Stage {
-    let mut stage = Stage::new();
-    stage.add(diffuse(0.5), rectangle(CENTRE, U * 3.0, V * 2.0));
-    stage
+fn plate() -> Stage {
+    Stage::new().add(grey(0.5), rectangle(CENTRE, U * 3.0, V * 2.0))
 }
 
 #[test]
 fn directional_light_fills_the_disc() {
     let axis = Vec3::new(0.3, -0.9, 0.2);
-    let mut stage = ball();
-    stage.light(LightKind::Directional, 2.0, Vec3::ZERO, axis);
-    let scene = stage.build();
+    let light = punctual(LightKind::Directional, 2.0, Vec3::ZERO, axis);
+    let scene = plate().light(light).build();
     let observed = count(&scene, FAST, 256, |sample| {
         assert!((sample.ray.direction - axis.normalize()).length() < 1e-6);
         let [squared, turns] = on_disc(&scene, sample);
@@ -160,10 +158,8 @@ fn directional_light_fills_the_disc() {
 }
 
 fn sky_agrees(samples: u32) -> bool {
-    let mut stage = ball();
     let sky: Vec<f32> = (0..72).map(|i| (i * i % 11) as f32).collect();
-    stage.sky(12, &sky);
-    let scene = stage.build();
+    let scene = under_sky(plate(), 12, &sky).build();
     let sphere = Sphere::new(DVec3::new(0.2, 0.9, 0.1).normalize(), 12, 24);
     let density = sphere.integrate(16, |d| scene.environment_pdf(d));
     assert!((density.iter().sum::<f64>() - 1.0).abs() < 2e-3);
@@ -192,9 +188,7 @@ fn the_sky_emits_from_its_disc_to_a_tenth_of_a_percent() {
 /// One over the weight is the density: their product with the radiance is constant for lamps.
 #[test]
 fn weights_are_radiance_over_density() {
-    let mut stage = Stage::new();
-    stage.add(lamp(1.0, false), rectangle(CENTRE, U, V));
-    let scene = stage.build();
+    let scene = Stage::new().add(lamp(1.0), rectangle(CENTRE, U, V)).build();
     let radiance = kaustik_spectrum::uplift_emission([1.0; 3]).eval(&wavelengths());
     let area = 4.0 * U.cross(V).length();
     let mut rng = Rng::new(1);

@@ -5,10 +5,13 @@ use std::f64::consts::PI;
 use glam::{DVec3, Vec3};
 use kaustik_spectrum::uplift_emission;
 
+use super::under_sky;
 use crate::Scene;
-use crate::description::{AlphaMode, EnvironmentDescription, LightKind, MaterialDescription};
-use crate::testing::stage::{Stage, diffuse, lamp, rectangle, wavelengths};
-use crate::testing::{Rng, mean};
+use crate::description::{LightDescription, LightKind, MaterialDescription, Pixels};
+use crate::testing::{
+    Rng, Stage, blended, double_sided, grey, image, lamp, mean, punctual, rectangle,
+    rectangle_with_uv, wavelengths,
+};
 
 const SAMPLES: usize = 100_000;
 
@@ -38,48 +41,46 @@ fn power(scene: &Scene) -> (f64, f64) {
 }
 
 fn panel() -> kaustik_geometry::Mesh {
-    rectangle(Vec3::Y, Vec3::X * 0.5, Vec3::Z)
+    rectangle_with_uv(Vec3::Y, Vec3::X * 0.5, Vec3::Z)
 }
 
 const PANEL_AREA: f64 = 2.0;
 
 #[test]
 fn surfaces_radiate_pi_times_area_times_radiance() {
-    let power_of = |material: MaterialDescription| {
-        let mut stage = Stage::new();
-        stage.add(material, panel());
-        power(&stage.build())
-    };
+    let power_of =
+        |material: MaterialDescription| power(&Stage::new().add(material, panel()).build());
     let one = PI * PANEL_AREA * 3.0;
-    assert_mean("front", power_of(lamp(3.0, false)), one);
-    assert_mean("both sides", power_of(lamp(3.0, true)), 2.0 * one);
-    let veil = MaterialDescription {
-        base_color: [0.0, 0.0, 0.0, 0.25],
-        alpha_mode: AlphaMode::Blend,
-        ..lamp(3.0, false)
-    };
+    assert_mean("front", power_of(lamp(3.0)), one);
+    assert_mean("both sides", power_of(double_sided(lamp(3.0))), 2.0 * one);
+    let veil = blended(lamp(3.0), 0.25);
     assert_mean("partly transparent", power_of(veil), 0.25 * one);
 }
 
 #[test]
 fn a_picture_radiates_its_mean() {
-    let mut stage = Stage::new();
     let texels = [0.0, 1.0, 0.5, 0.1].map(|grey| [grey; 3]);
-    let slot = stage.texture(2, &texels);
+    let (stage, slot) = Stage::new().texture(image(2, 2, Pixels::RgbF32(texels.concat())));
     let material = MaterialDescription {
         emissive_texture: Some(slot),
-        ..lamp(2.0, false)
+        ..lamp(2.0)
     };
-    stage.add(material, panel());
+    let scene = stage.add(material, panel()).build();
     let expected = PI * PANEL_AREA * 2.0 * 0.4;
-    assert_mean("picture", power(&stage.build()), expected);
+    assert_mean("picture", power(&scene), expected);
+}
+
+fn plain() -> Stage {
+    Stage::new().add(grey(0.5), panel())
 }
 
 fn lights(kind: LightKind) -> Stage {
-    let mut stage = Stage::new();
-    stage.add(diffuse(0.5), panel());
-    stage.light(kind, 2.0, Vec3::new(0.0, 3.0, 1.0), Vec3::NEG_Y);
-    stage
+    let position = Vec3::new(0.0, 3.0, 1.0);
+    plain().light(punctual(kind, 2.0, position, Vec3::NEG_Y))
+}
+
+fn sun(irradiance: f32, axis: Vec3) -> LightDescription {
+    punctual(LightKind::Directional, irradiance, Vec3::ZERO, axis)
 }
 
 #[test]
@@ -105,27 +106,24 @@ fn punctual_lights_radiate_their_closed_forms() {
 
 #[test]
 fn the_sky_radiates_through_the_sphere() {
-    let mut stage = Stage::new();
-    stage.add(diffuse(0.5), panel());
-    stage.description.environment = Some(EnvironmentDescription::Constant([1.5; 3]));
-    let scene = stage.build();
+    let scene = plain().sky(1.5).build();
     let sphere = 4.0 * PI * PI * scene.bounding_sphere().1.powi(2);
     assert_mean("constant", power(&scene), 1.5 * sphere);
     // upper half bright, the other dim: interpolation keeps the mean by symmetry
     let rows = [3.0, 3.0, 1.0, 1.0];
     let texels: Vec<f32> = rows.iter().flat_map(|&row| [row; 8]).collect();
-    stage.sky(8, &texels);
-    assert_mean("picture", power(&stage.build()), 2.0 * sphere);
+    let scene = under_sky(plain(), 8, &texels).build();
+    assert_mean("picture", power(&scene), 2.0 * sphere);
 }
 
 /// Choosing among several emitters loses nothing and counts nothing twice.
 #[test]
 fn powers_add_up() {
-    let mut stage = lights(LightKind::Point);
-    stage.add(lamp(3.0, true), panel());
-    stage.light(LightKind::Directional, 1.0, Vec3::ZERO, Vec3::X);
-    stage.description.environment = Some(EnvironmentDescription::Constant([0.2; 3]));
-    let scene = stage.build();
+    let scene = lights(LightKind::Point)
+        .add(double_sided(lamp(3.0)), panel())
+        .light(sun(1.0, Vec3::X))
+        .sky(0.2)
+        .build();
     let disc = PI * scene.bounding_sphere().1.powi(2);
     let lamps = 2.0 * PI * PANEL_AREA * 3.0;
     let expected = 8.0 * PI + lamps + disc + 0.2 * 4.0 * PI * disc;
@@ -135,11 +133,7 @@ fn powers_add_up() {
 /// Photons of a sun and of a dim sky carry nearly the same flux, where half of all other light walks are the sky's.
 #[test]
 fn photons_of_sun_and_sky_carry_alike() {
-    let mut stage = Stage::new();
-    stage.add(diffuse(0.5), panel());
-    stage.light(LightKind::Directional, 30.0, Vec3::ZERO, Vec3::X);
-    stage.description.environment = Some(EnvironmentDescription::Constant([0.02; 3]));
-    let scene = stage.build();
+    let scene = plain().light(sun(30.0, Vec3::X)).sky(0.02).build();
     let disc = PI * scene.bounding_sphere().1.powi(2);
     let mut rng = Rng::new(31);
     let photons = mean((0..SAMPLES).map(|_| {
@@ -179,37 +173,33 @@ fn corner_form_factor(a: f64, b: f64) -> f64 {
 
 #[test]
 fn a_square_above_a_point() {
-    let mut stage = Stage::new();
+    let of = |material, mesh| irradiance(&Stage::new().add(material, mesh).build());
     let square = rectangle(Vec3::Y * 1.5, Vec3::X, Vec3::Z);
-    stage.add(lamp(3.0, false), square.clone());
     let expected = 3.0 * PI * 4.0 * corner_form_factor(1.0 / 1.5, 1.0 / 1.5);
-    assert_mean("square", irradiance(&stage.build()), expected);
+    assert_mean("square", of(lamp(3.0), square.clone()), expected);
     let mut turned = square;
     turned.indices.iter_mut().for_each(|t| t.swap(0, 1));
-    let mut stage = Stage::new();
-    stage.add(lamp(3.0, false), turned.clone());
-    let (dark, _) = irradiance(&stage.build());
+    let (dark, _) = of(lamp(3.0), turned.clone());
     assert_eq!(dark.to_bits(), 0.0_f64.to_bits(), "its back is dark");
-    let mut stage = Stage::new();
-    stage.add(lamp(3.0, true), turned);
-    assert_mean("both sides", irradiance(&stage.build()), expected);
+    let both = double_sided(lamp(3.0));
+    assert_mean("both sides", of(both, turned), expected);
 }
 
 #[test]
 fn punctual_lights_and_the_sky_on_a_point() {
-    let mut stage = Stage::new();
-    stage.light(LightKind::Point, 3.0, Vec3::new(0.0, 2.0, 1.0), Vec3::X);
+    let of = |light| irradiance(&Stage::new().light(light).build());
+    let light = punctual(LightKind::Point, 3.0, Vec3::new(0.0, 2.0, 1.0), Vec3::X);
     let cos = 2.0 / 5.0_f64.sqrt();
     let point = 3.0 * cos / 5.0;
-    assert_mean("point", irradiance(&stage.build()), point);
-    stage.description.lights[0].range = Some(4.0);
+    assert_mean("point", of(light.clone()), point);
+    let ranged = LightDescription {
+        range: Some(4.0),
+        ..light
+    };
     let window = 1.0 - 25.0 / 256.0;
-    assert_mean("range", irradiance(&stage.build()), point * window);
-    stage.description.lights.clear();
+    assert_mean("range", of(ranged), point * window);
     let along = Vec3::new(1.0, -2.0, 0.0);
-    stage.light(LightKind::Directional, 3.0, Vec3::ZERO, along);
-    assert_mean("directional", irradiance(&stage.build()), 3.0 * cos);
-    stage.description.lights.clear();
-    stage.description.environment = Some(EnvironmentDescription::Constant([2.0; 3]));
-    assert_mean("sky", irradiance(&stage.build()), 2.0 * PI);
+    assert_mean("directional", of(sun(3.0, along)), 3.0 * cos);
+    let sky = Stage::new().sky(2.0).build();
+    assert_mean("sky", irradiance(&sky), 2.0 * PI);
 }

@@ -5,31 +5,25 @@ use kaustik_geometry::Ray;
 
 use super::meet;
 use crate::description::{AlphaMode, MaterialDescription, Pixels};
-use crate::testing::stage::{Stage, diffuse, lamp, rectangle, wavelengths};
+use crate::testing::{Stage, blended, grey, image, lamp, rectangle_with_uv, wavelengths};
 use crate::{Interior, Scene, Vertex};
 
 const NUMBERS: u32 = 10_000;
 
 fn veil(opacity: f32) -> MaterialDescription {
-    MaterialDescription {
-        base_color: [0.5, 0.5, 0.5, opacity],
-        alpha_mode: AlphaMode::Blend,
-        ..diffuse(0.5)
-    }
+    blended(grey(0.5), opacity)
 }
 
 fn square(z: f32) -> kaustik_geometry::Mesh {
-    rectangle(Vec3::Z * z, Vec3::X, Vec3::Y)
+    rectangle_with_uv(Vec3::Z * z, Vec3::X, Vec3::Y)
 }
 
 /// Veils at these heights in this order, over a black floor.
 fn layers(layers: &[(f32, f32)]) -> Scene {
-    let mut stage = Stage::new();
-    for &(opacity, z) in layers {
-        stage.add(veil(opacity), square(z));
-    }
-    stage.add(diffuse(0.0), square(-5.0));
-    stage.build()
+    let veils = layers.iter().fold(Stage::new(), |stage, &(opacity, z)| {
+        stage.add(veil(opacity), square(z))
+    });
+    veils.add(grey(0.0), square(-5.0)).build()
 }
 
 const START: Vec3 = Vec3::new(0.1, 0.23, 3.0);
@@ -109,11 +103,10 @@ fn a_number_is_asked_for_at_most_once() {
 /// A veil placed many times over: instances count one by one.
 #[test]
 fn instances_of_one_veil_multiply() {
-    let mut stage = Stage::new();
-    for i in 0..20 {
+    let stage = (0..20).fold(Stage::new(), |stage, i| {
         let transform = Affine3A::from_translation(Vec3::Z * (i / 4) as f32 * 0.1);
-        stage.add_at(veil(0.1), square(0.0), transform);
-    }
+        stage.add_at(veil(0.1), square(0.0), transform)
+    });
     let scene = stage.build();
     let ray = Ray::new(START, Vec3::NEG_Z);
     let expected = 0.9_f32.powi(20);
@@ -129,16 +122,14 @@ fn instances_of_one_veil_multiply() {
 
 /// A square whose left half has the alpha 102 of 255, its right half 153.
 fn halves(alpha_mode: AlphaMode) -> Scene {
-    let mut stage = Stage::new();
     let texels = [102, 153].map(|alpha| [255, 255, 255, alpha]);
-    let slot = stage.image(2, 1, Pixels::Rgba8(texels.concat()));
+    let (stage, slot) = Stage::new().texture(image(2, 1, Pixels::Rgba8(texels.concat())));
     let material = MaterialDescription {
         base_color_texture: Some(slot),
         alpha_mode,
-        ..diffuse(0.5)
+        ..grey(0.5)
     };
-    stage.add(material, square(0.0));
-    stage.build()
+    stage.add(material, square(0.0)).build()
 }
 
 #[test]
@@ -168,12 +159,11 @@ fn alpha_comes_from_the_texture() {
 #[test]
 fn a_mask_is_opaque_from_its_cutoff_on() {
     for (alpha, there) in [(0.5, true), (0.49999, false), (0.6, true)] {
-        let mut stage = Stage::new();
         let material = MaterialDescription {
             alpha_mode: AlphaMode::Mask(0.5),
             ..veil(alpha)
         };
-        stage.add(material, square(0.0));
+        let stage = Stage::new().add(material, square(0.0));
         let ray = Ray::new(START, Vec3::NEG_Z);
         let met = meet(&stage.build(), &ray, &mut { Interior::VACUUM }, 0.999);
         assert_eq!(met.is_some(), there, "{alpha}");
@@ -184,20 +174,17 @@ fn a_mask_is_opaque_from_its_cutoff_on() {
 #[test]
 fn a_veil_that_shines_is_dimmed_where_it_is_chosen() {
     let radiance = |opacity: f32| {
-        let mut stage = Stage::new();
         let material = MaterialDescription {
             emissive: [2.0; 3],
             ..veil(opacity)
         };
-        stage.add(material, square(0.0));
-        let scene = stage.build();
+        let scene = Stage::new().add(material, square(0.0)).build();
         let from = START.as_dvec3();
         let sample = scene.sample_direct(from, &wavelengths(), |_| 0.4);
         sample.expect("a lamp").radiance.hero()
     };
-    let mut plain = Stage::new();
-    plain.add(lamp(2.0, false), square(0.0));
-    let full = plain
+    let full = Stage::new()
+        .add(lamp(2.0), square(0.0))
         .build()
         .sample_direct(START.as_dvec3(), &wavelengths(), |_| 0.4)
         .expect("a lamp")

@@ -5,30 +5,34 @@ use kaustik_geometry::Mesh;
 
 use super::{close, look};
 use crate::Vertex;
-use crate::description::MaterialDescription;
-use crate::testing::stage::{Stage, diffuse, rectangle};
+use crate::description::{MaterialDescription, Pixels};
+use crate::testing::{Stage, grey, image, rectangle_with_uv};
 
 /// A square that faces +z with its picture upright: u along +x, v along -y.
 fn square() -> Mesh {
-    rectangle(Vec3::ZERO, Vec3::X, Vec3::Y)
+    rectangle_with_uv(Vec3::ZERO, Vec3::X, Vec3::Y)
 }
 
 /// Stores a tangent-space normal as a texture holds it.
-fn texel(normal: [f32; 3]) -> [f32; 3] {
-    normal.map(|c| 0.5 * (c + 1.0))
+fn texel(normal: [f32; 3]) -> Pixels {
+    Pixels::RgbF32(normal.map(|c| 0.5 * (c + 1.0)).to_vec())
 }
 
 /// What a ray from above meets on a square with a constant normal texture.
 fn bent(mesh: Mesh, normal: Option<[f32; 3]>, scale: f32, transform: Affine3A) -> Vertex {
     let mut stage = Stage::new();
-    let slot = normal.map(|normal| stage.texture(1, &[texel(normal)]));
+    let mut slot = None;
+    if let Some(normal) = normal {
+        let (with, normals) = stage.texture(image(1, 1, texel(normal)));
+        (stage, slot) = (with, Some(normals));
+    }
     let material = MaterialDescription {
         normal_texture: slot,
         normal_scale: scale,
-        ..diffuse(0.5)
+        ..grey(0.5)
     };
-    stage.add_at(material, mesh, transform);
-    look(&stage.build(), Vec3::new(0.1, 0.23, 2.0), Vec3::NEG_Z)
+    let scene = stage.add_at(material, mesh, transform).build();
+    look(&scene, Vec3::new(0.1, 0.23, 2.0), Vec3::NEG_Z)
 }
 
 fn given(mut mesh: Mesh, tangent: Vec4) -> Mesh {

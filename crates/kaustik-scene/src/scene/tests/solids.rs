@@ -8,12 +8,20 @@ use kaustik_geometry::{Mesh, Ray};
 use kaustik_spectrum::{Spectrum, uplift_reflectance};
 
 use super::meet;
-use crate::description::{AlphaMode, MaterialDescription};
-use crate::testing::stage::{Stage, cuboid, diffuse, rectangle, solid, wavelengths};
+use crate::description::MaterialDescription;
+use crate::testing::{Stage, blended, cuboid, dielectric, grey, rectangle, wavelengths};
 use crate::{Interior, Scene};
 
 pub(super) const GREEN: [f32; 3] = [0.3, 0.9, 0.4];
 pub(super) const BLUE: [f32; 3] = [0.2, 0.5, 0.8];
+
+/// A smooth solid.
+pub(super) fn solid(ior: f32, priority: i32, color: [f32; 3]) -> MaterialDescription {
+    MaterialDescription {
+        priority,
+        ..dielectric(ior, 0.0, color)
+    }
+}
 
 /// What is left of light after a distance in a solid of that colour at distance 1.
 fn beer(color: [f32; 3], distance: f32) -> Spectrum {
@@ -62,10 +70,10 @@ pub(super) const AXIS: Vec3 = Vec3::new(0.0, 0.1, 0.23);
 
 /// Glass from 0 to 2, water from 1 to 4; the glass fills the overlap.
 fn overlapping() -> Scene {
-    let mut stage = Stage::new();
-    stage.add(solid(1.33, 1, BLUE), slab(1.0, 4.0));
-    stage.add(solid(1.5, 2, GREEN), slab(0.0, 2.0));
-    stage.build()
+    Stage::new()
+        .add(solid(1.33, 1, BLUE), slab(1.0, 4.0))
+        .add(solid(1.5, 2, GREEN), slab(0.0, 2.0))
+        .build()
 }
 pub(super) const WATER: u32 = 0;
 pub(super) const GLASS: u32 = 1;
@@ -118,10 +126,10 @@ fn sphere(centre: Vec3, radius: f64) -> Mesh {
 
 #[test]
 fn overlapping_spheres_are_seen_by_priority() {
-    let mut stage = Stage::new();
-    stage.add(solid(1.33, 0, BLUE), sphere(Vec3::X, 1.0));
-    stage.add(solid(1.5, 3, GREEN), sphere(Vec3::ZERO, 1.0));
-    let scene = stage.build();
+    let scene = Stage::new()
+        .add(solid(1.33, 0, BLUE), sphere(Vec3::X, 1.0))
+        .add(solid(1.5, 3, GREEN), sphere(Vec3::ZERO, 1.0))
+        .build();
     // off the axis by (0.1, 0.15): half the chord of either sphere
     let half = (1.0 - 0.1_f64.powi(2) - 0.15_f64.powi(2)).sqrt();
     let start = Vec3::new(-3.0, 0.1, 0.15);
@@ -139,11 +147,11 @@ fn overlapping_spheres_are_seen_by_priority() {
 
 #[test]
 fn what_lies_within_a_higher_solid_is_hidden() {
-    let mut stage = Stage::new();
-    stage.add(solid(1.33, 0, BLUE), slab(1.0, 2.0));
-    stage.add(solid(1.5, 1, GREEN), slab(0.0, 4.0));
-    // met within both: a wall that is no solid is seen
-    stage.add(diffuse(0.5), rectangle(Vec3::X * 1.5, Vec3::Y, Vec3::Z));
+    let stage = Stage::new()
+        .add(solid(1.33, 0, BLUE), slab(1.0, 2.0))
+        .add(solid(1.5, 1, GREEN), slab(0.0, 4.0))
+        // met within both: a wall that is no solid is seen
+        .add(grey(0.5), rectangle(Vec3::X * 1.5, Vec3::Y, Vec3::Z));
     let (seen, end) = straight(&stage.build(), AXIS - Vec3::X, Vec3::X, Interior::VACUUM);
     let expected = [
         (1, 1.0, Spectrum::ONE),
@@ -158,17 +166,14 @@ fn what_lies_within_a_higher_solid_is_hidden() {
 #[test]
 fn coinciding_interfaces_are_all_crossed() {
     for swapped in [false, true] {
-        let mut stage = Stage::new();
-        let mut add = |low: bool| {
+        let add = |stage: Stage, low: bool| {
             let (priority, color) = if low { (0, BLUE) } else { (1, GREEN) };
             stage.add(
                 solid(1.4, priority, color),
                 slab(if low { 1.0 } else { 0.0 }, 3.0),
-            );
+            )
         };
-        add(swapped);
-        add(!swapped);
-        let scene = stage.build();
+        let scene = add(add(Stage::new(), swapped), !swapped).build();
         for direction in [Vec3::X, Vec3::NEG_X] {
             let start = AXIS + Vec3::X * 1.5 - direction * 5.0;
             let (_, end) = straight(&scene, start, direction, Interior::VACUUM);
@@ -210,12 +215,11 @@ fn an_interface_bends_by_both_solids() {
 #[test]
 fn a_slab_attenuates_by_its_colour_to_the_distance() {
     for (attenuation_distance, thickness) in [(1.0_f32, 0.25_f32), (2.5, 3.0), (0.1, 0.05)] {
-        let mut stage = Stage::new();
         let mut glass = solid(1.5, 0, GREEN);
         if let Some(volume) = &mut glass.volume {
             volume.attenuation_distance = attenuation_distance;
         }
-        stage.add(glass, slab(0.0, thickness));
+        let stage = Stage::new().add(glass, slab(0.0, thickness));
         let (seen, _) = straight(&stage.build(), AXIS - Vec3::X, Vec3::X, Interior::VACUUM);
         assert_eq!(seen.len(), 2);
         assert_near(seen[1].2, beer(GREEN, thickness / attenuation_distance));
@@ -226,16 +230,12 @@ fn a_slab_attenuates_by_its_colour_to_the_distance() {
 /// let through what they let through outside.
 #[test]
 fn alpha_counts_behind_hidden_interfaces() {
-    let mut stage = Stage::new();
-    stage.add(solid(1.33, 0, BLUE), slab(1.0, 2.0));
-    stage.add(solid(1.5, 1, GREEN), slab(0.0, 4.0));
-    let veil = MaterialDescription {
-        base_color: [0.5, 0.5, 0.5, 0.3],
-        alpha_mode: AlphaMode::Blend,
-        ..diffuse(0.5)
-    };
-    stage.add(veil, rectangle(Vec3::X * 3.0, Vec3::Y, Vec3::Z));
-    let scene = stage.build();
+    let veil = blended(grey(0.5), 0.3);
+    let scene = Stage::new()
+        .add(solid(1.33, 0, BLUE), slab(1.0, 2.0))
+        .add(solid(1.5, 1, GREEN), slab(0.0, 4.0))
+        .add(veil, rectangle(Vec3::X * 3.0, Vec3::Y, Vec3::Z))
+        .build();
     let ray = Ray::new(AXIS + Vec3::X * 0.5, Vec3::X);
     let inside = Interior::VACUUM.with(1);
     let stopped = (0..1000).filter(|i| {
@@ -250,12 +250,10 @@ fn alpha_counts_behind_hidden_interfaces() {
 
 /// Glass from 0 to 2 and glass from 1 to 4, of one material.
 fn of_one_material() -> Scene {
-    let mut stage = Stage::new();
-    stage.add(solid(1.5, 0, GREEN), slab(0.0, 2.0));
-    stage.add(solid(1.5, 0, GREEN), slab(1.0, 4.0));
-    stage.description.materials.pop();
-    stage.description.instances[1].material = Some(0);
-    stage.build()
+    Stage::new()
+        .add(solid(1.5, 0, GREEN), slab(0.0, 2.0))
+        .and(slab(1.0, 4.0))
+        .build()
 }
 
 /// Objects of one material that overlap are one solid, from whichever side and wherever a walk begins.

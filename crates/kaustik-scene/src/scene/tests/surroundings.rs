@@ -2,20 +2,19 @@
 
 use glam::Vec3;
 
-use super::solids::{AXIS, BLUE, GLASS, GREEN, WATER, slab};
-use crate::description::LightKind;
-use crate::testing::Rng;
-use crate::testing::stage::{Stage, cuboid, diffuse, lamp, rectangle, solid, wavelengths};
+use super::solids::{AXIS, BLUE, GLASS, GREEN, WATER, slab, solid};
+use crate::description::{LightKind, MaterialDescription};
+use crate::testing::{Rng, Stage, cuboid, grey, lamp, punctual, rectangle, wavelengths};
 
 #[test]
 fn the_camera_knows_what_it_is_in() {
     let around = |eye: Vec3| {
-        let mut stage = Stage::new();
-        stage.add(solid(1.33, 1, BLUE), slab(1.0, 4.0));
-        stage.add(solid(1.5, 2, GREEN), slab(0.0, 2.0));
-        // an open wall and a hollow within the water count for nothing
-        stage.add(diffuse(0.5), rectangle(Vec3::X * 2.5, Vec3::Y, Vec3::Z));
-        stage.camera(eye);
+        let stage = Stage::new()
+            .eye(eye)
+            .add(solid(1.33, 1, BLUE), slab(1.0, 4.0))
+            .add(solid(1.5, 2, GREEN), slab(0.0, 2.0))
+            // an open wall and a hollow within the water count for nothing
+            .add(grey(0.5), rectangle(Vec3::X * 2.5, Vec3::Y, Vec3::Z));
         stage.build().camera_interior()
     };
     assert!(around(AXIS - Vec3::X).is_vacuum());
@@ -37,22 +36,18 @@ fn a_hollow_is_outside() {
     hollow
         .indices
         .extend(inner.indices.iter().map(|t| t.map(|i| i + first)));
-    hollow.uv = Default::default();
-    let mut stage = Stage::new();
-    stage.add(solid(1.5, 0, GREEN), hollow);
+    let stage = Stage::new().add(solid(1.5, 0, GREEN), hollow);
     assert!(stage.build().camera_interior().is_vacuum());
-    stage.camera(Vec3::new(0.1, 0.75, 0.2));
-    assert_eq!(stage.build().camera_interior().solids(), [0]);
+    let within = stage.eye(Vec3::new(0.1, 0.75, 0.2));
+    assert_eq!(within.build().camera_interior().solids(), [0]);
 }
 
 /// Emitters know what surrounds them, on each of their sides.
 #[test]
 fn emitters_know_what_they_are_in() {
-    let inside_of = |add: &dyn Fn(&mut Stage)| {
-        let mut stage = Stage::new();
-        stage.add(solid(1.33, 0, BLUE), slab(1.0, 4.0));
-        add(&mut stage);
-        let scene = stage.build();
+    let inside_of = |add: &dyn Fn(Stage) -> Stage| {
+        let stage = Stage::new().add(solid(1.33, 0, BLUE), slab(1.0, 4.0));
+        let scene = add(stage).build();
         let mut rng = Rng::new(2);
         let mut found: Vec<(bool, usize)> = (0..64)
             .map(|_| {
@@ -72,14 +67,18 @@ fn emitters_know_what_they_are_in() {
     };
     let panel = |x: f32| rectangle(Vec3::X * x, Vec3::Y * 0.5, Vec3::Z * 0.5);
     let (dry, wet) = ([(false, 0), (true, 0)], [(false, 1), (true, 1)]);
-    let point =
-        |x: f32| inside_of(&|s| s.light(LightKind::Point, 1.0, AXIS + Vec3::X * x, Vec3::X));
+    let point = |x: f32| {
+        let light = punctual(LightKind::Point, 1.0, AXIS + Vec3::X * x, Vec3::X);
+        inside_of(&|s| s.light(light.clone()))
+    };
     assert_eq!(point(0.5), dry);
     assert_eq!(point(2.0), wet);
     let plate = |x: f32, sides: bool| {
-        inside_of(&|s| {
-            s.add(lamp(1.0, sides), panel(x));
-        })
+        let lamp = MaterialDescription {
+            double_sided: sides,
+            ..lamp(1.0)
+        };
+        inside_of(&|s| s.add(lamp.clone(), panel(x)))
     };
     assert_eq!(plate(2.0, false), [(true, 1)]);
     assert_eq!(plate(2.0, true), wet);
@@ -91,21 +90,20 @@ fn emitters_know_what_they_are_in() {
 /// How far the ground reaches says nothing about how long the edges of paths are.
 #[test]
 fn the_typical_length_is_that_of_what_is_seen() {
-    let mut stage = Stage::new();
-    stage.camera(Vec3::ZERO);
-    stage.add(diffuse(0.5), cuboid(Vec3::splat(-2.0), Vec3::splat(2.0)));
+    let stage = Stage::new().add(grey(0.5), cuboid(Vec3::splat(-2.0), Vec3::splat(2.0)));
     let room = stage.build().typical_length();
     assert!((2.0..4.0).contains(&room), "{room}");
     let (u, v) = (Vec3::X * 1e6, Vec3::Z * 1e6);
-    stage.add(diffuse(0.5), rectangle(Vec3::NEG_Y * 3.0, u, v));
-    let scene = stage.build();
+    let scene = stage
+        .add(grey(0.5), rectangle(Vec3::NEG_Y * 3.0, u, v))
+        .build();
     assert!(scene.bounding_sphere().1 > 1e6);
     assert_eq!(scene.typical_length().to_bits(), room.to_bits());
     // what sees nothing has the size of all there is
-    let mut void = Stage::new();
-    void.camera(Vec3::Y * 1e3);
-    void.add(diffuse(0.5), rectangle(Vec3::Y * 2e3, Vec3::Z, Vec3::X));
-    let scene = void.build();
+    let scene = Stage::new()
+        .eye(Vec3::Y * 1e3)
+        .add(grey(0.5), rectangle(Vec3::Y * 2e3, Vec3::Z, Vec3::X))
+        .build();
     let (_, radius) = scene.bounding_sphere();
     assert_eq!(scene.typical_length().to_bits(), radius.to_bits());
 }
