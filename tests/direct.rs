@@ -129,6 +129,7 @@ fn what_is_seen_through_glass_is_there_once() {
         Method::Pssmlt,
         Method::Relt,
         Method::Mlt,
+        Method::Erpt,
         Method::MltMultistage,
     ];
     for words in [
@@ -137,13 +138,11 @@ fn what_is_seen_through_glass_is_there_once() {
     ] {
         let scene = scene(words, SIDE);
         let path = tiles_of_seeds(&scene, &settings(Method::Path, SIDE, 512), SEEDS);
-        let sum = tiles_of_seeds(&scene, &apart(Method::Mlt, 256), SEEDS);
-        assert_agree(
-            &format!("{words}, mlt, direct light apart"),
-            &path,
-            &sum,
-            0.1,
-        );
+        for method in [Method::Mlt, Method::Erpt] {
+            let sum = tiles_of_seeds(&scene, &apart(method, 256), SEEDS);
+            let name = format!("{words}, {method}, direct light apart");
+            assert_agree(&name, &path, &sum, 0.1);
+        }
         for method in methods {
             let sum = tiles_of_seeds(&scene, &settings(method, SIDE, 256), SEEDS);
             assert_agree(&format!("{words}, {method}"), &path, &sum, 0.1);
@@ -155,7 +154,7 @@ fn what_is_seen_through_glass_is_there_once() {
 #[test]
 fn all_may_be_seen_through_glass() {
     let scene = scene("furnace?kind=glass", SIDE);
-    for method in [Method::Mlt, Method::MltMultistage] {
+    for method in [Method::Mlt, Method::Erpt, Method::MltMultistage] {
         let image = rendered(&scene, &settings(method, SIDE, 16), 0).image;
         let values = || image.rgb().into_iter().flatten();
         let mean = values().map(|&v| f64::from(v)).sum::<f64>() / values().count() as f64;

@@ -357,6 +357,7 @@ fn every_method_is_replayed() {
             Method::Mmlt,
             Method::Relt,
             Method::Mlt,
+            Method::Erpt,
             Method::Annealing,
             Method::MltMultistage,
             Method::PssmltMultistage,

@@ -99,7 +99,7 @@ pub enum Strategies {
 /// Which paths independent samples beside the chains see to; chains leave these out.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Direct {
-    /// Paths of one edge: emitters and surroundings seen directly. Of `mlt` and `mlt-multistage` all purely specular
+    /// Paths of one edge: emitters and surroundings seen directly. Of `mlt`, `mlt-multistage` and `erpt` all purely specular
     /// paths: those seen by way of mirrors and smooth glass alone. (`erpt-pss`, whose chains start in every pixel,
     /// has nothing of this.)
     #[default]

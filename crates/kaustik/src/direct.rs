@@ -37,11 +37,12 @@ pub(crate) fn is_apart(settings: &RenderSettings) -> bool {
 
 /// What becomes of purely specular paths in the method's own samples.
 ///
-/// Chains on paths seldom propose one that is new from end to end, so that they may never come to a lamp behind glass.
-/// The other methods do so with every large step, which serves as well as samples beside them.
+/// Chains on paths seldom propose one that is new from end to end, so that they may never come to a lamp behind glass;
+/// those of redistribution do not leave the scatterings that they began with, and the few samples that they begin with
+/// show such a lamp as a dot. The other methods do so with every large step, which serves as well as samples beside them.
 pub(crate) fn pure_specular(settings: &RenderSettings) -> PureSpecular {
-    let seldom_whole = matches!(settings.method, Method::Mlt | Method::MltMultistage);
-    if seldom_whole && settings.options.direct != Direct::Together {
+    let paths = [Method::Mlt, Method::MltMultistage, Method::Erpt];
+    if paths.contains(&settings.method) && settings.options.direct != Direct::Together {
         PureSpecular::LeftOut
     } else {
         PureSpecular::Kept
@@ -67,7 +68,7 @@ pub(crate) fn edges_of_lamps(settings: &RenderSettings) -> Option<RangeInclusive
 /// by way of mirrors and glass alone: [`pure_specular`]), and nothing else?
 pub(crate) fn are_lamps(settings: &RenderSettings) -> bool {
     match settings.method {
-        Method::Pssmlt | Method::Mmlt | Method::Relt | Method::Mlt => {
+        Method::Pssmlt | Method::Mmlt | Method::Relt | Method::Mlt | Method::Erpt => {
             settings.options.direct == Direct::Lamps
         }
         // These have no light of two edges apart.

@@ -21,9 +21,11 @@ use kaustik_path::Event;
 use kaustik_scene::Scene;
 use rayon::prelude::*;
 
+use crate::beside::Besides;
 use crate::cells::Cells;
 use crate::control::is_stopped;
-use crate::engine::{Engine, Nonfinite};
+use crate::engine::{Engine, Nonfinite, add_counters, add_nonfinite};
+use crate::lamps::Lamps;
 use crate::lost::Lost;
 use crate::mark::FilmMark;
 use crate::path_space::path_space;
@@ -36,6 +38,9 @@ use films::Films;
 use perturbations::{NAMES, Perturbations};
 use stream::{Job, Light, Stream};
 
+/// What a sample takes beside its chains, in mutations: samples beside them go by these.
+const SAMPLE: u64 = 8;
+
 /// Ladders, each with a band of the image to sample, on one film.
 pub(crate) struct ErptEngine<'a> {
     space: PathSpace<'a>,
@@ -44,6 +49,7 @@ pub(crate) struct ErptEngine<'a> {
     seed: u64,
     cells: Cells,
     films: Films,
+    besides: Besides<'a>,
     streams: Vec<Stream>,
     /// Light to be spread of the pilot's samples.
     pilot: Mean,
@@ -72,6 +78,7 @@ impl<'a> ErptEngine<'a> {
         let stream = |ladder| Stream::new(settings, ladder, pilot.mean());
         Ok(Self {
             films: Films::new(settings, all.mean())?,
+            besides: Besides::of_lamps(Lamps::new(scene, settings)?),
             cells: Cells::new(settings),
             streams: settings.ladder_range().map(stream).collect(),
             seed: settings.seed,
@@ -96,6 +103,18 @@ impl<'a> ErptEngine<'a> {
 
     fn steps(&self) -> u64 {
         self.streams.iter().map(|stream| stream.step).sum()
+    }
+
+    /// What so many samples and their chains amount to, in mutations.
+    fn mutations(&self, samples: u64) -> u64 {
+        let chains = self.options.chains * f64::from(self.options.length);
+        samples.saturating_mul(SAMPLE.saturating_add(chains as u64))
+    }
+
+    /// Takes the samples beside those so far.
+    fn keep_up(&mut self) {
+        let mutations = self.mutations(self.steps());
+        self.besides.keep_up(mutations);
     }
 
     /// Samples of the whole image that the passes so far amount to, in whatever part of it this process works.
@@ -164,6 +183,7 @@ impl Engine for ErptEngine<'_> {
         if is_stopped(stop) && self.steps() < before + plan.iter().sum::<u64>() {
             self.take_back();
         }
+        self.keep_up();
         self.steps() - before
     }
 
@@ -178,7 +198,8 @@ impl Engine for ErptEngine<'_> {
 
     fn develop(&mut self) -> Result<Image, RenderError> {
         let per_sample = self.size.element_product() / self.samples()?;
-        let (image, lost) = self.films.develop(per_sample)?;
+        let besides: Vec<_> = self.besides.parts().collect();
+        let (image, lost) = self.films.develop(per_sample, &besides)?;
         self.lost = lost;
         Ok(image)
     }
@@ -228,7 +249,8 @@ impl Engine for ErptEngine<'_> {
 
     fn nonfinite(&self) -> (u64, Vec<Place>) {
         let ladders = self.streams.iter();
-        Nonfinite::all(ladders.map(|stream| (stream.ladder, stream.nonfinite)))
+        let own = Nonfinite::all(ladders.map(|stream| (stream.ladder, stream.nonfinite)));
+        add_nonfinite(own, Some(self.besides.nonfinite()))
     }
 
     /// The sample with its chains; none of a ladder without pixels.
@@ -242,7 +264,7 @@ impl Engine for ErptEngine<'_> {
     }
 
     fn film_counters(&self) -> Counters {
-        self.films.picture.counters()
+        add_counters(self.films.picture.counters(), self.besides.film_counters())
     }
 
     fn is_lit(&self) -> bool {
@@ -259,6 +281,7 @@ impl Keep for ErptEngine<'_> {
     fn write(&self, out: &mut Writer<'_>) -> io::Result<()> {
         out.value(&self.pilot)?;
         self.films.write(out)?;
+        self.besides.write(out)?;
         (self.streams.iter()).try_for_each(|stream| out.value(&stream.kept()))
     }
 
@@ -268,10 +291,15 @@ impl Keep for ErptEngine<'_> {
             return Err(StateError::pilot(pilot.mean(), self.pilot.mean()));
         }
         self.films.take_up(from)?;
+        let passes = self.besides.take_up(from)?;
         let ladders = from.ladders();
+        let mut taken = 0;
         for stream in (self.streams.iter_mut()).filter(|s| ladders.contains(&s.ladder)) {
             stream.take_up(from.value()?, &self.cells)?;
+            taken += stream.step;
         }
+        self.besides.check(passes, self.mutations(taken))?;
+        self.keep_up();
         Ok(())
     }
 }

@@ -168,7 +168,11 @@ impl PssRedistribution {
     pub(crate) fn see(&mut self, picture: &Film, per_sample: f64) -> Result<(), RenderError> {
         if let Some(held) = &self.held {
             let target = self.family.target;
-            self.lost = Some(Lost::held(held, picture, per_sample, target)?);
+            self.lost = Some(Lost::held(
+                (held, per_sample),
+                &[(picture, per_sample)],
+                target,
+            )?);
         }
         Ok(())
     }

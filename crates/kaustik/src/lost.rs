@@ -29,20 +29,15 @@ impl Lost {
         }
     }
 
-    /// What the filter by consecutive samples kept off the picture, on a film of its own. `per_sample` turns
-    /// sums of both films into means.
+    /// What the filter by consecutive samples kept off the picture, on a film of its own; the films of the picture. Each
+    /// with what turns its sums into means.
     pub(crate) fn held(
-        held: &Film,
-        picture: &Film,
-        per_sample: f64,
+        held: (&Film, f64),
+        picture: &[(&Film, f64)],
         target: ScalarTarget,
     ) -> Result<Self, RenderError> {
-        let sum = |film: &Film| -> Result<f64, RenderError> {
-            let all = scalars(film, per_sample, |xyz| target.of(xyz))?;
-            Ok(all.iter().sum())
-        };
-        let (away, kept) = (sum(held)?, sum(picture)?);
-        let difference = develop(&[(held, per_sample)])?;
+        let (away, kept) = (sum(&[held], target)?, sum(picture, target)?);
+        let difference = develop(&[held])?;
         let difference = difference.rgb().map(<[f32]>::to_vec);
         Ok(Self::new("consecutive", difference, [away, away + kept]))
     }
@@ -55,13 +50,17 @@ impl Lost {
     }
 }
 
-/// A number of each pixel of a film.
+/// The scalar of all light on films.
+pub(crate) fn sum(films: &[(&Film, f64)], target: ScalarTarget) -> Result<f64, RenderError> {
+    Ok(scalars(films, |xyz| target.of(xyz))?.iter().sum())
+}
+
+/// A number of each pixel of films, each with what turns its sums into means.
 pub(crate) fn scalars(
-    film: &Film,
-    per_sample: f64,
+    films: &[(&Film, f64)],
     of: impl Fn(Xyz) -> f64,
 ) -> Result<Vec<f64>, RenderError> {
-    let image = develop_xyz(&[(film, per_sample)])?;
+    let image = develop_xyz(films)?;
     let [x, y, z] = image.rgb();
     let pixels = x.iter().zip(y).zip(z);
     Ok(pixels.map(|((&x, &y), &z)| of(Xyz([x, y, z]))).collect())

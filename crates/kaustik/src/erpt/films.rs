@@ -10,7 +10,7 @@ use kaustik_mutate::Path;
 use kaustik_path::{Event, ScalarTarget, note};
 use kaustik_spectrum::Xyz;
 
-use crate::lost::{Lost, scalars};
+use crate::lost::{Lost, scalars, sum};
 use crate::mark::FilmMark;
 use crate::state::{Reader, StateError, Writer};
 use crate::{RenderError, RenderSettings};
@@ -100,16 +100,23 @@ impl Films {
         self.all_mut().try_for_each(|film| from.film(film))
     }
 
-    /// The picture through the filters, and what each took away. `per_sample` turns sums into means.
-    pub(crate) fn develop(&self, per_sample: f64) -> Result<(Image, Vec<Lost>), RenderError> {
+    /// The picture through the filters, with what is beside it, and what each filter took away. `per_sample` turns sums into
+    /// means.
+    pub(crate) fn develop(
+        &self,
+        per_sample: f64,
+        besides: &[(&Film, f64)],
+    ) -> Result<(Image, Vec<Lost>), RenderError> {
         let mut image = develop(&[(&self.picture, per_sample)])?;
         let mut lost = Vec::new();
+        let mut all = vec![(&self.picture, per_sample)];
+        all.extend(besides);
         if let Some(held) = &self.held {
-            lost.push(Lost::held(held, &self.picture, per_sample, self.target)?);
+            lost.push(Lost::held((held, per_sample), &all, self.target)?);
         }
         if let Some((allowed, _)) = &self.allowed {
-            let kept = scalars(&self.picture, per_sample, |xyz| self.target.of(xyz))?;
-            let most = scalars(allowed, per_sample, |xyz| f64::from(xyz.0[0]))?;
+            let kept = scalars(&all[..1], |xyz| self.target.of(xyz))?;
+            let most = scalars(&[(allowed, per_sample)], |xyz| f64::from(xyz.0[0]))?;
             let shares: Vec<f64> = (kept.iter().zip(&most))
                 .map(|(&kept, &most)| allowed_share(kept, most))
                 .collect();
@@ -122,7 +129,11 @@ impl Films {
                 }
             }
             let away: f64 = kept.iter().zip(&shares).map(|(k, s)| k * (1.0 - s)).sum();
-            lost.push(Lost::new("proposed", difference, [away, kept.iter().sum()]));
+            let all = sum(&all, self.target)?;
+            lost.push(Lost::new("proposed", difference, [away, all]));
+        }
+        if !besides.is_empty() {
+            image.add(&develop(besides)?)?;
         }
         Ok((image, lost))
     }

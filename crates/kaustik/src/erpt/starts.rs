@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use super::perturbations::Perturbations;
 use crate::streams;
-use crate::{Direct, Options, RenderSettings, Starts};
+use crate::{Options, RenderSettings, Starts};
 
 /// Makes the starts of samples; holds their memory.
 pub(crate) struct Starter<'a> {
@@ -54,13 +54,6 @@ impl<'a> Starter<'a> {
     }
 }
 
-/// Is light of the path spread, or left where it was sampled? Lamps seen directly and by mirrors and glass alone are
-/// left, unless they are wanted together with the rest.
-pub(crate) fn is_spread(perturbations: &Perturbations<'_>, options: &Options, path: &Path) -> bool {
-    let scattered = || (1..path.edges()).any(|i| !path.is_specular(i));
-    (options.direct == Direct::Together || scattered()) && perturbations.suit(path)
-}
-
 /// Light of the samples of a pilot: what is spread, and all.
 pub(crate) fn pilot(
     space: &PathSpace<'_>,
@@ -77,7 +70,7 @@ pub(crate) fn pilot(
         starter.sample((at, wavelength_u), &mut draws, &mut |path, weight| {
             if weight.is_finite() {
                 light[1] += weight;
-                if is_spread(perturbations, options, path) {
+                if perturbations.suit(path) {
                     light[0] += weight;
                 }
             }

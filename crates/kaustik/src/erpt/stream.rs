@@ -14,7 +14,7 @@ use serde::{Deserialize, Serialize};
 
 use super::films::Films;
 use super::perturbations::{NAMES, Perturbations};
-use super::starts::{Starter, is_spread};
+use super::starts::Starter;
 use crate::carried::Carried;
 use crate::cells::{Cells, Tour};
 use crate::control::is_stopped;
@@ -243,7 +243,7 @@ impl<D: Draws> Spread<'_, D> {
             return;
         }
         self.sample[1] += weight;
-        let spread = is_spread(&self.job.perturbations, self.job.options, path);
+        let spread = self.job.perturbations.suit(path);
         if spread {
             self.sample[0] += weight;
         }
