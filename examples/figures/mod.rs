@@ -14,7 +14,7 @@ struct Words {
     /// A small version: shows that everything works
     #[arg(long, conflicts_with = "as_published")]
     quick: bool,
-    /// The paper's own sizes and times: hours
+    /// The paper's own sizes and times: hours to days
     #[arg(long)]
     as_published: bool,
     /// One figure of the paper, by its number

@@ -53,10 +53,10 @@ pub(crate) struct RenderWords {
     /// Rows; what the camera's aspect ratio makes of the width
     #[arg(long, value_name = "H", value_parser = clap::value_parser!(u32).range(1..=65536))]
     pub(crate) height: Option<u32>,
-    /// Samples (or mutations) a pixel
+    /// Samples or mutations a pixel; of photon methods iterations
     #[arg(long, value_name = "N", group = "budget", value_parser = clap::value_parser!(u64).range(1..))]
     pub(crate) spp: Option<u64>,
-    /// Samples or mutations in all
+    /// The same over the whole picture; of photon methods light paths
     #[arg(long, value_name = "N", group = "budget", value_parser = clap::value_parser!(u64).range(1..))]
     pub(crate) mutations: Option<u64>,
     /// Time, for instance 500ms, 30s, 5m, 1h [default: 60s]
@@ -92,7 +92,7 @@ pub(crate) struct RenderWords {
     /// The ladders that this process runs, half-open
     #[arg(long, value_name = "I..J", value_parser = ladders)]
     pub(crate) ladders: Option<Range<u32>>,
-    /// Most memory that loading the scene may take, for instance 500M or 4G
+    /// Most memory that loading the scene may take, for instance 500M or 4G [default: 1G and 16 bytes for each byte of its files]
     #[arg(long, value_name = "SIZE", value_parser = size)]
     pub(crate) max_memory: Option<u64>,
     /// A setting of the method (see `kaustik methods NAME`); may be repeated
@@ -113,10 +113,10 @@ pub(crate) struct RenderWords {
 #[derive(Args, Debug)]
 pub(crate) struct ReplayWords {
     /// The words of the render; the scene may be one of its states: then that says all but the place.
-    /// A state, given so or by --resume, spares iterations of photon methods and stages. Nothing is rendered or written
+    /// A state, given so or by --resume, spares iterations of photon methods and stages. No picture is written
     #[command(flatten)]
     pub(crate) render: RenderWords,
-    /// Which sample or step, as a render reports it
+    /// Which sample or step, as a render reports it; LADDER may be lamps or meter
     #[arg(long, value_name = "[SEED:]LADDER:STEP", value_parser = at)]
     pub(crate) at: At,
     /// Write the walks and their connections as lines, to look at
@@ -174,7 +174,7 @@ pub(crate) struct MergeWords {
     /// Worker threads; changes nothing in the picture [default: one a processor]
     #[arg(long, value_name = "T", value_parser = clap::value_parser!(u32).range(1..=4096))]
     pub(crate) threads: Option<u32>,
-    /// Most memory that loading the scene may take, for instance 500M or 4G
+    /// Most memory that loading the scene may take, for instance 500M or 4G [default: 1G and 16 bytes for each byte of its files]
     #[arg(long, value_name = "SIZE", value_parser = size)]
     pub(crate) max_memory: Option<u64>,
 }
@@ -217,7 +217,7 @@ pub(crate) struct MethodWords {
 pub(crate) struct InfoWords {
     /// A .gltf or .glb file, or builtin:NAME
     pub(crate) scene: String,
-    /// Most memory that loading the scene may take, for instance 500M or 4G
+    /// Most memory that loading the scene may take, for instance 500M or 4G [default: 1G and 16 bytes for each byte of its files]
     #[arg(long, value_name = "SIZE", value_parser = size)]
     pub(crate) max_memory: Option<u64>,
 }
@@ -248,7 +248,7 @@ pub(crate) struct StudyWords {
     /// One figure of the paper, by its number
     #[arg(long, value_name = "N")]
     pub(crate) figure: Option<u32>,
-    /// The paper's own sizes and times: hours
+    /// The paper's own sizes and times: hours to days
     #[arg(long)]
     pub(crate) as_published: bool,
     /// Folder for renders, tables, curves and page; a study that was cut goes on in it

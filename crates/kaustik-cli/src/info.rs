@@ -79,7 +79,10 @@ fn contents(scene: &Description) -> Lines {
     let images: Vec<String> = scene.images.iter().map(|image| sized(image)).collect();
     lines.add("images", &names(images.iter()));
     let emissive = (scene.materials.iter())
-        .filter(|material| material.emissive.iter().any(|&channel| channel > 0.0))
+        .filter(|material| {
+            let glows = material.emissive.iter().any(|&channel| channel > 0.0);
+            glows || material.emission.is_some() || material.unlit
+        })
         .count();
     let lights = names(scene.lights.iter().map(|light| &light.name));
     let lights = format!("{lights} points, spots and suns; {emissive} emissive materials");

@@ -37,7 +37,8 @@ pub(crate) fn load(
     if let Some(bytes) = max_memory {
         options = options.with_max_memory(bytes);
     }
-    let loaded = gltf::load(Path::new(scene), &options).map_err(Failure::input)?;
+    let loaded =
+        gltf::load(Path::new(scene), &options).map_err(|error| not_loaded(scene, &error))?;
     Ok(Input {
         description: loaded.description,
         warnings: loaded
@@ -49,6 +50,16 @@ pub(crate) fn load(
         variants: loaded.variants,
         extensions: loaded.extensions,
     })
+}
+
+/// Names the built-in scene that may have been meant.
+fn not_loaded(scene: &str, error: &gltf::LoadError) -> Failure {
+    let name = scene.split('?').next().unwrap_or_default();
+    let known = builtin::list().iter().any(|scene| scene.name == name);
+    match known && !Path::new(scene).exists() {
+        true => Failure::Input(format!("{error}; did you mean builtin:{scene}?")),
+        false => Failure::input(error),
+    }
 }
 
 fn built_in(

@@ -40,7 +40,12 @@ pub(crate) fn methods(words: &MethodWords) -> Result<ExitCode, Failure> {
     match words.name {
         None => {
             for method in Method::ALL {
-                let _ = writeln!(text, "{:<19} {}", method.name(), method.summary());
+                let mark = if method == Method::default() {
+                    " (default)"
+                } else {
+                    ""
+                };
+                let _ = writeln!(text, "{:<19} {}{mark}", method.name(), method.summary());
             }
             text += "\nkaustik methods NAME lists the settings of one.\n";
         }

@@ -13,7 +13,7 @@ use crate::{Failure, picture};
 
 pub(crate) fn run(words: &MergeWords) -> Result<ExitCode, Failure> {
     let inputs = words.states.iter().map(PathBuf::as_path);
-    picture::check(&words.outputs, &inputs)?;
+    picture::check(&words.outputs, words.state.as_ref(), &inputs)?;
     if let Some(path) = &words.state {
         picture::refuse_inputs(path, inputs)?;
         check_writable(path).map_err(Failure::input)?;

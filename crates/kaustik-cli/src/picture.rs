@@ -10,8 +10,10 @@ use crate::arguments::OutputWords;
 use crate::{Failure, output};
 
 /// Finds out before a long render what could not be written after it, or would take the place of what it is made from.
+/// `state`: where a state will be that keeps the picture as well.
 pub(crate) fn check<'a>(
     words: &OutputWords,
+    state: Option<&PathBuf>,
     inputs: &(impl Iterator<Item = &'a Path> + Clone),
 ) -> Result<(), Failure> {
     for path in words.files() {
@@ -32,7 +34,7 @@ pub(crate) fn check<'a>(
             "--png writes PNG, and is given a file that ends in .{other}: expected .png (-o writes EXR)"
         )));
     }
-    if words.output.is_none() && words.png.is_none() {
+    if words.output.is_none() && words.png.is_none() && state.is_none() {
         remark(
             words,
             "warning: neither -o nor --png is given: the picture will not be kept",

@@ -22,7 +22,7 @@ use crate::{Failure, input, output};
 
 pub(crate) fn run(words: &RenderWords) -> Result<ExitCode, Failure> {
     let settings = settings(words)?;
-    picture::check(&words.outputs, &inputs(words))?;
+    picture::check(&words.outputs, words.checkpoint.as_ref(), &inputs(words))?;
     let locks = Locks::take(words.outputs.files().chain(&words.checkpoint))?;
     let signals = Signals::listen(words.checkpoint.is_some(), &locks)?;
     let state = state(words)?;

@@ -40,6 +40,7 @@ pub struct Scene {
     radius: f64,
     typical_length: f64,
     image_size: [u32; 2],
+    compensates: bool,
     content: [u8; 32],
 }
 
@@ -104,9 +105,14 @@ impl Scene {
         self.image_size
     }
 
+    /// Do rough surfaces give back what scatters between their facets ([`SceneOptions::compensation`])?
+    pub fn compensates(&self) -> bool {
+        self.compensates
+    }
+
     /// A hash (BLAKE3) of all that the scene was compiled from: geometry, images, materials, lights, cameras,
-    /// environment, and which camera was chosen; not of names, nor of the size of the image. Two scenes of one hash
-    /// are the same scene.
+    /// environment, and which camera was chosen; not of names, nor of the size of the image and of
+    /// [`compensates`](Self::compensates), which are settings of a render. Two scenes of one hash are else the same scene.
     pub fn content(&self) -> [u8; 32] {
         self.content
     }

@@ -29,10 +29,10 @@ use crate::{
 pub enum Scale {
     /// Less than a minute in all: shows that everything works, and nothing else.
     Quick,
-    /// Small pictures and a few CPU seconds a render: minutes to an hour in all.
+    /// Small pictures, up to 20 CPU seconds a render: a quarter of an hour to two hours in all, references on top.
     #[default]
     Usual,
-    /// The paper's own sizes and times: hours.
+    /// The paper's own sizes and times: hours to days.
     AsPublished,
 }
 

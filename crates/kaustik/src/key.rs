@@ -195,8 +195,8 @@ pub const KEYS: &[Key] = &[
         name: "mis",
         default: "split",
         range: "split|printed|off",
-        meaning: "large steps as independent samples: on a film of their own (unbiased), with the \
-                  paper's weights, or not at all",
+        meaning: "large steps as independent samples. split: on a film of their own (unbiased); printed: with the \
+                  paper's weights; off: not at all",
         methods: CHAINS,
     },
     Key {
@@ -218,8 +218,8 @@ pub const KEYS: &[Key] = &[
         name: "direct",
         default: "lamps",
         range: "lamps|together|apart",
-        meaning: "what independent samples beside the chains see to: emitters and surroundings seen directly \
-                  (erpt-pss: nothing; erpt: also by mirrors and glass, by its own samples), nothing, or all \
+        meaning: "what independent samples beside the chains see to. lamps: emitters and surroundings seen directly \
+                  (mlt, erpt: also by mirrors and smooth glass alone; erpt-pss: nothing); together: nothing; apart: all \
                   paths of at most two edges",
         methods: DIRECT,
     },
@@ -291,8 +291,8 @@ pub const KEYS: &[Key] = &[
         name: "exchange",
         default: "full",
         range: "full|pair|alternating|gibbs|none",
-        meaning: "exchanges after each sweep: even and odd pairs, one random pair (the paper), even and \
-                  odd by turns, a permutation of all (at most 5 replicas), none",
+        meaning: "exchanges after each sweep. full: the even pairs, then the odd ones; pair: one random pair (the paper's); alternating: \
+                  even and odd pairs by turns; gibbs: a permutation of all (at most 5 replicas); none",
         methods: EXCHANGE,
     },
     Key {

@@ -1,8 +1,8 @@
 //! Markov-chain Monte Carlo light transport.
 //!
 //! This crate wires the others: a [`Scene`](scene::Scene) and [`RenderSettings`] go in, an
-//! image and [`RenderStatistics`] come out of [`render`]. Threads stand here and nowhere
-//! below; the same settings give the same bits for any number of them.
+//! image and [`RenderStatistics`] come out of [`render`]. Rendering's threads are started here
+//! and nowhere below (where scenes are loaded and trees are built, the feature `parallel` uses some); the same settings give the same bits for any number of them.
 //!
 //! ```
 //! use kaustik::{Budget, Control, Method, RenderSettings, render};
@@ -28,6 +28,7 @@ mod builders;
 mod carried;
 mod cells;
 mod chains;
+mod check;
 mod choices;
 mod control;
 mod direct;

@@ -3,10 +3,11 @@
 use kaustik_film::Average;
 use kaustik_scene::Scene;
 
+use crate::check::check;
 use crate::direct;
 use crate::engine::Engine;
 use crate::merge_statistics::{MergeStatistics, MergedPart, Parts};
-use crate::render::{Unwatched, Work, check, engine};
+use crate::render::{Unwatched, Work, engine};
 use crate::state::take_up;
 use crate::threads::pool;
 use crate::{Method, Outcome, RenderError, RenderSettings, Rendered, State, StateError, Watch};

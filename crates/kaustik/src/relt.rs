@@ -49,7 +49,7 @@ const METERED: u64 = 32;
 /// Beside even samples a visit of a chain counts in the heuristic for so much of an independent sample.
 ///
 /// Successive visits are alike, and a chain that has not come round yet shows too much of some light and too little of
-/// other. Measured: `docs/papers/relt.md`.
+/// other. Measured: `docs/experiments/relt.md`.
 const VISIT: f64 = 1.0 / 16.0;
 
 /// So many ladders make their spread a better measure of errors than the spread of batches within each.

@@ -8,6 +8,7 @@ use kaustik_film::Image;
 use kaustik_path::BuilderSettings;
 use kaustik_scene::Scene;
 
+use crate::check::check;
 use crate::direct::{self, DirectApart};
 use crate::engine::Engine;
 use crate::erpt::ErptEngine;
@@ -152,47 +153,6 @@ fn render_from(
     watch.begins();
     let outcome = work.run(engine.as_mut(), &pool, control, watch)?;
     work.finish(engine, &pool, outcome)
-}
-
-pub(crate) fn check(scene: &Scene, settings: &RenderSettings) -> Result<(), RenderError> {
-    let setting = |what, found: String, expected: String| {
-        Err(RenderError::Setting {
-            what,
-            found,
-            expected,
-        })
-    };
-    let size = [settings.width, settings.height];
-    if scene.image_size() != size {
-        let found = format!("{} x {}", size[0], size[1]);
-        let [w, h] = scene.image_size();
-        return setting(
-            "image size",
-            found,
-            format!("that of the scene's camera, {w} x {h}"),
-        );
-    }
-    // Before anything is made for each of its pixels.
-    settings.layout().check()?;
-    settings.options.check(settings.method)?;
-    if settings.max_depth == 0 {
-        return setting("max-depth", "0".into(), "at least 1".into());
-    }
-    let range = settings.ladder_range();
-    if range.is_empty() || range.end > settings.options.ladders {
-        let expected = format!("a part of 0..{}", settings.options.ladders);
-        return setting(
-            "ladders",
-            format!("{}..{}", range.start, range.end),
-            expected,
-        );
-    }
-    if !settings.method.has_shares() && range != (0..settings.options.ladders) {
-        let expected = "all of them: the iterations or stages of this method are shared by all ladders; renders of other seeds can be merged instead";
-        let found = format!("{}..{}", range.start, range.end);
-        return setting("ladders", found, expected.into());
-    }
-    Ok(())
 }
 
 pub(crate) fn engine<'a>(

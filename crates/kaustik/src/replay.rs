@@ -3,9 +3,10 @@
 use kaustik_path::Event;
 use kaustik_scene::Scene;
 
+use crate::check::check;
 use crate::lamps::Lamps;
 use crate::meter::Meter;
-use crate::render::{check, engine};
+use crate::render::engine;
 use crate::state::take_up;
 use crate::threads::pool;
 use crate::{Place, RenderError, RenderSettings, State};

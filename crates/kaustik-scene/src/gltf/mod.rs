@@ -13,7 +13,7 @@
 //! forest, and, before each allocation, a budget of memory. Nothing here recurses, and
 //! nothing is allocated by a number in the file alone.
 //!
-//! What is read, and how, stands in the project's notes on glTF; [`EXTENSIONS`] lists the
+//! What is read, and how, stands in `docs/scene-files.md`; [`EXTENSIONS`] lists the
 //! extensions. Kaustik's own keys travel in `extras.kaustik` of materials, cameras, images
 //! and scenes.
 

@@ -101,6 +101,7 @@ impl Scene {
             radius,
             typical_length,
             image_size: [options.width, options.height],
+            compensates: options.compensation,
             content: content(description, options),
         })
     }

@@ -57,7 +57,7 @@ pub(super) fn samples_a_sweep<const K: usize>(started: &Started, specific: bool)
 
 /// Even samples where light is hard to find: they show what is easy all the same. The more light the specific
 /// replica has, of its share of the full replica's density, the fewer: that light is seen in sweeps alone. Measured:
-/// `docs/papers/relt.md`.
+/// `docs/experiments/relt.md`.
 fn few(specific: f64) -> f64 {
     (FEW * (LITTLE / specific).min(1.0)).max(FEWEST)
 }
