@@ -2,16 +2,41 @@
 
 use kaustik::mcmc::Schedule;
 use kaustik::path::Class;
+use kaustik::scene::description::Lens;
 use kaustik::{
     Budget, Control, Direct, EvenSamples, Method, Normaliser, RenderSettings, Rendered, Steps,
     render,
 };
 
-use crate::support::{Tile, agree, means, picture, scene, settings, tiles_of_seeds};
+use crate::support::{Tile, agree, compile, means, picture, scene, settings, tiles_of_seeds};
 
 fn rendered(words: &str, settings: &RenderSettings) -> Rendered {
     let scene = scene(words, settings.width);
     render(&scene, settings, &mut Control::default()).expect("a render")
+}
+
+/// A lens with area shares that light with walks that fall on it, of which a tour knows nothing.
+#[test]
+fn through_a_lens_with_area_there_are_no_tours() {
+    let mut description =
+        kaustik::scene::builtin::load("water-cornell?light=0.8").expect("a scene");
+    let tours = |description: &kaustik::scene::Description| {
+        let scene = compile(description, 16);
+        let done = render(
+            &scene,
+            &settings(Method::Relt, 16, 64),
+            &mut Control::default(),
+        );
+        let replicas = done.expect("a render").statistics.replicas;
+        replicas.expect("statistics of replicas").tours
+    };
+    assert!(tours(&description) > 0);
+    description.cameras[0].lens = Some(Lens {
+        aperture: 0.2,
+        focus: 8.0,
+        blades: None,
+    });
+    assert_eq!(tours(&description), 0);
 }
 
 /// Every way to exchange and to step has the same picture, that of a path tracer.

@@ -12,7 +12,8 @@ use crate::{BuilderSettings, Class, Contributions, PathBuilder, camera_walk};
 /// walk alone.
 ///
 /// It reads the same coordinates and comes to the same light, up to rounding: a walk that runs into an emitter by way of
-/// Dirac surfaces and that could not have been joined anywhere has weight 1 whatever the heuristic. No light
+/// Dirac surfaces and that could not have been joined anywhere has weight 1 whatever the heuristic. (Through a lens with area it
+/// has not: there a walk from the light may run into the lens, and the full form brings less in this class.) No light
 /// subpath is walked, nothing is joined, and a walk ends where it could be joined: where much of the
 /// picture is such light it takes a fifth of the time, elsewhere less. So a chain can take many steps by it for each full evaluation.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -65,7 +65,8 @@ pub enum Normaliser {
     /// the time.
     #[default]
     Running,
-    /// Those before the chains alone: exactly unbiased (`relt`: but for exchanges).
+    /// Those before the chains alone: exactly unbiased (`relt`: but for exchanges, and but for an annealing that
+    /// died out and began again).
     Initial,
     /// What chains tell about the next: RELT eq. 10, `relt` alone.
     Exchange,

@@ -157,7 +157,8 @@ impl<'a, const K: usize> ReltEngine<'a, K> {
             specular_light: scouts.map(|_| SpecularLight::new(scene, settings)),
             counts,
             even,
-            tours: Tours::of(&set, specific),
+            // through a lens with area the full form shares that light with walks that fall on the lens
+            tours: Tours::of(&set, specific && !scene.camera().has_aperture()),
             rough,
             lit: started.mean > 0.0,
             particles: started.particles,

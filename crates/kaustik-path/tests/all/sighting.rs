@@ -1,10 +1,11 @@
+use glam::Vec3;
 use kaustik_mcmc::{Exponential, Independent, Mean, Point, Step, generator};
 use kaustik_path::{
     Bidirectional, BuilderSettings, Class, Contributions, Form, Heuristic, PathBuilder,
     PureSpecular, ScalarTarget, Sighting, Unidirectional, Unjoined, sight, sight_ways,
 };
 use kaustik_pss::{Coordinates, Recording, Stream};
-use kaustik_scene::testing::compile;
+use kaustik_scene::testing::{Stage, ceiling, compile, cuboid, dielectric, diffuse, floor, lamp};
 use kaustik_scene::{Scene, builtin};
 
 use crate::scenes::SCENES;
@@ -173,6 +174,41 @@ fn the_walk_alone_brings_what_cannot_be_joined() {
         }
     }
     assert!(found > 300, "only {found}");
+}
+
+/// Walks from the light fall on a lens with area: the full form gives them their part of what the walk alone brings whole.
+#[test]
+fn a_lens_with_area_takes_a_part() {
+    let slab = cuboid(Vec3::new(-1.5, 0.4, -1.5), Vec3::new(1.5, 0.8, 1.5));
+    let scene = Stage::new()
+        .look_at(Vec3::new(0.3, 3.0, 2.0), Vec3::ZERO, 0.8)
+        .lens(0.4, 3.0)
+        .add(diffuse([0.6; 3]), floor(0.0, 6.0))
+        .add(dielectric(1.5, 0.0, [1.0; 3]), slab)
+        .add(lamp(9.0), ceiling(Vec3::new(0.5, 2.5, -1.0), 0.2))
+        .build();
+    let settings = BuilderSettings::default();
+    let full = Bidirectional {
+        settings,
+        form: Form::Full,
+        heuristic: Heuristic::Power,
+    };
+    let (mut whole, mut alone) = (Contributions::default(), Contributions::default());
+    let mut source = Independent::new(generator(27, 0));
+    let [mut found, mut less] = [0; 2];
+    for _ in 0..40 * POINTS {
+        let mut recording = Recording::new(&mut source);
+        full.build(&scene, &mut recording, &mut whole);
+        Unjoined { settings }.build(&scene, &mut recording.finish(), &mut alone);
+        let both = [&whole, &alone].map(|out| out.by_class(ScalarTarget::Xyz));
+        let [shared, light] = both.map(|classes| classes[Class::L0 as usize]);
+        if light > 0.0 {
+            assert!(shared <= 1.000_01 * light, "{shared} {light}");
+            found += 1;
+            less += u32::from(shared < 0.9 * light);
+        }
+    }
+    assert!(found > 20 && less > found / 2, "{less} of {found}");
 }
 
 #[test]

@@ -17,7 +17,7 @@ use super::scouts::{Scouts, scouting};
 use crate::control::is_stopped;
 use crate::render::builder_settings;
 use crate::streams;
-use crate::{Method, RenderSettings};
+use crate::{EvenSamples, Method, RenderSettings};
 
 /// A replica's place and what it brings.
 pub(crate) type State = (Point<Mutation>, Contributions);
@@ -140,6 +140,11 @@ fn anneal<const K: usize>(
                 "the specific replica does not run: {:.0} % of walks from the camera find its light",
                 100.0 * share
             ));
+        } else if set.is_specific() && !target.scene.has_extended_lights() {
+            started.drop_last(
+                "the specific replica does not run: there is no emitter that a walk can run into"
+                    .to_owned(),
+            );
         } else if set.is_specific() && sighted == Sighting::Plain {
             started.drop_last(format!(
                 "the specific replica does not run: none of {} walks from the camera began at a mirror or at smooth glass",
@@ -220,7 +225,8 @@ impl<'a, const K: usize> Climb<'a, K> {
         };
         let share = climb.scouts.effective_share();
         // As a renderer of its own an annealing has no even samples.
-        if settings.method == Method::Relt && share > EASY {
+        let even = settings.options.even != EvenSamples::Count(0);
+        if settings.method == Method::Relt && even && share > EASY {
             climb.leave_specular(share);
         }
         climb
