@@ -69,6 +69,8 @@ struct Look {
     root: f32,
     /// Was some of it seen by way of a mirror or glass?
     specular: bool,
+    /// Did a walk go on from a mirror or through glass, whatever it saw?
+    onward: bool,
 }
 
 impl<'a> Lamps<'a> {
@@ -134,7 +136,7 @@ impl<'a> Lamps<'a> {
     fn look(&self) -> Vec<Look> {
         let cells = 0..self.cells.count() as usize;
         let look = |value: &mut Contributions, cell| {
-            let (mut sum, mut squares, mut specular) = (0.0, 0.0, false);
+            let (mut sum, mut squares, mut specular, mut onward) = (0.0, 0.0, false, false);
             for index in 0..LOOK {
                 // far from the indices that passes will have
                 let index = u64::MAX / self.cells.count() / 2 + index;
@@ -144,11 +146,14 @@ impl<'a> Lamps<'a> {
                 sum += light;
                 squares += light * light;
                 specular |= splats.iter().any(|splat| splat.class == Class::L0);
+                // other walks end at what they meet first
+                onward |= value.rays().closest > 1;
             }
             Look {
                 light: sum,
                 root: squares.sqrt() as f32,
                 specular,
+                onward,
             }
         };
         (cells.into_par_iter().with_min_len(256))
@@ -158,7 +163,8 @@ impl<'a> Lamps<'a> {
 
     /// How often each cell is sampled in a pass: once, and as many samples again as there are cells fall to those
     /// where something was seen, and to their neighbours: half of them to all of these alike, half by
-    /// how bright it is there.
+    /// how bright it is there. Where mirrors or glass are seen, a third each, and a third to all cells that see some: behind
+    /// several reflections a lamp may be too small for a few samples to have met it.
     fn closely(&self, seen: &[Look]) -> Vec<u64> {
         let (columns, rows) = (self.cells.columns() as i64, self.cells.rows() as i64);
         let root = |x: i64, y: i64| {
@@ -178,12 +184,16 @@ impl<'a> Lamps<'a> {
         let near: Vec<f32> = (0..columns * rows).map(near).collect();
         let lit = near.iter().filter(|&&root| root > 0.0).count().max(1);
         let sum = (near.iter().map(|&root| f64::from(root)).sum::<f64>()).max(f64::MIN_POSITIVE);
-        let half = 0.5 * self.cells.count() as f64;
-        let often = |root: f32| {
-            let alike = if root > 0.0 { half / lit as f64 } else { 0.0 };
-            ((alike + half * (f64::from(root) / sum)) as u64).clamp(1, CLOSELY)
+        let onward = seen.iter().filter(|look| look.onward).count();
+        let parts = if onward > 0 { 3.0 } else { 2.0 };
+        let share = self.cells.count() as f64 / parts;
+        let of = |is: bool, count: usize| if is { share / count as f64 } else { 0.0 };
+        let often = |(root, look): (f32, &Look)| {
+            let bright = share * (f64::from(root) / sum);
+            let alike = of(root > 0.0, lit) + of(look.onward, onward);
+            ((alike + bright) as u64).clamp(1, CLOSELY)
         };
-        near.into_iter().map(often).collect()
+        near.into_iter().zip(seen).map(often).collect()
     }
 
     /// The sample of this index in a cell.

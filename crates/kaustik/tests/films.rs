@@ -90,9 +90,16 @@ fn few_films_are_held() {
     }
     let relt = films(Method::Relt, 1, |_| ());
     assert_eq!(relt, 5, "a film each for four replicas and for lamps");
+    for method in [Method::Mlt, Method::Erpt] {
+        assert_eq!(films(method, 1, |_| ()), 2, "{method}: another for lamps");
+    }
     for method in [Method::Erpt, Method::ErptPss] {
-        let filtered = films(method, 1, |o| o.consecutive = Some(1));
-        let found = [films(method, 1, |_| ()), filtered];
+        let alone = |filter| {
+            films(method, 1, |o| {
+                (o.direct, o.consecutive) = (Direct::Together, filter);
+            })
+        };
+        let found = [alone(None), alone(Some(1))];
         assert_eq!(
             found,
             [1, 2],
