@@ -133,6 +133,9 @@ impl World {
     }
 
     /// The same world, walked without vector instructions: same answers to the last bit, slower. For tests.
+    ///
+    /// # Panics
+    /// If another handle shares the world, such as one of [`at`](Self::at).
     #[must_use]
     pub fn portable(self) -> World {
         let time = self.time;

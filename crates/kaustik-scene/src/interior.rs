@@ -41,7 +41,7 @@ impl Interior {
         solids.filter(|&&solid| solid == material).count()
     }
 
-    /// Goes into a solid.
+    /// Goes into a solid; beyond six the one that was entered first is forgotten.
     pub fn enter(&mut self, material: u32) {
         if usize::from(self.len) == DEPTH {
             self.solids.copy_within(1.., 0);

@@ -9,9 +9,9 @@ use crate::{Method, Options};
 /// When a render is done.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Budget {
-    /// Samples (or mutations) a pixel.
+    /// Samples (or mutations) a pixel; of photon methods iterations.
     PerPixel(u64),
-    /// Samples or mutations in all.
+    /// Samples or mutations in all; of photon methods light paths.
     Total(u64),
     /// Wall-clock time; as many rounds as begin within it.
     Time(Duration),
@@ -24,9 +24,9 @@ pub struct RenderSettings {
     pub method: Method,
     /// Its settings.
     pub options: Options,
-    /// Columns of the image, > 0.
+    /// Columns of the image, > 0: those that the scene was compiled for.
     pub width: u32,
-    /// Rows of the image, > 0.
+    /// Rows of the image, > 0: those that the scene was compiled for.
     pub height: u32,
     /// Pixels to render; `None` is all.
     pub crop: Option<Window>,
@@ -38,7 +38,7 @@ pub struct RenderSettings {
     pub seed: u64,
     /// Worker threads; 0 is one for each processor. Not part of the result.
     pub threads: usize,
-    /// Longest path in edges, > 0.
+    /// Longest path in edges, > 0; at most 4096 for `mmlt`, `mlt`, `mlt-multistage` and `erpt`.
     pub max_depth: u32,
     /// The ladders that this process runs; `None` is all.
     pub ladders: Option<Range<u32>>,

@@ -181,7 +181,8 @@ pub struct ChainStatistics {
     pub small_acceptance: f64,
     /// Mean acceptance of large steps.
     pub large_acceptance: f64,
-    /// Estimate of the integral of the scalar contribution that scales the image.
+    /// Estimate of the integral of the scalar contribution (the setting `target`: X + Y + Z, or luminance) that scales
+    /// the image; without what samples beside the chains see to.
     pub normalisation: f64,
     /// Its standard error.
     pub normalisation_error: f64,
