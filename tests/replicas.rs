@@ -1,8 +1,9 @@
 //! Replica exchange: its picture, its parts, what it does without a replica.
 
+use glam::{Affine3A, Vec3};
 use kaustik::mcmc::Schedule;
 use kaustik::path::Class;
-use kaustik::scene::description::Lens;
+use kaustik::scene::description::{Lens, LightDescription, LightKind};
 use kaustik::{
     Budget, Control, Direct, EvenSamples, Method, Normaliser, RenderSettings, Rendered, Steps,
     render,
@@ -203,6 +204,39 @@ fn a_specific_replica_that_nobody_needs_is_dropped_and_its_light_kept() {
     }
     let (_, replicas) = with("glass-cube");
     assert!(replicas.dropped.is_none() && replicas.levels.len() == 4);
+    // nothing is left to even samples where there are none
+    let mut alone = settings(Method::Relt, 16, 16);
+    alone.options.even = EvenSamples::Count(0);
+    let replicas = rendered("prism?light=0.4", &alone).statistics.replicas;
+    assert_eq!(replicas.expect("statistics of replicas").levels.len(), 4);
+}
+
+/// Light without extent cannot be run into.
+#[test]
+fn without_extended_emitters_there_is_no_specific_replica() {
+    let mut description = kaustik::scene::builtin::load("glass-cube").expect("a scene");
+    for material in &mut description.materials {
+        (material.emissive, material.emission) = ([0.0; 3], None);
+    }
+    description.lights.push(LightDescription {
+        name: String::new(),
+        kind: LightKind::Point,
+        color: [1.0; 3],
+        intensity: 10.0,
+        range: None,
+        transform: Affine3A::from_translation(Vec3::new(2.0, 4.0, -2.0)),
+    });
+    let scene = compile(&description, 16);
+    let done = render(
+        &scene,
+        &settings(Method::Relt, 16, 64),
+        &mut Control::default(),
+    );
+    let replicas = done.expect("a render").statistics.replicas;
+    let replicas = replicas.expect("statistics of replicas");
+    assert_eq!(replicas.levels.len(), 3);
+    let why = &replicas.notices()[0];
+    assert!(why.contains("run into"), "{why}");
 }
 
 #[test]

@@ -112,6 +112,30 @@ pub(crate) struct Started {
     pub(crate) dropped: Option<String>,
 }
 
+/// Why the specific replica would be of no use, if it would not.
+fn needless<const K: usize>(
+    target: PathTarget<'_>,
+    set: &ReplicaSet,
+    started: &Started,
+    sighted: Sighting,
+) -> Option<String> {
+    if !set.is_specific() {
+        return None;
+    }
+    if !target.scene.has_extended_lights() {
+        return Some("there is no emitter that a walk can run into".to_owned());
+    }
+    if sighted == Sighting::Plain {
+        let walks = started.scouted.1;
+        return Some(format!(
+            "none of {walks} walks from the camera began at a mirror or at smooth glass"
+        ));
+    }
+    let negligible = started.rough[K - 1].value < NEGLIGIBLE * started.rough[K - 2].value;
+    negligible
+        .then(|| format!("its normalisation is below {NEGLIGIBLE} of that of the replica before"))
+}
+
 /// Anneals until the population lives or has been tried often enough, and drops what nobody reaches
 /// and what is negligible.
 fn anneal<const K: usize>(
@@ -140,23 +164,8 @@ fn anneal<const K: usize>(
                 "the specific replica does not run: {:.0} % of walks from the camera find its light",
                 100.0 * share
             ));
-        } else if set.is_specific() && !target.scene.has_extended_lights() {
-            started.drop_last(
-                "the specific replica does not run: there is no emitter that a walk can run into"
-                    .to_owned(),
-            );
-        } else if set.is_specific() && sighted == Sighting::Plain {
-            started.drop_last(format!(
-                "the specific replica does not run: none of {} walks from the camera began at a mirror or at smooth glass",
-                started.scouted.1
-            ));
-        } else if set.is_specific()
-            && started.rough[K - 1].value < NEGLIGIBLE * started.rough[K - 2].value
-        {
-            started.drop_last(format!(
-                "the specific replica does not run: its normalisation is below {NEGLIGIBLE} of that of \
-                 the replica before"
-            ));
+        } else if let Some(why) = needless::<K>(target, set, &started, sighted) {
+            started.drop_last(format!("the specific replica does not run: {why}"));
         }
         // What counts as independent is the first attempt's: a later one was made because that had met too little,
         // and is the last because it met enough.
