@@ -8,7 +8,7 @@ use kaustik::spectrum::Tabulated;
 use kaustik::{Budget, Builder, Method, Mis, Normaliser, RenderSettings};
 
 use crate::support::{
-    Tile, Verdict, agree, compile, kept_tiles_of_seeds, scene, settings, shown_by_light,
+    Tile, Verdict, agree, compile, is_wanted, kept_tiles_of_seeds, scene, settings, shown_by_light,
     tiles_of_seeds,
 };
 
@@ -85,12 +85,6 @@ impl Rival {
 /// Whoever has little time takes a share of the samples, and is held to the larger error.
 fn effort() -> f64 {
     std::env::var("KAUSTIK_EFFORT").map_or(1.0, |words| words.parse().expect("a number"))
-}
-
-/// The same person may name some of the rivals: `KAUSTIK_METHODS=light,pssmlt`.
-fn is_wanted(method: Method) -> bool {
-    let named = |word: &str| word.parse() == Ok(method);
-    std::env::var("KAUSTIK_METHODS").map_or(true, |words| words.split(',').any(named))
 }
 
 /// Compares `path` with its rivals; says what differs.

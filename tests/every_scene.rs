@@ -37,7 +37,7 @@ const METHODS: [Contender; 8] = [
         settings.options.builder = Builder::Bidirectional;
         settings.options.p_large = 0.6;
     }),
-    short(Method::Mmlt, 256, pilot),
+    short(Method::Mmlt, 256, |_| {}),
     short(Method::Relt, 64, |_| {}),
     short(Method::Mlt, 256, pilot),
     short(Method::Erpt, 16, |settings| {

@@ -254,6 +254,12 @@ pub(crate) fn kept_tiles_of_seeds(
     by_tile(&seeds.map(|seed| kept[&seed].clone()).collect::<Vec<_>>())
 }
 
+/// Whoever has little time names some of the methods that are held against the first: `KAUSTIK_METHODS=light,pssmlt`.
+pub(crate) fn is_wanted(method: Method) -> bool {
+    let named = |word: &str| word.parse() == Ok(method);
+    std::env::var("KAUSTIK_METHODS").map_or(true, |words| words.split(',').any(named))
+}
+
 /// What the folder `KAUSTIK_KEEP` names keeps under this name; `None` if it names none.
 pub(crate) fn kept_file(name: &str) -> Option<PathBuf> {
     let folder = std::env::var_os("KAUSTIK_KEEP")?;

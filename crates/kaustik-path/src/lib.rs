@@ -32,7 +32,7 @@ mod walk;
 mod ways;
 
 pub use bidirectional::{
-    Bidirectional, Form, Heuristic, Multiplexed, Technique, TechniqueShares, Techniques,
+    Bidirectional, Form, Heuristic, Multiplexed, Technique, TechniqueSpread, Techniques,
 };
 pub use builder::{BuilderSettings, PathBuilder};
 pub use class::Class;

@@ -136,9 +136,9 @@ pub enum EvenSamples {
 }
 
 impl EvenSamples {
-    /// `auto`, or a number up to 64.
+    /// `auto`, or a number up to 256.
     pub(crate) fn parse(text: &str) -> Option<Self> {
-        let count = || text.parse().ok().filter(|n| *n <= 64).map(Self::Count);
+        let count = || text.parse().ok().filter(|n| *n <= 256).map(Self::Count);
         if text == "auto" {
             Some(Self::Auto)
         } else {

@@ -298,7 +298,7 @@ pub const KEYS: &[Key] = &[
     Key {
         name: "even",
         default: "auto",
-        range: "auto|0 to 64",
+        range: "auto|0 to 256",
         meaning: "independent samples a sweep beside the chains, spread evenly over the image (the paper: none): 2 to \
                   64 by how easily light is found, or so many",
         methods: EXCHANGE,

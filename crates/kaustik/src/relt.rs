@@ -124,7 +124,7 @@ impl<'a, const K: usize> ReltEngine<'a, K> {
         let quantum = Quantum::from_sum_of_xyz(started.mean);
         let films = films(&layout, quantum)?;
         let even = match options.even {
-            EvenSamples::Auto => even::samples_a_sweep::<K>(&started, specific),
+            EvenSamples::Auto => even::samples_a_sweep::<K>(settings, &started, specific),
             EvenSamples::Count(count) => count,
         };
         let mut counts: [f64; K] = std::array::from_fn(|k| f64::from(set.repeats()[k]));

@@ -11,7 +11,7 @@ use super::vertex::PathVertex;
 use super::witness::{Joint, Seen, Witness};
 use super::workspace::{Subpath, Workspace};
 use super::{Form, Job};
-use crate::contributions::Gathered;
+use crate::contributions::{Gathered, colour};
 use crate::walk::Walk;
 
 /// What the vertices of the eye are joined to.
@@ -124,6 +124,9 @@ pub(super) fn emission(
     let value = z.throughput * radiance * weight as f32;
     seen(witness, z.edges, eye, (pdf, z.back), weight, value);
     gathered.add(walk.implicit(), value, z.dispersive);
+    witness.lit(0, z.edges + 1, || {
+        colour(value, z.dispersive, job.wavelengths)
+    });
 }
 
 /// s = 0: what a walk that left the scene sees.
@@ -155,6 +158,9 @@ pub(super) fn escape(
         value,
     );
     gathered.add(walk.implicit(), value, walk.dispersive);
+    witness.lit(0, walk.edges + 1, || {
+        colour(value, walk.dispersive, job.wavelengths)
+    });
 }
 
 fn seen(

@@ -11,7 +11,7 @@ use super::vertex::PathVertex;
 use super::weights::{DirectEnd, Weighted};
 use super::witness::{Joint, Seen, Witness};
 use crate::Class;
-use crate::contributions::Gathered;
+use crate::contributions::{Gathered, colour};
 use crate::next_event::{end, find_emitter};
 use crate::shadow::Shadow;
 
@@ -58,6 +58,9 @@ pub(super) fn next_event(
     }
     let dispersive = z.dispersive || z.bsdf.dispersive_between(z.wo, wi);
     gathered.add(Class::L2, value, dispersive);
+    witness.lit(1, z.edges + 1, || {
+        colour(value, dispersive, job.wavelengths)
+    });
 }
 
 /// What comes from a point of an emitter, which `z` sees in local direction `wi`; `None` if that is nothing.
@@ -131,6 +134,9 @@ pub(super) fn join(
         || z.bsdf.dispersive_between(z.wo, edge.wi)
         || y.bsdf.dispersive_between(y.wo, edge.wy);
     gathered.add(Class::L5, value, dispersive);
+    witness.lit(y.edges + 1, z.edges + 1, || {
+        colour(value, dispersive, job.wavelengths)
+    });
 }
 
 /// The edge that joins a vertex `y` of the light and a vertex `z` of the eye.

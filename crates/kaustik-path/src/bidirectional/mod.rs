@@ -8,6 +8,7 @@ mod light;
 mod multiplexed;
 mod running;
 mod subpath_walk;
+mod technique_spread;
 mod techniques;
 mod vertex;
 mod weights;
@@ -25,7 +26,8 @@ pub use form::Form;
 pub(crate) use form::ONWARD;
 pub use heuristic::Heuristic;
 pub use multiplexed::Multiplexed;
-pub use techniques::{Technique, TechniqueShares, Techniques};
+pub use technique_spread::TechniqueSpread;
+pub use techniques::{Technique, Techniques};
 
 use crate::contributions::Gathered;
 use crate::instant::at_its_time;

@@ -2,6 +2,7 @@
 
 use kaustik_pss::{Coordinates, Stream};
 
+use super::technique_spread::TechniqueSpread;
 use crate::layout;
 
 /// A strategy `(s, t)` and the probability with which it was chosen.
@@ -15,43 +16,7 @@ pub struct Technique {
     pub probability: f64,
 }
 
-/// Which light each strategy of each length brings, roughly: `of(s, t)`, not negative. What is not
-/// finite counts as nothing.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct TechniqueShares {
-    /// By length in edges, then by `s`.
-    sums: Vec<Vec<f64>>,
-}
-
-impl TechniqueShares {
-    /// Adds what a sample of a strategy brought.
-    pub fn add(&mut self, s: u32, t: u32, light: f64) {
-        if !(light > 0.0 && light.is_finite()) {
-            return;
-        }
-        let (edges, s) = ((s + t - 1) as usize, s as usize);
-        if self.sums.len() <= edges {
-            self.sums.resize(edges + 1, Vec::new());
-        }
-        let sums = &mut self.sums[edges];
-        if sums.len() <= s {
-            sums.resize(s + 1, 0.0);
-        }
-        sums[s] += light;
-    }
-
-    fn of(&self, edges: u32, s: usize) -> f64 {
-        let sums = self.sums.get(edges as usize);
-        sums.and_then(|sums| sums.get(s)).copied().unwrap_or(0.0)
-    }
-
-    fn length(&self, edges: u32) -> f64 {
-        let sums = self.sums.get(edges as usize);
-        sums.map_or(0.0, |sums| sums.iter().sum())
-    }
-}
-
-/// Share of the tries that go to lengths whatever light the pilot saw in them, the more so the shorter: none may be
+/// Share of the tries that go to lengths whatever the pilot saw in them, the more so the shorter: none may be
 /// out of reach, and a length that the pilot met too rarely must not weigh too much.
 const EVEN_LENGTHS: f64 = 0.1;
 /// The same for the strategies of a length.
@@ -96,19 +61,22 @@ impl Techniques {
         }
     }
 
-    /// By the light that a pilot saw: lengths in proportion to theirs, and with `strategies` also these in
+    /// By what a pilot saw: lengths in proportion to the spread of their values, and with `strategies` also these in
     /// proportion to theirs; with a share for all whatever was seen.
+    ///
+    /// Of independent samples no other probabilities have a smaller variance. For a chain they take peaks down: what
+    /// brings much light at few points is tried more often, and weighs less where it is met.
     #[must_use]
-    pub fn learned(&self, shares: &TechniqueShares, strategies: bool) -> Self {
+    pub fn learned(&self, spread: &TechniqueSpread, strategies: bool) -> Self {
         let lengths: Vec<u32> = self.edges().collect();
-        let seen: Vec<f64> = lengths.iter().map(|&k| shares.length(k)).collect();
+        let seen: Vec<f64> = lengths.iter().map(|&k| spread.length(k)).collect();
         let prior: Vec<f64> = lengths.iter().map(|&k| prior(k)).collect();
         let learn = |&edges: &u32| {
             let count = self.count(edges);
-            if !strategies || edges > LEARNED_EDGES || shares.length(edges) <= 0.0 {
+            if !strategies || edges > LEARNED_EDGES || spread.length(edges) <= 0.0 {
                 return Vec::new();
             }
-            let seen: Vec<f64> = (0..count).map(|s| shares.of(edges, s)).collect();
+            let seen: Vec<f64> = (0..count).map(|s| spread.of(edges, s)).collect();
             cumulative(&mixed(&seen, &vec![1.0; count], EVEN_STRATEGIES))
         };
         Self {
@@ -117,6 +85,15 @@ impl Techniques {
             lengths: cumulative(&mixed(&seen, &prior, EVEN_LENGTHS)),
             strategies: lengths.iter().map(learn).collect(),
         }
+    }
+
+    /// The share of tries that the other, over the same lengths, gives to other techniques: their total variation, in [0, 1].
+    pub fn differs_by(&self, other: &Self) -> f64 {
+        let pairs = self.all().zip(other.all());
+        let sum: f64 = pairs
+            .map(|(a, b)| (a.probability - b.probability).abs())
+            .sum();
+        0.5 * sum
     }
 
     fn edges(&self) -> std::ops::Range<u32> {
@@ -231,20 +208,20 @@ mod tests {
     use super::*;
     use kaustik_pss::Recorded;
 
-    fn shares() -> TechniqueShares {
-        let mut shares = TechniqueShares::default();
+    fn spread() -> TechniqueSpread {
+        let mut spread = TechniqueSpread::default();
         for (s, t, light) in [(0, 2, 1.0), (1, 2, 3.0), (0, 3, 1.0), (2, 2, f64::NAN)] {
-            shares.add(s, t, light);
+            spread.add(s, t, light);
         }
-        shares
+        spread
     }
 
     fn tables() -> [Techniques; 4] {
         let even = Techniques::even(1, 5, false);
         let lens = Techniques::even(3, 70, true);
         [
-            even.learned(&shares(), true),
-            lens.learned(&shares(), false),
+            even.learned(&spread(), true),
+            lens.learned(&spread(), false),
             even,
             lens,
         ]
@@ -289,14 +266,26 @@ mod tests {
 
     #[test]
     fn what_brings_light_is_tried_more_often() {
-        let table = Techniques::even(1, 5, false).learned(&shares(), true);
-        let of = |s, t| {
+        let table = Techniques::even(1, 5, false).learned(&spread(), true);
+        let share = |s, t| {
             let mut all = table.all();
             let found = all.find(|technique| (technique.s, technique.t) == (s, t));
             found.expect("a strategy").probability
         };
-        assert!(of(1, 2) > 2.0 * of(0, 3) && of(0, 3) > 2.0 * of(2, 1));
-        assert!(of(0, 2) > 10.0 * of(0, 4));
+        assert!(share(1, 2) > 2.0 * share(0, 3) && share(0, 3) > 2.0 * share(2, 1));
+        assert!(share(0, 2) > 10.0 * share(0, 4));
+    }
+
+    #[test]
+    fn tables_differ_by_what_they_give_elsewhere() {
+        let even = Techniques::even(1, 5, false);
+        let learned = even.learned(&spread(), true);
+        assert!(even.differs_by(&even) == 0.0);
+        let more = even.all().zip(learned.all());
+        let more: f64 = more
+            .map(|(a, b)| (b.probability - a.probability).max(0.0))
+            .sum();
+        assert!((even.differs_by(&learned) - more).abs() < 1e-12 && more > 0.1);
     }
 
     #[test]
@@ -304,7 +293,7 @@ mod tests {
         let table = Techniques::even(3, 2, false);
         assert_eq!(table.draw(&mut Recorded::new()), None);
         assert_eq!(table.all().count(), 0);
-        let again = table.learned(&shares(), true);
+        let again = table.learned(&spread(), true);
         assert_eq!(again.draw(&mut Recorded::new()), None);
     }
 }

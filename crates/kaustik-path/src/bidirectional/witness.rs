@@ -3,7 +3,7 @@
 use glam::DVec3;
 use kaustik_scene::camera::{LensHit, LensSample};
 use kaustik_scene::{DirectSample, EmissionPdf};
-use kaustik_spectrum::Spectrum;
+use kaustik_spectrum::{Spectrum, Xyz};
 
 use super::vertex::PathVertex;
 use crate::next_event::end;
@@ -14,6 +14,10 @@ pub(super) trait Witness {
     /// `light` and `eye` are the vertices on surfaces that the path is made of, from the ends
     /// inwards.
     fn see(&mut self, seen: &Seen<'_>);
+
+    /// Told of every strategy that brings light, and of the light.
+    #[inline]
+    fn lit(&mut self, _s: u32, _t: u32, _light: impl FnOnce() -> Xyz) {}
 }
 
 /// A weighted path.

@@ -23,8 +23,11 @@ use crate::stratified::mix;
 use crate::streams;
 
 /// The most samples a sweep, if it is not said how many, and the fewest.
-const MOST: f64 = 64.0;
+const MOST: f64 = 256.0;
 const FEWEST: f64 = 2.0;
+/// Of a small picture a ladder takes a sweep as often as a sample a pixel, or it would come to hardly any; but no more often
+/// than once in so many.
+const MOST_OF_SMALL: f64 = 64.0;
 /// As many where light is hard to find, and a specific replica has little of it.
 const FEW: f64 = 16.0;
 /// That is: of the full replica's density, in the mean, its own is at most this share.
@@ -38,7 +41,11 @@ const LITTLE: f64 = 0.04;
 /// `r` = 1/2 on even samples are the better ones, and chains go on only for what they may yet
 /// find. The replica that is hardest to sample decides, since its light is what chains are for.
 /// Where light is hard to find there are [`few`] all the same.
-pub(super) fn samples_a_sweep<const K: usize>(started: &Started, specific: bool) -> u32 {
+pub(super) fn samples_a_sweep<const K: usize>(
+    settings: &RenderSettings,
+    started: &Started,
+    specific: bool,
+) -> u32 {
     let particles = started.particles.max(1) as f64;
     let shares = started
         .effective
@@ -52,7 +59,10 @@ pub(super) fn samples_a_sweep<const K: usize>(started: &Started, specific: bool)
     } else {
         0.0
     };
-    (MOST * ease * ease).max(few(specific)).round() as u32
+    let cells = Cells::new(settings).count();
+    let a_ladder = cells as f64 / f64::from(settings.options.ladders);
+    let most = MOST.min(a_ladder.max(MOST_OF_SMALL));
+    (MOST * ease.powi(4)).min(most).max(few(specific)).round() as u32
 }
 
 /// Even samples where light is hard to find: they show what is easy all the same. The more light the specific

@@ -1,10 +1,13 @@
+use std::collections::BTreeMap;
+
 use kaustik_mcmc::{Independent, generator};
 use kaustik_pss::{Coordinates, Recorded, Recording, Stream};
 use kaustik_scene::description::Lens;
 use kaustik_scene::{Scene, builtin};
-use kaustik_spectrum::{WavelengthSampling, Wavelengths};
+use kaustik_spectrum::{WavelengthSampling, Wavelengths, Xyz};
 
 use super::traced::{compile, scenes};
+use crate::bidirectional::witness::{Seen, Witness};
 use crate::bidirectional::workspace::Workspace;
 use crate::bidirectional::{Job, Technique};
 use crate::{
@@ -102,6 +105,62 @@ fn one_strategy_at_a_time_is_the_whole() {
         }
     }
     assert!(lit > 4_000, "most of it must not be black: {lit}");
+}
+
+/// Of each strategy, the light that a witness is told of.
+#[derive(Default)]
+struct Lit(BTreeMap<(u32, u32), f64>);
+
+impl Witness for Lit {
+    fn see(&mut self, _: &Seen<'_>) {}
+
+    fn lit(&mut self, s: u32, t: u32, light: impl FnOnce() -> Xyz) {
+        *self.0.entry((s, t)).or_default() += ScalarTarget::Xyz.of(light());
+    }
+}
+
+/// A witness is told of all light, as of the strategy that brings it.
+#[test]
+fn all_light_is_told_of() {
+    let mut told = 0;
+    for (name, scene) in scenes() {
+        let paths = paths(Heuristic::Power);
+        let lens = scene.camera().has_aperture();
+        let techniques = Techniques::even(1, EDGES, lens);
+        let builder = Multiplexed::new(paths, techniques);
+        let mut source = Independent::new(generator(32, 0));
+        let mut out = Contributions::default();
+        let light = |out: &Contributions| -> f64 {
+            out.splats()
+                .iter()
+                .map(|splat| ScalarTarget::Xyz.of(splat.xyz))
+                .sum()
+        };
+        for _ in 0..POINTS {
+            let mut u = Recording::new(&mut source);
+            let mut lit = Lit::default();
+            Workspace::with(|workspace| {
+                paths.evaluate(&scene, &mut u, &mut out, workspace, &mut lit);
+            });
+            let (all, seen) = (light(&out), lit.0.values().sum::<f64>());
+            assert!((all - seen).abs() <= 1e-4 * all, "{name}: {seen} of {all}");
+            for technique in builder.techniques().all() {
+                let mut lit = Lit::default();
+                Workspace::with(|workspace| {
+                    builder.one(&scene, technique, &mut u, &mut out, workspace, &mut lit);
+                });
+                let all = light(&out);
+                let seen = lit.0.remove(&(technique.s, technique.t)).unwrap_or(0.0);
+                assert!(
+                    (all - seen).abs() <= 1e-4 * all,
+                    "{name}, {technique:?}: {seen} of {all}"
+                );
+                assert!(lit.0.is_empty(), "{name}, {technique:?}: {:?}", lit.0);
+                told += u32::from(all > 0.0);
+            }
+        }
+    }
+    assert!(told > 4_000, "most of it must not be black: {told}");
 }
 
 /// The test of the test: without any one of the strategies of three edges it is not the whole.

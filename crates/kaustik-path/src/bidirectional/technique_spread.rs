@@ -1,0 +1,141 @@
+//! How far the values of each strategy spread: what a table of how often each is tried goes by.
+
+use kaustik_pss::Coordinates;
+use kaustik_scene::Scene;
+use kaustik_spectrum::Xyz;
+
+use super::Bidirectional;
+use super::witness::{Seen, Witness};
+use super::workspace::Workspace;
+use crate::instant::at_its_time;
+use crate::{Contributions, ScalarTarget};
+
+/// The root mean square of what each technique brings, up to a factor that all have in common.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct TechniqueSpread {
+    /// Of each length in edges, then of each `s`, the sum of squares.
+    squares: Vec<Vec<f64>>,
+}
+
+impl TechniqueSpread {
+    /// Looks at all strategies of one point of the cube. Walks play roulette: what long paths bring has a somewhat larger spread
+    /// than the walks of one strategy have, which know how long they are to be.
+    pub fn look(
+        &mut self,
+        paths: &Bidirectional,
+        scene: &Scene,
+        target: ScalarTarget,
+        u: &mut dyn Coordinates,
+        out: &mut Contributions,
+    ) {
+        let spread = self;
+        at_its_time(scene, u, |scene, u| {
+            Workspace::with(|workspace| {
+                let mut survey = Survey { spread, target };
+                paths.evaluate(scene, u, out, workspace, &mut survey);
+            });
+        });
+    }
+
+    /// Adds what a sample of a technique has brought. What is not finite or not positive counts as nothing.
+    pub fn add(&mut self, s: u32, t: u32, light: f64) {
+        if light > 0.0 {
+            self.add_square((s + t - 1) as usize, s as usize, light * light);
+        }
+    }
+
+    fn add_square(&mut self, edges: usize, s: usize, square: f64) {
+        if !(square > 0.0 && square.is_finite()) {
+            return;
+        }
+        if self.squares.len() <= edges {
+            self.squares.resize(edges + 1, Vec::new());
+        }
+        let squares = &mut self.squares[edges];
+        if squares.len() <= s {
+            squares.resize(s + 1, 0.0);
+        }
+        squares[s] += square;
+    }
+
+    /// Adds what others saw.
+    pub fn merge(&mut self, other: &Self) {
+        for (edges, squares) in other.squares.iter().enumerate() {
+            for (s, square) in squares.iter().enumerate() {
+                self.add_square(edges, s, *square);
+            }
+        }
+    }
+
+    /// Has no sample brought light?
+    pub fn is_empty(&self) -> bool {
+        self.squares.is_empty()
+    }
+
+    /// Of one technique.
+    pub(super) fn of(&self, edges: u32, s: usize) -> f64 {
+        let squares = self.squares.get(edges as usize);
+        let square = squares.and_then(|squares| squares.get(s));
+        square.copied().unwrap_or(0.0).sqrt()
+    }
+
+    /// Of the techniques of a length, their sum.
+    pub(super) fn length(&self, edges: u32) -> f64 {
+        let squares = self.squares.get(edges as usize);
+        squares.map_or(0.0, |squares| squares.iter().copied().map(f64::sqrt).sum())
+    }
+}
+
+/// Sees the light of all strategies.
+struct Survey<'a> {
+    spread: &'a mut TechniqueSpread,
+    target: ScalarTarget,
+}
+
+impl Witness for Survey<'_> {
+    fn see(&mut self, _: &Seen<'_>) {}
+
+    fn lit(&mut self, s: u32, t: u32, light: impl FnOnce() -> Xyz) {
+        self.spread.add(s, t, self.target.of(light()));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What is met once in a hundred, a hundred times as bright, spreads ten times as far as what is always there.
+    #[test]
+    fn what_is_met_seldom_spreads_further() {
+        let mut spread = TechniqueSpread::default();
+        assert!(spread.is_empty());
+        (0..100).for_each(|_| spread.add(1, 2, 1.0));
+        spread.add(2, 1, 100.0);
+        spread.add(2, 1, f64::NAN);
+        spread.add(2, 1, -1e9);
+        assert!((spread.of(2, 2) / spread.of(2, 1) - 10.0).abs() < 1e-12);
+        assert!((spread.length(2) / spread.of(2, 1) - 11.0).abs() < 1e-12);
+        assert!(!spread.is_empty());
+    }
+
+    #[test]
+    fn parts_together_are_the_whole() {
+        let light = [
+            (0, 2, 1.5),
+            (1, 2, 3.0),
+            (4, 1, 2.0),
+            (1, 2, 0.5),
+            (0, 9, 7.0),
+        ];
+        let of = |light: &[(u32, u32, f64)]| {
+            let mut spread = TechniqueSpread::default();
+            light
+                .iter()
+                .for_each(|&(s, t, light)| spread.add(s, t, light));
+            spread
+        };
+        let mut parts = of(&light[..2]);
+        parts.merge(&of(&light[2..]));
+        assert_eq!(parts, of(&light));
+    }
+}
