@@ -16,10 +16,9 @@ use crate::control::is_stopped;
 use crate::engine::{Engine, Nonfinite, add_counters, add_nonfinite};
 use crate::lamps::Lamps;
 use crate::mark::FilmMark;
+use crate::relt::climb::MOVES;
 use crate::relt::kernels::{Mutation, kernel, kernels, mutation};
-use crate::relt::start::{
-    MOVES, Started, State, for_so_many_replicas, replica_builder, samples, start,
-};
+use crate::relt::start::{Started, State, for_so_many_replicas, replica_builder, samples, start};
 use crate::relt::{finite, full_replica, layer};
 use crate::{
     Budget, ChainStatistics, Place, RenderError, RenderSettings, ReplicaLevel, ReplicaStatistics,

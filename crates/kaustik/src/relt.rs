@@ -1,5 +1,6 @@
 //! Replica exchange light transport (Kitaoka, Kitamura and Kishino 2009).
 
+pub(crate) mod climb;
 mod even;
 mod keep;
 pub(crate) mod kernels;

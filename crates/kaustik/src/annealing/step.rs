@@ -1,6 +1,6 @@
 //! How the steps of rounds are counted.
 
-use crate::relt::start::MOVES;
+use crate::relt::climb::MOVES;
 
 /// A path of a round: an independent sample at level 0, a proposal above.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

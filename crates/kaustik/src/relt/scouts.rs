@@ -9,8 +9,9 @@ use kaustik_pss::Coordinates;
 use kaustik_scene::Scene;
 use rayon::prelude::*;
 
+use super::climb::effective;
 use super::kernels::Mutation;
-use super::start::{State, effective};
+use super::start::State;
 use crate::RenderSettings;
 use crate::render::builder_settings;
 
