@@ -1,14 +1,18 @@
 //! What samples beside chains have in common, whatever they are made for.
 
+pub(crate) mod lamps;
+pub(crate) mod lost;
+pub(crate) mod meter;
+
 use std::io;
 
 use kaustik_film::{Counters, Film};
 use kaustik_path::Rays;
 
 use crate::Place;
+use crate::beside::lamps::Lamps;
+use crate::beside::meter::Meter;
 use crate::engine::add_nonfinite;
-use crate::lamps::Lamps;
-use crate::meter::Meter;
 use crate::state::{Reader, StateError, Writer};
 
 /// What takes passes beside chains, so many as follow from their steps.

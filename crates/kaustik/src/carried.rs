@@ -4,9 +4,9 @@ use kaustik_mcmc::{Draws, SampleGenerators};
 use serde::{Deserialize, Serialize};
 
 use crate::RenderSettings;
-use crate::cells::Cells;
+use crate::sampling::cells::Cells;
+use crate::sampling::streams;
 use crate::state::StateError;
-use crate::streams;
 
 /// Steps between cells side by side and one below the other, the reciprocal of the plastic number and its square: the
 /// shares of any block of cells fill the unit interval evenly (M. Roberts 2018, the sequence R2).

@@ -12,16 +12,17 @@ use kaustik_scene::Scene;
 use kaustik_spectrum::Xyz;
 
 use crate::beside::Beside;
-use crate::builders::builder;
-use crate::cells::Cells;
+use crate::beside::lamps::Lamps;
 use crate::engine::Engine;
-use crate::independent::IndependentEngine;
-use crate::lamps::Lamps;
-use crate::pssmlt::PssmltEngine;
-use crate::relt::start::replica_builder;
+use crate::methods::annealing;
+use crate::methods::builders::builder;
+use crate::methods::independent::IndependentEngine;
+use crate::methods::pssmlt::PssmltEngine;
+use crate::methods::relt::start::replica_builder;
 use crate::render::builder_settings;
-use crate::stratified::mix;
-use crate::{Budget, Method, Place, RenderSettings, annealing, small};
+use crate::sampling::cells::Cells;
+use crate::sampling::stratified::mix;
+use crate::{Budget, Method, Place, RenderSettings, small};
 
 /// What becomes of the contributions that chance picks.
 #[derive(Clone, Copy, Debug, PartialEq)]

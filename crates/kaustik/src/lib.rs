@@ -22,86 +22,50 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-mod annealing;
 mod beside;
-mod builders;
 mod carried;
-mod cells;
 mod chains;
 mod check;
-mod choices;
 mod control;
-mod direct;
-mod energy_statistics;
 mod engine;
-mod erpt;
-mod erpt_pss;
 mod error;
 #[cfg(test)]
 mod faults;
 mod features;
-mod independent;
-mod key;
-mod lamps;
-mod lost;
 mod mark;
 mod merge;
-mod merge_statistics;
-mod meter;
-mod method;
-mod mlt;
-mod mmlt;
-mod mutation_kind;
-mod mutations;
-mod options;
-mod path_space;
-mod photon;
-mod photon_options;
-mod pssmlt;
-mod relt;
+mod methods;
 mod render;
 mod replay;
-mod replica_statistics;
 #[cfg(test)]
 mod retold;
+mod sampling;
 mod settings;
-mod shuffle;
 #[cfg(test)]
 mod small;
-mod sobol;
-mod stages;
 mod state;
 mod statistics;
 #[cfg(test)]
 mod stops;
-mod stratified;
-mod streams;
 mod threads;
 
-pub use choices::{
-    Builder, Caustics, Colours, Direct, Energy, EvenSamples, Jitter, Normaliser, SmallStep, Starts,
-    Steps, Strategies,
-};
 pub use control::{Control, Progress};
-pub use energy_statistics::EnergyStatistics;
 pub use error::RenderError;
-pub use key::{KEYS, Key};
 pub use merge::{merge, whole};
-pub use merge_statistics::{MergeStatistics, MergedPart, Parts};
-pub use method::{Method, UnknownMethod};
-pub use mutation_kind::MutationKind;
-pub use mutations::Mutations;
-pub use options::{OptionError, Options};
-pub use photon_options::{LadderSize, Normalisation, Pace, PhotonOptions, TargetFunction};
+pub use methods::{StageLadder, StageOptions};
 pub use render::{Outcome, Rendered, Watch, render, render_watched, resume};
 pub use replay::{replay, replay_from};
-pub use replica_statistics::{ReplicaLevel, ReplicaStatistics};
-pub use settings::{Budget, RenderSettings};
-pub use stages::{StageLadder, StageOptions};
+pub use settings::{
+    Budget, Builder, Caustics, Colours, Direct, Energy, EvenSamples, Jitter, KEYS, Key, LadderSize,
+    Method, MutationKind, Mutations, Normalisation, Normaliser, OptionError, Options, Pace,
+    PhotonOptions, RenderSettings, SmallStep, Starts, Steps, Strategies, TargetFunction,
+    UnknownMethod,
+};
 pub use state::{Snapshot, Source, State, StateError};
 pub use statistics::{
-    ChainStatistics, DirectStatistics, MutationStatistics, PhotonLevel, PhotonStatistics, Place,
-    RayStatistics, RenderStatistics, StageStatistics,
+    ChainStatistics, DirectStatistics, EnergyStatistics, MergeStatistics, MergedPart,
+    MutationStatistics, Parts, PhotonLevel, PhotonStatistics, Place, RayStatistics,
+    RenderStatistics, ReplicaLevel, ReplicaStatistics, StageStatistics,
 };
 pub use threads::on_threads;
 

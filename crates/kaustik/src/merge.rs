@@ -4,11 +4,11 @@ use kaustik_film::Average;
 use kaustik_scene::Scene;
 
 use crate::check::check;
-use crate::direct;
 use crate::engine::Engine;
-use crate::merge_statistics::{MergeStatistics, MergedPart, Parts};
+use crate::methods::direct;
 use crate::render::{Unwatched, Work, engine};
 use crate::state::take_up;
+use crate::statistics::{MergeStatistics, MergedPart, Parts};
 use crate::threads::pool;
 use crate::{Method, Outcome, RenderError, RenderSettings, Rendered, State, StateError, Watch};
 

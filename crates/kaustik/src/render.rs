@@ -9,20 +9,20 @@ use kaustik_path::BuilderSettings;
 use kaustik_scene::Scene;
 
 use crate::check::check;
-use crate::direct::{self, DirectApart};
 use crate::engine::Engine;
-use crate::erpt::ErptEngine;
-use crate::independent::IndependentEngine;
-use crate::mlt::MltEngine;
-use crate::photon::PhotonEngine;
-use crate::pssmlt::PssmltEngine;
-use crate::relt;
-use crate::stages::StagedEngine;
+use crate::methods::direct::{self, DirectApart};
+use crate::methods::erpt::ErptEngine;
+use crate::methods::independent::IndependentEngine;
+use crate::methods::mlt::MltEngine;
+use crate::methods::photon::PhotonEngine;
+use crate::methods::pssmlt::PssmltEngine;
+use crate::methods::stages::StagedEngine;
+use crate::methods::{annealing, relt};
 use crate::state::{Header, take_up};
 use crate::threads::pool;
 use crate::{
     Budget, Control, Method, Progress, RayStatistics, RenderError, RenderSettings,
-    RenderStatistics, Snapshot, State, StateError, annealing, features,
+    RenderStatistics, Snapshot, State, StateError, features,
 };
 
 /// What became of a render.

@@ -3,9 +3,9 @@
 use kaustik_path::Event;
 use kaustik_scene::Scene;
 
+use crate::beside::lamps::Lamps;
+use crate::beside::meter::Meter;
 use crate::check::check;
-use crate::lamps::Lamps;
-use crate::meter::Meter;
 use crate::render::engine;
 use crate::state::take_up;
 use crate::threads::pool;

@@ -1,10 +1,29 @@
+//! What decides what a render computes: its method, the method's settings, size and budget.
+
+mod choices;
+mod key;
+mod method;
+mod mutation_kind;
+mod mutations;
+pub(crate) mod options;
+pub(crate) mod photon_options;
+
+pub use choices::{
+    Builder, Caustics, Colours, Direct, Energy, EvenSamples, Jitter, Normaliser, SmallStep, Starts,
+    Steps, Strategies,
+};
+pub use key::{KEYS, Key};
+pub use method::{Method, UnknownMethod};
+pub use mutation_kind::MutationKind;
+pub use mutations::Mutations;
+pub use options::{OptionError, Options};
+pub use photon_options::{LadderSize, Normalisation, Pace, PhotonOptions, TargetFunction};
+
 use std::ops::Range;
 use std::time::Duration;
 
 use kaustik_estimate::Scale;
 use kaustik_film::{Filter, Layout, Window};
-
-use crate::{Method, Options};
 
 /// When a render is done.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,10 +1,18 @@
+//! What a render tells about itself.
+
+pub(crate) mod energy;
+mod merge;
+mod replica;
+
+pub use energy::EnergyStatistics;
+pub use merge::{MergeStatistics, MergedPart, Parts};
+pub use replica::{ReplicaLevel, ReplicaStatistics};
+
 use std::fmt;
 
 use kaustik_film::Counters;
 use kaustik_mcmc::Statistics;
 use serde::{Deserialize, Serialize, Serializer};
-
-use crate::{EnergyStatistics, MergeStatistics, ReplicaStatistics};
 
 /// What a render tells about itself; goes into the image file and into `--stats`.
 #[derive(Clone, Debug, Serialize)]

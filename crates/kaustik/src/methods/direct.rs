@@ -1,0 +1,286 @@
+//! Direct light beside chains that leave it out.
+
+use std::io;
+use std::ops::{Range, RangeInclusive};
+use std::sync::atomic::AtomicBool;
+
+use kaustik_film::{Counters, Image, Layer};
+use kaustik_path::{Event, PureSpecular, Rays};
+use kaustik_scene::Scene;
+
+use crate::engine::{Engine, add_counters, add_nonfinite, add_rays};
+use crate::methods::independent::IndependentEngine;
+use crate::state::{Keep, Reader, StateError, Writer};
+use crate::{
+    Budget, ChainStatistics, Direct, DirectStatistics, EnergyStatistics, Method,
+    MutationStatistics, Place, RenderError, RenderSettings, ReplicaStatistics,
+};
+
+/// The longest paths that are rendered apart, in edges: emitters seen directly, and light that was scattered
+/// once, at whatever surface.
+pub(crate) const MOST_EDGES: u32 = 2;
+/// Of so many passes' worth of steps, direct light takes the first.
+const CYCLE: u64 = 8;
+/// So many passes' worth of steps leave both parts with something.
+const LEAST: u64 = 2;
+/// Turns the seed of the chains into another one.
+const SEED: u64 = 0xD1EC_7A9A_2750_CE11;
+
+/// Is direct light rendered apart?
+pub(crate) fn is_apart(settings: &RenderSettings) -> bool {
+    let chains = matches!(
+        settings.method,
+        Method::Pssmlt | Method::Mmlt | Method::Relt | Method::ErptPss | Method::Erpt | Method::Mlt
+    );
+    chains && settings.options.direct == Direct::Apart
+}
+
+/// What becomes of purely specular paths in the method's own samples.
+///
+/// Chains on paths seldom propose one that is new from end to end, so that they may never come to a lamp behind glass;
+/// those of redistribution do not leave the scatterings that they began with, and the few samples that they begin with
+/// show such a lamp as a dot. The other methods do so with every large step, which serves as well as samples beside them.
+pub(crate) fn pure_specular(settings: &RenderSettings) -> PureSpecular {
+    let paths = [Method::Mlt, Method::MltMultistage, Method::Erpt];
+    if paths.contains(&settings.method) && settings.options.direct != Direct::Together {
+        PureSpecular::LeftOut
+    } else {
+        PureSpecular::Kept
+    }
+}
+
+/// How many edges the paths have that [`Lamps`](crate::beside::lamps::Lamps) see to; `None` if there are none of them.
+pub(crate) fn edges_of_lamps(settings: &RenderSettings) -> Option<RangeInclusive<u32>> {
+    let least = if is_apart(settings) {
+        min_edges(settings)
+    } else {
+        1
+    };
+    let most = match pure_specular(settings) {
+        PureSpecular::LeftOut => settings.max_depth,
+        _ if are_lamps(settings) => 1,
+        _ => 0,
+    };
+    (least <= most).then_some(least..=most)
+}
+
+/// Are emitters and surroundings seen directly rendered beside the chains (of some methods also those seen
+/// by way of mirrors and glass alone: [`pure_specular`]), and nothing else?
+pub(crate) fn are_lamps(settings: &RenderSettings) -> bool {
+    match settings.method {
+        Method::Pssmlt | Method::Mmlt | Method::Relt | Method::Mlt | Method::Erpt => {
+            settings.options.direct == Direct::Lamps
+        }
+        // These have no light of two edges apart.
+        Method::MltMultistage | Method::PssmltMultistage => {
+            settings.options.direct != Direct::Together
+        }
+        method => method == Method::Annealing,
+    }
+}
+
+/// The shortest paths that a method's builder makes, in edges.
+pub(crate) fn min_edges(settings: &RenderSettings) -> u32 {
+    match (is_apart(settings), are_lamps(settings)) {
+        (true, _) => MOST_EDGES + 1,
+        (false, true) => 2,
+        (false, false) => 1,
+    }
+}
+
+/// A method whose paths have more edges than [`MOST_EDGES`], and stratified independent samples of the others on a
+/// film of their own. The picture is the sum: both parts are right by themselves, whatever share
+/// of the steps each takes.
+pub(crate) struct DirectApart<'a> {
+    chains: Box<dyn Engine + 'a>,
+    direct: IndependentEngine<'a>,
+    /// The ladders of this process.
+    ladders: Range<u32>,
+    /// Steps that each of them was given so far, for both parts.
+    given: Vec<u64>,
+    /// Of these, steps of direct light and of the chains.
+    done: Vec<[u64; 2]>,
+    /// Steps of one pass over the image, of all ladders.
+    pass: u64,
+}
+
+impl<'a> DirectApart<'a> {
+    /// Beside an engine that was made for the same settings.
+    pub(crate) fn new(
+        scene: &'a Scene,
+        settings: &RenderSettings,
+        chains: Box<dyn Engine + 'a>,
+    ) -> Result<Self, RenderError> {
+        let mut of_direct = RenderSettings {
+            method: Method::Path,
+            max_depth: settings.max_depth.min(MOST_EDGES),
+            seed: settings.seed ^ SEED,
+            ..settings.clone()
+        };
+        of_direct.options.next_event = true;
+        let direct = IndependentEngine::path(scene, &of_direct)?;
+        let ladders = settings.ladder_range();
+        Ok(Self {
+            pass: (0..settings.options.ladders).map(|l| direct.grain(l)).sum(),
+            given: vec![0; ladders.len()],
+            done: vec![[0; 2]; ladders.len()],
+            chains,
+            direct,
+            ladders,
+        })
+    }
+
+    /// Of so many steps of a ladder those for direct light, whole passes, and those for the chains, as many
+    /// as they can take. Neither ever shrinks when the steps grow by a pass.
+    fn split(&self, ladder: u32, steps: u64) -> [u64; 2] {
+        let pass = self.direct.grain(ladder).max(1);
+        let direct = (steps / pass).div_ceil(CYCLE) * pass;
+        // A ladder without cells has none of either.
+        let whole = |grain| (steps - direct) / grain * grain;
+        match self.chains.grain(ladder) {
+            0 => [direct, 0],
+            grain => [direct, whole(grain)],
+        }
+    }
+}
+
+impl Engine for DirectApart<'_> {
+    fn advance(&mut self, plan: &[u64], stop: Option<&AtomicBool>) -> u64 {
+        let mut plans = [Vec::new(), Vec::new()];
+        for (index, (ladder, steps)) in self.ladders.clone().zip(plan).enumerate() {
+            self.given[index] += steps;
+            let due = self.split(ladder, self.given[index]);
+            let done = &mut self.done[index];
+            for (plan, (due, done)) in plans.iter_mut().zip(due.into_iter().zip(done)) {
+                // A render that was stopped in a round may have more of one part than is due yet.
+                plan.push(due.saturating_sub(*done));
+                *done = due.max(*done);
+            }
+        }
+        let before = self.steps();
+        self.direct.advance(&plans[0], stop);
+        self.chains.advance(&plans[1], stop);
+        self.steps() - before
+    }
+
+    /// Whole passes.
+    fn planned(&self, ladder: u32, settings: &RenderSettings) -> u64 {
+        let passes = match settings.budget {
+            Budget::PerPixel(n) => n,
+            Budget::Total(n) => n / self.pass,
+            Budget::Time(_) => u64::MAX,
+        };
+        passes.max(LEAST).saturating_mul(self.direct.grain(ladder))
+    }
+
+    /// A first round has something of both.
+    fn grain(&self, ladder: u32) -> u64 {
+        LEAST * self.direct.grain(ladder)
+    }
+
+    fn develop(&mut self) -> Result<Image, RenderError> {
+        let mut image = self.chains.develop()?;
+        image.add(&self.direct.picture()?)?;
+        Ok(image)
+    }
+
+    fn chain_statistics(&self) -> Option<ChainStatistics> {
+        self.chains.chain_statistics()
+    }
+
+    fn replica_statistics(&self) -> Option<ReplicaStatistics> {
+        self.chains.replica_statistics()
+    }
+
+    fn mutation_statistics(&self) -> Vec<MutationStatistics> {
+        self.chains.mutation_statistics()
+    }
+
+    fn energy_statistics(&self) -> Option<EnergyStatistics> {
+        self.chains.energy_statistics()
+    }
+
+    fn direct_statistics(&self) -> Option<DirectStatistics> {
+        Some(DirectStatistics {
+            max_edges: MOST_EDGES,
+            samples: self.direct.steps(),
+        })
+    }
+
+    fn layers(&self) -> Result<Vec<Layer>, RenderError> {
+        let mut layers = self.chains.layers()?;
+        let image = self.direct.picture()?;
+        let channels = ["R", "G", "B"].into_iter().zip(image.rgb());
+        let channels = channels.map(|(name, plane)| (name, plane.to_vec()));
+        layers.push(Layer::new("direct", channels.collect()));
+        Ok(layers)
+    }
+
+    fn nonfinite(&self) -> (u64, Vec<Place>) {
+        add_nonfinite(self.chains.nonfinite(), Some(self.direct.nonfinite()))
+    }
+
+    /// A step of this number of both parts: they count their own.
+    fn replay(&mut self, place: Place) -> Result<Vec<Event>, RenderError> {
+        let mut events = self.chains.replay(place)?;
+        events.extend(self.direct.replay(place)?);
+        Ok(events)
+    }
+
+    fn rays(&self) -> Option<Rays> {
+        let (chains, direct) = (self.chains.rays()?, self.direct.rays()?);
+        Some(add_rays([chains, direct].into_iter()))
+    }
+
+    fn film_counters(&self) -> Counters {
+        add_counters(self.chains.film_counters(), self.direct.film_counters())
+    }
+
+    fn is_lit(&self) -> bool {
+        self.chains.is_lit() || self.direct.is_lit()
+    }
+}
+
+/// Both parts, and what ladders were given: of that, something too small for a step may be left over.
+impl Keep for DirectApart<'_> {
+    fn taken(&self) -> Vec<u64> {
+        self.given.clone()
+    }
+
+    /// None before either part has some: one alone is no picture.
+    fn steps(&self) -> u64 {
+        match [self.direct.steps(), self.chains.steps()] {
+            [0, _] | [_, 0] => 0,
+            [direct, chains] => direct + chains,
+        }
+    }
+
+    fn write(&self, out: &mut Writer<'_>) -> io::Result<()> {
+        out.value(&self.given)?;
+        self.direct.write(out)?;
+        self.chains.write(out)
+    }
+
+    fn take_up(&mut self, from: &mut Reader<'_>) -> Result<(), StateError> {
+        let given: Vec<u64> = from.value()?;
+        let kept = from.ladders();
+        if given.len() != kept.len() {
+            return Err(StateError::damaged("a ladder's steps are missing"));
+        }
+        self.direct.take_up(from)?;
+        self.chains.take_up(from)?;
+        let both = self.direct.taken().into_iter().zip(self.chains.taken());
+        self.done = both.map(|(direct, chains)| [direct, chains]).collect();
+        for (ladder, given) in kept.zip(given) {
+            let at = ladder.wrapping_sub(self.ladders.start) as usize;
+            let (Some(steps), Some(done)) = (self.given.get_mut(at), self.done.get(at)) else {
+                continue;
+            };
+            *steps = Reader::count(given)?;
+            if done[0].saturating_add(done[1]) > *steps {
+                return Err(StateError::damaged("a ladder took more steps than it had"));
+            }
+        }
+        Ok(())
+    }
+}

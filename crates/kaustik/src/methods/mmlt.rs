@@ -1,0 +1,89 @@
+//! Multiplexed Metropolis light transport (Hachisuka, Kaplanyan and Dachsbacher 2014):
+//! a chain of [`PssmltEngine`](crate::methods::pssmlt::PssmltEngine) over [`Multiplexed`] paths.
+
+use std::ops::Range;
+
+use kaustik_mcmc::{Independent, SampleGenerators};
+use kaustik_path::{Bidirectional, Contributions, Form, Multiplexed, TechniqueSpread, Techniques};
+use kaustik_scene::Scene;
+use rayon::prelude::*;
+
+use crate::render::builder_settings;
+use crate::sampling::streams;
+use crate::{RenderError, RenderSettings, Strategies};
+
+/// The most samples of the pilot: the probabilities need to be no better than roughly right.
+const MOST_SAMPLES: u64 = 200_000;
+/// The pilot goes by rounds, each as long as all before it. Light that is met but seldom comes late: as long as a round has
+/// changed more than this share of the tries, or none has seen any light, there is another, up to so many.
+const SETTLED: f64 = 0.05;
+const ROUNDS: u32 = 4;
+/// What a thread takes at a time. Sums go by these, so that they do not depend on the threads.
+const CHUNK: u64 = 256;
+
+/// The builder, with probabilities by what its own samples saw.
+pub(crate) fn builder(
+    scene: &Scene,
+    settings: &RenderSettings,
+) -> Result<Multiplexed, RenderError> {
+    if settings.max_depth > Techniques::MOST_EDGES {
+        return Err(RenderError::Setting {
+            what: "max-depth",
+            found: settings.max_depth.to_string(),
+            expected: format!("at most {} for {}", Techniques::MOST_EDGES, settings.method),
+        });
+    }
+    let paths = Bidirectional {
+        settings: builder_settings(settings),
+        form: Form::Full,
+        heuristic: settings.options.heuristic,
+    };
+    let lens = scene.camera().has_aperture();
+    let even = Techniques::even(paths.settings.min_edges, settings.max_depth, lens);
+    let strategies = settings.options.strategies == Strategies::Learned;
+    let mut spread = TechniqueSpread::default();
+    let mut learned = even.clone();
+    for samples in rounds(settings.options.pilot.min(MOST_SAMPLES)) {
+        spread.merge(&look(scene, &paths, settings, samples));
+        let better = even.learned(&spread, strategies);
+        let change = better.differs_by(&learned);
+        learned = better;
+        if change < SETTLED && !spread.is_empty() {
+            break;
+        }
+    }
+    Ok(Multiplexed::new(paths, learned))
+}
+
+/// Indices of the samples of each round.
+fn rounds(samples: u64) -> impl Iterator<Item = Range<u64>> {
+    let ends = (0..ROUNDS).rev().map(move |left| samples >> left);
+    ends.scan(0, |start, end| Some(std::mem::replace(start, end)..end))
+}
+
+/// How far the values of each strategy spread, as these samples see it.
+fn look(
+    scene: &Scene,
+    paths: &Bidirectional,
+    settings: &RenderSettings,
+    samples: Range<u64>,
+) -> TechniqueSpread {
+    let generators = SampleGenerators::new(settings.seed, streams::TECHNIQUES);
+    let chunks = (samples.end - samples.start).div_ceil(CHUNK);
+    let of_chunk = |value: &mut Contributions, chunk: u64| {
+        let first = samples.start + chunk * CHUNK;
+        let mut spread = TechniqueSpread::default();
+        for index in first..(first + CHUNK).min(samples.end) {
+            let mut u = Independent::new(generators.at(index));
+            spread.look(paths, scene, settings.options.target, &mut u, value);
+        }
+        spread
+    };
+    let seen: Vec<TechniqueSpread> = (0..chunks)
+        .into_par_iter()
+        .map_init(Contributions::default, of_chunk)
+        .collect();
+    let mut spread = TechniqueSpread::default();
+    seen.iter().for_each(|seen| spread.merge(seen));
+    spread
+}

@@ -1,0 +1,434 @@
+//! Photons of Markov chains that exchange states (Hachisuka and Jensen 2011; Gruson et al. 2016, sec. 4.4).
+
+mod iteration;
+mod keep;
+mod mark;
+mod periods;
+mod replay;
+mod start;
+mod sums;
+
+use std::io;
+use std::sync::atomic::AtomicBool;
+
+use kaustik_estimate::{PhotonLevels, PhotonTarget, PhotonTargetKind, PhotonValue, Sharing};
+use kaustik_film::{Counters, Film, Image, Layer, Quantum};
+use kaustik_mcmc::{
+    Acceptance, AcceptanceAdaptation, Draws, Ignore, Ladder, Mean, Pcg64Dxsm, Point, PointKernel,
+    Power, Statistics, generator,
+};
+use kaustik_path::Event;
+use kaustik_spectrum::{Rgb, Xyz};
+use rayon::prelude::*;
+
+use super::Tracer;
+use super::maps::Maps;
+use super::stage::Stage;
+use super::targets::{Space, Targets};
+use crate::control::is_stopped;
+use crate::engine::{Nonfinite, add_counters};
+use crate::sampling::streams;
+use crate::settings::photon_options::Normalisation;
+use crate::state::{Reader, StateError, Writer};
+use crate::statistics::{PhotonLevel, PhotonStatistics};
+use crate::{ChainStatistics, PhotonOptions, Place, RenderError, RenderSettings};
+use iteration::{Course, Iteration, Unheard};
+use periods::Periods;
+
+/// Before the first iteration step sizes learn for so many rounds at most.
+const WARM_UP_ROUNDS: u64 = 48;
+/// Sweeps of each.
+const WARM_UP_SWEEPS: u64 = 64;
+/// It ends when every level accepts as much as it should, but for this much.
+const WARM: f64 = 0.04;
+/// Size of the first steps: between what suits a scene of which all is seen and one of which a thousandth is.
+const FIRST_STEP: f64 = 0.1;
+/// By how much step sizes learn from an iteration, and how fast that falls with their number.
+const GAIN: f64 = 1.0;
+const GAIN_DECAY: f64 = 0.6;
+/// Ladders of K chains each: the first draws uniform light paths, the others follow targets.
+pub(super) struct PhotonChains<const K: usize> {
+    levels: PhotonLevels<K>,
+    options: PhotonOptions,
+    ladders: Vec<Chains<K>>,
+    periods: Periods<K>,
+    /// One for each level but the last, which is lent `spare`. Empty between two iterations, except
+    /// for the uniform level's where visibility's normaliser is still to come.
+    films: Vec<Film>,
+    first: mark::First,
+    targets: Targets<K>,
+    adaptations: [AcceptanceAdaptation<Power>; K],
+    /// Rough normalisers: those of the iteration before.
+    rough: [f64; K],
+    /// XYZ of each pixel, summed over iterations. Where visibility's normaliser comes only at the end: of all
+    /// chains but the first, not yet multiplied by it.
+    sums: Vec<[f64; 3]>,
+    /// Of visibility, over iterations; `None` where each iteration has its own.
+    visible: Option<Mean>,
+    /// Iterations in which any chain but the first was lit: what waits for visibility's normaliser is their mean.
+    lit: u64,
+    revival: Pcg64Dxsm,
+    maps: Option<Maps>,
+    iterations: u64,
+    /// Of each ladder.
+    nonfinite: Vec<Nonfinite>,
+    /// What films of iterations before have left out.
+    counters: Counters,
+    /// Of the last iteration: normalisers, their errors.
+    normalisers: [[f64; 2]; K],
+    /// Of the power of photons, relative.
+    power_spread: f64,
+}
+
+/// One ladder with its generator.
+struct Chains<const K: usize> {
+    draws: Pcg64Dxsm,
+    ladder: Ladder<Point<Power>, PhotonValue, K>,
+    counts: [f64; K],
+    /// Faults of the last iteration.
+    found: Nonfinite,
+}
+
+impl<const K: usize> PhotonChains<K> {
+    /// For a stage whose first iteration has begun: chooses the first states and lets step sizes learn.
+    pub(super) fn new(
+        stage: &Stage<'_>,
+        settings: &RenderSettings,
+        levels: PhotonLevels<K>,
+        space: Space,
+    ) -> Result<Self, RenderError> {
+        let options = settings.options.photon;
+        // Before there are films: a look at where points are takes memory of its own.
+        let mut targets = Targets::new(stage, options, &levels, space);
+        targets.assign(stage);
+        let quantum = stage.quantum();
+        let films = (1..K).map(|_| Film::with_layout(&settings.layout(), quantum));
+        let films = films.collect::<Result<_, _>>()?;
+        // Only the share of visible paths is about the same in all iterations; of what moves, or is seen by discs that
+        // shrink, that is not either, and the mean picture is not that of the mean share.
+        let progressive = options.normalisation == Normalisation::Progressive
+            && levels.0.get(1) == Some(&PhotonTargetKind::Visibility)
+            && !stage.moves()
+            && options.reduction.is_none();
+        let adaptation = AcceptanceAdaptation::new(Power::new(FIRST_STEP))
+            .with_target(options.acceptance)
+            .with_gain(GAIN, GAIN_DECAY)
+            .in_logarithms();
+        let mut chains = Self {
+            levels,
+            options,
+            ladders: Vec::new(),
+            // until it is known how much is visible
+            periods: Periods::new(options.pace, &levels, 0.0),
+            films,
+            first: mark::First::default(),
+            targets,
+            adaptations: std::array::from_fn(|_| adaptation.clone()),
+            rough: [1.0; K],
+            sums: vec![[0.0; 3]; settings.pixels() as usize],
+            visible: progressive.then(Mean::new),
+            lit: 0,
+            revival: generator(settings.seed, streams::REVIVAL),
+            maps: options.maps.then(|| Maps::new(settings)),
+            iterations: 0,
+            nonfinite: Vec::new(),
+            counters: Counters::default(),
+            normalisers: [[0.0; 2]; K],
+            power_spread: spread(&stage.power()),
+        };
+        chains.start(stage, settings);
+        chains.warm_up(stage);
+        Ok(chains)
+    }
+
+    /// Finds step sizes for the first targets. Then learning begins anew: targets get narrower with every
+    /// iteration that knows more regions.
+    fn warm_up(&mut self, stage: &Stage<'_>) {
+        let wanted = self.options.acceptance;
+        for _ in 0..WARM_UP_ROUNDS {
+            let before: [Acceptance; K] = std::array::from_fn(|level| self.small_steps(level));
+            self.sweep_all(stage, WARM_UP_SWEEPS);
+            let is_warm = |level: usize| {
+                let off = self.small_steps(level).since(&before[level]).rate() - wanted;
+                let size = self.adaptations[level].mutation().size();
+                // steps that go everywhere cannot be rejected more often
+                off.abs() < WARM || off > 0.0 && size >= 1.0
+            };
+            let warm = (1..K).all(is_warm);
+            self.adapt();
+            if warm {
+                break;
+            }
+        }
+        for adaptation in &mut self.adaptations {
+            adaptation.begin_anew();
+        }
+    }
+
+    fn target<'t>(&'t self, stage: &'t Stage<'_>) -> PhotonTarget<'t> {
+        PhotonTarget {
+            scene: stage.scene(),
+            tracing: stage.tracing,
+            map: stage.map(),
+            targets: self.targets.of_points(),
+        }
+    }
+
+    /// Sweeps that tell nothing.
+    fn sweep_all(&mut self, stage: &Stage<'_>, sweeps: u64) {
+        let mut ladders = std::mem::take(&mut self.ladders);
+        let target = self.target(stage);
+        let kernels = kernels::<K>(&target);
+        ladders.par_iter_mut().with_max_len(1).for_each(|chains| {
+            let Chains { ladder, draws, .. } = chains;
+            for _ in 0..sweeps {
+                ladder.sweep(&kernels, &self.levels, draws, &mut Ignore);
+            }
+        });
+        self.ladders = ladders;
+    }
+
+    /// New step sizes for every level, from what all ladders have accepted.
+    fn adapt(&mut self) {
+        for level in 1..K {
+            let total = self.small_steps(level);
+            let mutation = self.adaptations[level].end_round(&total);
+            for chains in &mut self.ladders {
+                (chains.ladder).set_mutation(level, mutation, &mut chains.draws);
+            }
+        }
+    }
+
+    fn small_steps(&self, level: usize) -> Acceptance {
+        let mut total = Acceptance::default();
+        for chains in &self.ladders {
+            total.merge(chains.ladder.replicas()[level].statistics().small());
+        }
+        total
+    }
+
+    /// Reads states under targets that have changed. Where other wavelengths or points have left a chain in
+    /// the dark, it goes on from where another one of its level is; of another level if there is none.
+    fn read_anew(&mut self, stage: &Stage<'_>) {
+        let mut ladders = std::mem::take(&mut self.ladders);
+        let target = self.target(stage);
+        (ladders.par_iter_mut().with_max_len(1)).for_each(|chains| {
+            let Chains { ladder, draws, .. } = chains;
+            ladder.evaluate_anew(&target, &self.levels, draws);
+        });
+        let lit = |ladders: &[Chains<K>], ladder: usize, level: usize| {
+            let replica: &Ladder<_, _, K> = &ladders[ladder].ladder;
+            replica.replicas()[level].density() > 0.0
+        };
+        let all = || (1..K).flat_map(|level| (0..ladders.len()).map(move |l| (l, level)));
+        let living: Vec<_> = all()
+            .filter(|&(l, level)| lit(&ladders, l, level))
+            .collect();
+        let dark: Vec<_> = all()
+            .filter(|&(l, level)| !lit(&ladders, l, level))
+            .collect();
+        for (ladder, level) in dark {
+            let own = living.iter().filter(|from| from.1 == level);
+            let mut own: Vec<_> = own.collect();
+            if own.is_empty() {
+                own = living.iter().collect();
+            }
+            if own.is_empty() {
+                break;
+            }
+            let &(from, at) = own[(self.revival.uniform() * own.len() as f64) as usize];
+            let Chains { ladder: source, .. } = &ladders[from];
+            let source = source.replicas()[at].clone();
+            let Chains {
+                ladder: chains,
+                draws,
+                ..
+            } = &mut ladders[ladder];
+            chains.restart_from(level, &source, draws);
+        }
+        self.ladders = ladders;
+    }
+
+    /// The iteration itself: chains go on from where they were, under targets that have changed. `false`: it was
+    /// stopped.
+    fn run(&mut self, stage: &Stage<'_>, spare: &Film, stop: Option<&AtomicBool>) -> bool {
+        self.read_anew(stage);
+        let mut ladders = std::mem::take(&mut self.ladders);
+        let iteration = self.shared(stage, spare, ladders.len());
+        ladders
+            .par_iter_mut()
+            .enumerate()
+            .with_max_len(1)
+            .for_each(|(index, chains)| iteration.run(index, chains, &mut Unheard { stop }));
+        self.ladders = ladders;
+        // The flag stays up: without it no ladder went home early.
+        !is_stopped(stop)
+    }
+
+    /// What so many ladders share in the iteration that the stage has begun.
+    fn shared<'t>(
+        &'t self,
+        stage: &'t Stage<'_>,
+        spare: &'t Film,
+        ladders: usize,
+    ) -> Iteration<'t, K> {
+        Iteration {
+            target: self.target(stage),
+            levels: &self.levels,
+            number: self.iterations,
+            course: self.course(stage, ladders),
+            scale: stage.scale,
+            films: std::array::from_fn(|level| self.films.get(level).unwrap_or(spare)),
+            sharing: Sharing {
+                combine: self.options.combine,
+                rough: self.rough,
+                samples: self.periods.rates(),
+            },
+            regions: self.targets.sums(),
+            touches: self.maps.as_ref().map(Maps::touches),
+        }
+    }
+
+    /// The sweeps that so many ladders take in any iteration.
+    fn course(&self, stage: &Stage<'_>, ladders: usize) -> Course<K> {
+        Course {
+            burn_in: self.options.burn_in,
+            sweeps: self.periods.sweeps(stage.photons),
+            ladders: ladders as u64,
+            periods: self.periods,
+        }
+    }
+
+    /// The unit of films.
+    fn quantum(&self) -> Quantum {
+        self.films[0].quantum()
+    }
+
+    /// Targets of the points of the iteration that the stage has begun.
+    fn begin(&mut self, stage: &Stage<'_>) {
+        let grown = self.targets.assign(stage);
+        for (rough, kind) in self.rough.iter_mut().zip(self.levels.0) {
+            *rough *= grown[kind as usize];
+        }
+        if let Some(maps) = &mut self.maps {
+            maps.begin(stage);
+        }
+    }
+}
+
+/// Standard deviation over the mean; 0 where nothing is known.
+fn spread(of: &Mean) -> f64 {
+    if of.count() > 1 && of.mean() > 0.0 {
+        of.variance().sqrt() / of.mean()
+    } else {
+        0.0
+    }
+}
+
+/// Large steps for the first level, small ones for all others.
+fn kernels<'t, const K: usize>(
+    target: &'t PhotonTarget<'t>,
+) -> [PointKernel<&'t PhotonTarget<'t>>; K] {
+    std::array::from_fn(|level| PointKernel::new(target, if level == 0 { 1.0 } else { 0.0 }))
+}
+
+impl<const K: usize> Tracer for PhotonChains<K> {
+    fn trace(&mut self, stage: &Stage<'_>, spare: &mut Film, stop: Option<&AtomicBool>) -> bool {
+        let mark = stop.is_some().then(|| self.mark());
+        self.begin(stage);
+        spare.renew(self.quantum());
+        if !self.run(stage, spare, stop) {
+            if let Some(mark) = mark {
+                self.take_back(mark);
+            }
+            return false;
+        }
+        self.iterations += 1;
+        if let Some(maps) = &mut self.maps {
+            maps.end(stage);
+        }
+        let factors = self.normalise();
+        self.collect(spare, &factors.of_films);
+        self.targets.learn(&factors.of_all);
+        for (nonfinite, chains) in self.nonfinite.iter_mut().zip(&self.ladders) {
+            *nonfinite = nonfinite.and(chains.found);
+        }
+        for level in 0..K {
+            if self.normalisers[level][0] > 0.0 {
+                self.rough[level] = self.normalisers[level][0];
+            }
+        }
+        self.adapt();
+        true
+    }
+
+    fn write(&self, out: &mut Writer<'_>) -> io::Result<()> {
+        self.write_down(out)
+    }
+
+    fn take_up(&mut self, from: &mut Reader<'_>, iterations: u64) -> Result<(), StateError> {
+        self.take_from(from, iterations)
+    }
+
+    fn add_to(&mut self, stage: &Stage<'_>, image: &mut Image) -> Result<(), RenderError> {
+        self.first = mark::First::default();
+        let factor = stage.cell_area() / self.iterations.max(1) as f64;
+        // The first chain's normaliser is 1.
+        let first = 1.0 / self.course(stage, self.ladders.len()).count(0) as f64;
+        let pixels = self.total(first);
+        image.add_pixels(pixels.map(|sum| Rgb::from(Xyz(sum.map(|v| (v * factor) as f32))).0));
+        Ok(())
+    }
+
+    fn layers(&self, stage: &Stage<'_>) -> Vec<Layer> {
+        let maps = self.maps.as_ref();
+        maps.map_or(Vec::new(), |maps| maps.layers(stage, &self.targets))
+    }
+
+    fn chain_statistics(&self) -> Option<ChainStatistics> {
+        let mut all = Statistics::new();
+        for chains in &self.ladders {
+            for replica in &chains.ladder.replicas()[1..] {
+                all.merge(replica.statistics());
+            }
+        }
+        Some(ChainStatistics::new(
+            &all,
+            self.normalisers[K - 1],
+            self.rough[K - 1],
+        ))
+    }
+
+    fn photon_statistics(&self) -> Option<PhotonStatistics> {
+        let level = |level: usize| PhotonLevel {
+            target: self.targets.name(self.levels.0[level]),
+            normaliser: self.normalisers[level][0],
+            error: self.normalisers[level][1],
+            acceptance: self.small_steps(level).rate(),
+            step_size: self.adaptations[level].mutation().size(),
+        };
+        Some(PhotonStatistics {
+            iterations: self.iterations,
+            regions: self.targets.cut(),
+            power_spread: self.power_spread,
+            levels: (0..K).map(level).collect(),
+        })
+    }
+
+    fn iteration(&self, stage: &Stage<'_>, place: Place) -> Option<u64> {
+        let at = self.step(stage, place)?;
+        Some(at.iteration)
+    }
+
+    fn replay(&mut self, stage: &mut Stage<'_>, spare: &mut Film, place: Place) -> Vec<Event> {
+        self.show(stage, spare, place)
+    }
+
+    fn nonfinite(&self) -> (u64, Vec<Place>) {
+        Nonfinite::all((0..).zip(self.nonfinite.iter().copied()))
+    }
+
+    fn film_counters(&self) -> Counters {
+        add_counters(self.counters, self.films[0].counters())
+    }
+}

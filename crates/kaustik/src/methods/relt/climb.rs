@@ -1,0 +1,319 @@
+//! One attempt at an annealing: particles go up from replica to replica.
+
+use std::array::from_fn;
+
+use kaustik_estimate::{PathTarget, ReplicaFamily, ReplicaSet, ScalarTarget, SpecularSplit};
+use kaustik_mcmc::{
+    Draws, Estimate, Extinct, Family, Ignore, LevelKernel, Pcg64Dxsm, Point, Population,
+    Resampling, SampleGenerators, checked_densities, generator,
+};
+use kaustik_path::{Contributions, Sighting};
+use rayon::prelude::*;
+
+use super::kernels::{Mutation, kernels, mutation};
+use super::scouts::{Scouts, scouting};
+use super::start::{Started, State, samples};
+use crate::sampling::streams;
+use crate::{EvenSamples, Method, RenderSettings};
+
+/// Small steps of every particle at a level: copies must come apart.
+pub(crate) const MOVES: usize = 2;
+/// The most particles of an attempt, which is what may be asked for at most.
+const MOST_PARTICLES: u64 = 1_000_000;
+/// Before an annealing so many scouts a particle go out, or fewer if fewer go out a sweep.
+const FIRST_SCOUTS: u32 = 16;
+/// Where of its scouts more than this share are effective ones, independent samples know its light as well as a chain
+/// does: the heuristic shares it best.
+const EASY: f64 = 1e-2;
+
+/// A population of paths.
+type Climbing<const K: usize> = Population<Point<Mutation>, Contributions, K>;
+
+/// One attempt at an annealing.
+pub(super) struct Climb<'a, const K: usize> {
+    target: PathTarget<'a>,
+    set: ReplicaSet,
+    /// Effective share of scouts that found light, where that is so large that no chain need follow it.
+    pub(super) easy: Option<f64>,
+    settings: &'a RenderSettings,
+    family: ReplicaFamily<K>,
+    attempt: u32,
+    particles: u64,
+    scouts: Scouts<'a, K>,
+}
+
+/// An attempt on its way up.
+struct Ascent<'a, const K: usize> {
+    started: Started,
+    /// By level; `None` where nobody is, or all have gone on.
+    populations: Vec<Option<Climbing<K>>>,
+    kernels: [LevelKernel<PathTarget<'a>, Mutation>; K],
+    family: Elsewhere<K>,
+    /// Decides what concerns a population as a whole.
+    central: Pcg64Dxsm,
+}
+
+impl<'a, const K: usize> Climb<'a, K> {
+    /// The first attempt is 0; each has twice the particles of the one before.
+    pub(super) fn new(
+        target: PathTarget<'a>,
+        set: &'a ReplicaSet,
+        settings: &'a RenderSettings,
+        attempt: u32,
+    ) -> Self {
+        let family = ReplicaFamily::new(set, settings.options.target);
+        let particles = (settings.options.particles << attempt).min(MOST_PARTICLES);
+        let count = match scouting(set) {
+            Some(each) => particles * u64::from(each.min(FIRST_SCOUTS)),
+            None => 0,
+        };
+        let ladder = streams::annealing(attempt, K + 1);
+        let mut climb = Self {
+            target,
+            set: *set,
+            easy: None,
+            settings,
+            family,
+            attempt,
+            particles,
+            scouts: Scouts::send(target, family, settings, ladder, count),
+        };
+        let share = climb.scouts.effective_share();
+        // As a renderer of its own an annealing has no even samples.
+        let even = settings.options.even != EvenSamples::Count(0);
+        if settings.method == Method::Relt && even && share > EASY {
+            climb.leave_specular(share);
+        }
+        climb
+    }
+
+    /// Leaves light that so large a share of scouts find to independent samples.
+    fn leave_specular(&mut self, share: f64) {
+        self.easy = Some(share);
+        self.set = self.set.leaving_specular();
+        self.family = ReplicaFamily::new(&self.set, self.settings.options.target);
+        self.scouts.judge_by(self.family);
+    }
+
+    /// How many replicas there are to climb to.
+    fn count(&self) -> usize {
+        K - usize::from(self.easy.is_some())
+    }
+
+    /// Goes up all levels. Also the first that nobody reached, and how far scouts saw.
+    pub(super) fn run(&self) -> (Started, Option<Extinct>, Sighting) {
+        let mut ascent = self.begin();
+        let extinct = (1..self.count()).find_map(|level| self.climb(&mut ascent, level).err());
+        (ascent.started, extinct, self.scouts.furthest)
+    }
+
+    /// Independent samples, and the uniform replica's states among them.
+    fn begin(&self) -> Ascent<'a, K> {
+        let Climb { settings, .. } = *self;
+        let set = &self.set;
+        let steps = settings.options.steps;
+        let samples = samples(
+            self.target,
+            &self.family,
+            &mutation(set, steps, 0),
+            settings.seed,
+            streams::annealing(self.attempt, 0),
+            (self.particles, None),
+        )
+        .unwrap_or_default();
+        let mut started = self.known_of(&samples);
+        let kernels = kernels::<K>(self.target, set, steps);
+        let family = Elsewhere {
+            all: self.family,
+            scouted: self.scouts.count > 0,
+        };
+        let mut central = generator(settings.seed, streams::annealing(self.attempt, K));
+        let mut bottom = Population::from_samples(samples, &family, Resampling::Systematic);
+        let uniform = bottom.advance(0, &kernels[0], &mut central);
+        debug_assert!(uniform.is_ok(), "all particles have the density 1");
+        started.rough.push(Estimate::exact(1.0));
+        (started.starts).push(self.choose(0, Some(&bottom), 1.0, &mut central));
+        Ascent {
+            started,
+            populations: vec![Some(bottom)],
+            kernels,
+            family,
+            central,
+        }
+    }
+
+    /// What independent samples and scouts tell before anyone climbs.
+    fn known_of(&self, samples: &[State]) -> Started {
+        let pool: Vec<_> = (samples.iter())
+            .map(|(_, value)| {
+                let light = SpecularSplit::of(value, ScalarTarget::Xyz);
+                (all_densities(&self.family, value), light)
+            })
+            .collect();
+        let scouted = self.scouts.light();
+        let light = (pool.iter())
+            .flat_map(|(_, light)| [light.specular, light.other])
+            .sum::<f64>();
+        let mean = match &scouted {
+            // Where no particle has met light, scouts may have.
+            (found, sent) if light <= 0.0 => found.iter().sum::<f64>() / (*sent).max(1) as f64,
+            _ => light / self.particles as f64,
+        };
+        Started {
+            starts: Vec::new(),
+            rough: Vec::new(),
+            pool,
+            scouted,
+            effective: vec![[self.particles as f64; 2]],
+            mean,
+            particles: self.particles,
+            set: self.set,
+            dropped: None,
+        }
+    }
+
+    /// Takes particles from the level below to this one, and chooses the replica's states among them and
+    /// what scouts found; an error if there is nobody.
+    fn climb(&self, ascent: &mut Ascent<'_, K>, level: usize) -> Result<(), Extinct> {
+        let Ascent {
+            started,
+            populations,
+            kernels,
+            family,
+            central,
+        } = ascent;
+        let kernel = &kernels[level];
+        let at_once = effective(started.pool.iter().map(|(densities, _)| densities[level]));
+        let mut population = self.climbers(populations, level);
+        let mut elsewhere = Estimate::exact(0.0);
+        let mut annealed = 0.0;
+        if let Some(climbing) = &mut population {
+            match climbing.advance(level, kernel, central) {
+                Ok(stage) => {
+                    (elsewhere, annealed) = (stage.normaliser, stage.effective);
+                    self.spread(level, kernel, family, climbing);
+                }
+                Err(Extinct { .. }) => population = None,
+            }
+        }
+        let there = self.scouts.normaliser(level);
+        if elsewhere.value + there.value <= 0.0 {
+            return Err(Extinct { level });
+        }
+        started.effective.push([at_once, annealed]);
+        started.rough.push(Estimate {
+            value: elsewhere.value + there.value,
+            standard_error: elsewhere.standard_error.hypot(there.standard_error),
+        });
+        let chosen = self.choose(level, population.as_ref(), elsewhere.value, central);
+        started.starts.push(chosen);
+        populations.push(population);
+        Ok(())
+    }
+
+    /// The population that climbs to a level: taken from below, or copied if another climbs from there too.
+    fn climbers(
+        &self,
+        populations: &mut [Option<Climbing<K>>],
+        level: usize,
+    ) -> Option<Climbing<K>> {
+        let below = self.set.below();
+        let from = &mut populations[below[level]];
+        if below[level + 1..].contains(&below[level]) {
+            from.clone()
+        } else {
+            from.take()
+        }
+    }
+
+    /// Moves the particles of a level apart.
+    fn spread(
+        &self,
+        level: usize,
+        kernel: &LevelKernel<PathTarget<'_>, Mutation>,
+        family: &Elsewhere<K>,
+        population: &mut Climbing<K>,
+    ) {
+        let generators =
+            SampleGenerators::new(self.settings.seed, streams::annealing(self.attempt, level));
+        (population.particles_mut().par_iter_mut().enumerate())
+            .with_min_len(64)
+            .for_each(|(slot, particle)| {
+                let mut draws = generators.at(slot as u64);
+                for _ in 0..MOVES {
+                    particle.step(kernel, family, &mut draws, &mut Ignore);
+                }
+            });
+    }
+
+    /// A state for each ladder of this process: a particle, which stand for an integral of `elsewhere`, or what a
+    /// scout found. All ladders choose, so that a share of them starts as it would among all.
+    fn choose(
+        &self,
+        level: usize,
+        population: Option<&Climbing<K>>,
+        elsewhere: f64,
+        draws: &mut Pcg64Dxsm,
+    ) -> Vec<State> {
+        let range = self.settings.ladder_range();
+        let mut chosen = Vec::with_capacity(range.len());
+        let densities = self.scouts.densities(level);
+        let there = if level == 0 {
+            0.0
+        } else {
+            self.scouts.normaliser(level).value
+        };
+        for ladder in 0..self.settings.options.ladders {
+            if there > 0.0 && draws.index(&[elsewhere, there]) == 1 {
+                let found = draws.index(&densities);
+                if range.contains(&ladder) {
+                    let mutation = mutation(&self.set, self.settings.options.steps, level);
+                    chosen.push(self.scouts.again(found, mutation));
+                }
+            } else {
+                let particle = population.and_then(|population| population.choose(draws));
+                if range.contains(&ladder) {
+                    chosen.extend(particle.map(|p| (p.state().clone(), p.value().clone())));
+                }
+            }
+        }
+        chosen
+    }
+}
+
+/// Effective number of weighted samples: the square of the sum over the sum of squares.
+pub(super) fn effective(weights: impl Iterator<Item = f64>) -> f64 {
+    let (sum, squares) = weights.fold((0.0, 0.0), |(s, q), w| (s + w, q + w * w));
+    if squares > 0.0 {
+        sum * sum / squares
+    } else {
+        0.0
+    }
+}
+
+/// The replicas' densities where scouts have not been: what they look for is left to them.
+struct Elsewhere<const K: usize> {
+    all: ReplicaFamily<K>,
+    scouted: bool,
+}
+
+impl<const K: usize> Family<Contributions, K> for Elsewhere<K> {
+    fn densities(&self, value: &Contributions) -> [f64; K] {
+        let densities = self.all.densities(value);
+        if self.scouted && SpecularSplit::of(value, ScalarTarget::Xyz).specular > 0.0 {
+            from_fn(|k| if k == 0 { densities[0] } else { 0.0 })
+        } else {
+            densities
+        }
+    }
+}
+
+/// The densities of a value, with zeros for replicas that there are not; NaN and the like are zeros.
+fn all_densities<const K: usize>(
+    family: &ReplicaFamily<K>,
+    value: &Contributions,
+) -> [f64; ReplicaSet::MOST] {
+    let known = checked_densities(family, value)
+        .unwrap_or_else(|| from_fn(|k| f64::from(u8::from(k == 0))));
+    from_fn(|k| known.get(k).copied().unwrap_or_default())
+}

@@ -1,0 +1,433 @@
+//! The settings of methods by name.
+
+use crate::settings::method::Method;
+use crate::settings::photon_options;
+
+/// A `--set` key.
+#[derive(Clone, Copy, Debug)]
+pub struct Key {
+    /// Its name.
+    pub name: &'static str,
+    /// Its default, as one would write it.
+    pub default: &'static str,
+    /// What it may be.
+    pub range: &'static str,
+    /// What it does.
+    pub meaning: &'static str,
+    /// The methods that read it.
+    pub methods: &'static [Method],
+}
+
+const EVERY: &[Method] = &Method::ALL;
+const WALKS: &[Method] = &[Method::Pssmlt, Method::ErptPss, Method::PssmltMultistage];
+const SINGLE: &[Method] = &[Method::Pssmlt, Method::ErptPss];
+const SMALL_STEPS: &[Method] = &[
+    Method::Pssmlt,
+    Method::Mmlt,
+    Method::ErptPss,
+    Method::PssmltMultistage,
+];
+const LARGE_STEPS: &[Method] = &[Method::Pssmlt, Method::Mmlt, Method::PssmltMultistage];
+const REDISTRIBUTION: &[Method] = &[Method::ErptPss, Method::Erpt];
+const ENERGY: &[Method] = &[Method::Erpt];
+const CHAINS: &[Method] = &[Method::Pssmlt, Method::Mmlt];
+/// Chains whose light can be measured beside them.
+const METERED: &[Method] = &[Method::Pssmlt, Method::Mmlt, Method::Relt, Method::Mlt];
+
+const NORMALISED: &[Method] = &[
+    Method::Pssmlt,
+    Method::Mmlt,
+    Method::Mlt,
+    Method::MltMultistage,
+    Method::PssmltMultistage,
+];
+const STAGED: &[Method] = &[Method::MltMultistage, Method::PssmltMultistage];
+const DIRECT: &[Method] = &[
+    Method::Pssmlt,
+    Method::Mmlt,
+    Method::Relt,
+    Method::ErptPss,
+    Method::Erpt,
+    Method::Mlt,
+];
+const METROPOLIS: &[Method] = &[
+    Method::Pssmlt,
+    Method::Mmlt,
+    Method::Relt,
+    Method::ErptPss,
+    Method::Annealing,
+    Method::Mlt,
+    Method::Erpt,
+    Method::MltMultistage,
+    Method::PssmltMultistage,
+];
+const MULTIPLEXED: &[Method] = &[Method::Mmlt];
+const EXCHANGE: &[Method] = &[Method::Relt];
+const REPLICAS: &[Method] = &[Method::Relt, Method::Annealing];
+const VEACH: &[Method] = &[Method::Mlt, Method::MltMultistage];
+const PATHS: &[Method] = &[Method::Mlt, Method::Erpt, Method::MltMultistage];
+
+/// All keys.
+pub const KEYS: &[Key] = &[
+    Key {
+        name: "ladders",
+        default: "64",
+        range: "1 to 4096",
+        meaning: "independent chains or streams of samples; part of the result, unlike --threads (photon chains: fewer, if an \
+                  iteration would not give each of their chains 4096 steps in the mean)",
+        methods: EVERY,
+    },
+    Key {
+        name: "wavelengths",
+        default: "hero",
+        range: "hero|uniform",
+        meaning: "four wavelengths importance-sampled over 360-830 nm, or one uniform over 400-700 nm \
+                  (RELT 5.1.1; the same as --wavelengths 1)",
+        methods: EVERY,
+    },
+    Key {
+        name: "compensation",
+        default: "on",
+        range: "on|off",
+        meaning: "give back the light that scatters between the facets of rough surfaces",
+        methods: EVERY,
+    },
+    Key {
+        name: "pilot",
+        default: "100000",
+        range: "1 to 10000000",
+        meaning: "independent samples at the start: they choose the chains' first states, estimate the \
+                  normalisation and fix the film's quantum (path, light, bdpt: a hundredth of it; multi-stage methods: \
+                  as many again, shared by the stages after the first)",
+        methods: &[
+            Method::Path,
+            Method::Light,
+            Method::Bdpt,
+            Method::Pssmlt,
+            Method::Mmlt,
+            Method::ErptPss,
+            Method::Mlt,
+            Method::Erpt,
+            Method::Sppm,
+            Method::PhotonVisibility,
+            Method::PhotonDensity,
+            Method::PhotonSpatial,
+            Method::PhotonImage,
+            Method::MltMultistage,
+            Method::PssmltMultistage,
+        ],
+    },
+    Key {
+        name: "nextevent",
+        default: "on",
+        range: "on|off",
+        meaning: "join every vertex to an emitter; off: emitters are found by running into them",
+        methods: &[
+            Method::Path,
+            Method::Pssmlt,
+            Method::ErptPss,
+            Method::Erpt,
+            Method::PssmltMultistage,
+        ],
+    },
+    Key {
+        name: "builder",
+        default: "unidirectional",
+        range: "unidirectional|endpoint|simple|bidirectional",
+        meaning: "how paths are made: a walk joined to emitters at every vertex, or at its end only; \
+                  walks from both sides joined at their ends, or everywhere (Kelemen sec. 2)",
+        methods: WALKS,
+    },
+    Key {
+        name: "heuristic",
+        default: "power",
+        range: "power|balance|maximum",
+        meaning: "how the strategies of bidirectional paths share one path (Veach 1997, 9.2); pssmlt: \
+                  builders simple and bidirectional",
+        methods: &[
+            Method::Bdpt,
+            Method::Pssmlt,
+            Method::Mmlt,
+            Method::Relt,
+            Method::ErptPss,
+            Method::Annealing,
+            Method::PssmltMultistage,
+        ],
+    },
+    Key {
+        name: "strategies",
+        default: "learned",
+        range: "learned|even",
+        meaning: "how often the strategies of a length are tried: by the light that each brings to a \
+                  pilot, with a quarter for all alike; or all alike (Hachisuka 2014)",
+        methods: MULTIPLEXED,
+    },
+    Key {
+        name: "target",
+        default: "xyz",
+        range: "xyz|luminance",
+        meaning: "the scalar that the chain follows: X+Y+Z, or luminance (which starves dispersion)",
+        methods: METROPOLIS,
+    },
+    Key {
+        name: "contribution",
+        default: "sum",
+        range: "sum|maximum",
+        meaning: "how what one point contributes makes one scalar: the sum, or the largest single path",
+        methods: SINGLE,
+    },
+    Key {
+        name: "plarge",
+        default: "0.3",
+        range: "0 < p <= 1",
+        meaning: "probability of a large step (Kelemen reports about 0.5 as best)",
+        methods: LARGE_STEPS,
+    },
+    Key {
+        name: "mutation",
+        default: "kelemen",
+        range: "kelemen|kelemen:S1:S2|uniform:FRACTION",
+        meaning: "small steps: exponential between S1 and S2 (1/1024 and 1/64), or uniform within a \
+                  fraction of the domain",
+        methods: SMALL_STEPS,
+    },
+    Key {
+        name: "mis",
+        default: "split",
+        range: "split|printed|off",
+        meaning: "large steps as independent samples. split: on a film of their own (unbiased); printed: with the \
+                  paper's weights; off: not at all",
+        methods: CHAINS,
+    },
+    Key {
+        name: "normaliser",
+        default: "running",
+        range: "running|initial",
+        meaning: "the scale of the image: from the pilot and all large steps (mlt: and samples between its mutations); from the pilot alone (exactly unbiased)",
+        methods: NORMALISED,
+    },
+    Key {
+        name: "meter",
+        default: "on",
+        range: "on|off",
+        meaning: "where light comes by way of smooth glass, mirrors or water, the scale of the image (relt: of the specific replica's part) \
+                  is measured by samples beside the chains as well, if they know it better (normaliser=running; not with contribution=maximum or mis=printed)",
+        methods: METERED,
+    },
+    Key {
+        name: "direct",
+        default: "lamps",
+        range: "lamps|together|apart",
+        meaning: "what independent samples beside the chains see to. lamps: emitters and surroundings seen directly \
+                  (mlt, erpt: also by mirrors and smooth glass alone; erpt-pss: nothing); together: nothing; apart: all \
+                  paths of at most two edges",
+        methods: DIRECT,
+    },
+    Key {
+        name: "direct",
+        default: "lamps",
+        range: "lamps|together",
+        meaning: "what independent samples beside the stages see to: emitters and surroundings seen directly, or nothing",
+        methods: STAGED,
+    },
+    Key {
+        name: "stages",
+        default: "widths",
+        range: "widths|two",
+        meaning: "the maps that stages go by: of widths 1, 2, 4, ... for a quarter of the budget, then of ten widths from half of the \
+                  image's to all of it; or one of a quarter of its width, after a sixteenth of the budget (Veach 1997)",
+        methods: STAGED,
+    },
+    Key {
+        name: "budget",
+        default: "64",
+        range: "1 to 1000000",
+        meaning: "mutations a pixel that the stages are laid out for, whatever the render takes: beyond them, stages of the full \
+                  width begin where the mutations have doubled",
+        methods: STAGED,
+    },
+    Key {
+        name: "floor",
+        default: "0.01",
+        range: "0 < floor <= 1",
+        meaning: "lower bound on a pixel's value in a stage's map, as a fraction of the image's mean",
+        methods: STAGED,
+    },
+    Key {
+        name: "normaliser",
+        default: "running",
+        range: "running|exchange|initial",
+        meaning: "what scales the replicas' films: all independent samples so far; what each replica tells \
+                  about the next (RELT eq. 10, which is blind to what no chain has found); the annealing's \
+                  own constants",
+        methods: EXCHANGE,
+    },
+    Key {
+        name: "replicas",
+        default: "standard",
+        range: "standard|paper|sides|uniform;D0,D1,D2,D3,D4,D5;...",
+        meaning: "what the chains of a ladder follow: the paper's four, with scouts, and tours for the \
+                  specific one, or as printed; path and light tracing side by side; or 2 to 8 of one's own, \
+                  each the weights of the six classes of paths, *N for N steps a sweep, ~T for tours of \
+                  T steps, @B for the replica that it stands on (which leaves out no class of it); uniform+N sends \
+                  N scouts a sweep",
+        methods: REPLICAS,
+    },
+    Key {
+        name: "delta",
+        default: "0.05",
+        range: "0 < delta <= 1",
+        meaning: "share of joined paths in the last of the standard replicas: lets it exchange",
+        methods: REPLICAS,
+    },
+    Key {
+        name: "beta",
+        default: "2",
+        range: "1 <= beta <= 8",
+        meaning: "exponent of the heuristic that combines the replicas",
+        methods: REPLICAS,
+    },
+    Key {
+        name: "exchange",
+        default: "full",
+        range: "full|pair|alternating|gibbs|none",
+        meaning: "exchanges after each sweep. full: the even pairs, then the odd ones; pair: one random pair (the paper's); alternating: \
+                  even and odd pairs by turns; gibbs: a permutation of all (at most 5 replicas); none",
+        methods: EXCHANGE,
+    },
+    Key {
+        name: "even",
+        default: "auto",
+        range: "auto|0 to 256",
+        meaning: "independent samples a sweep beside the chains, spread evenly over the image (the paper: none): 2 to \
+                  64 by how easily light is found, or so many",
+        methods: EXCHANGE,
+    },
+    Key {
+        name: "steps",
+        default: "fine",
+        range: "fine|kelemen|paper|adapted",
+        meaning: "small steps. fine: 1/1024 to 16/61, of the specific replica 1/1024 to 1/64; kelemen: 1/1024 to 1/64 for all; \
+                  paper: 1/61 to 16/61, of the specific replica 1/96 to 16/96 (RELT 5.1.3); adapted: those of paper times \
+                  factors that every ladder of relt adapts to an acceptance of 0.234",
+        methods: REPLICAS,
+    },
+    Key {
+        name: "particles",
+        default: "10000",
+        range: "1000 to 1000000",
+        meaning: "particles of the population annealing at the start (first states and constants of \
+                  the weights), and of each round of annealing",
+        methods: REPLICAS,
+    },
+    Key {
+        name: "length",
+        default: "300",
+        range: "1 to 100000",
+        meaning: "steps of each chain that spreads the light of a sample (Batty: 100 to 1000)",
+        methods: REDISTRIBUTION,
+    },
+    Key {
+        name: "chains",
+        default: "0.01",
+        range: "0.01 <= mean <= 100",
+        meaning: "chains a sample in the mean (Batty: 1); how many a sample has goes with the light that it brings",
+        methods: REDISTRIBUTION,
+    },
+    Key {
+        name: "consecutive",
+        default: "off",
+        range: "off|1 to 100000",
+        meaning: "Cline's filter: a chain that stayed in one place for more proposals than this leaves \
+                  nothing for its staying. Biased: light is lost (the report uses 10 and 20)",
+        methods: REDISTRIBUTION,
+    },
+    Key {
+        name: "proposed",
+        default: "off",
+        range: "off|1 <= kappa <= 1000000",
+        meaning: "Cline's other filter: a pixel holds at most kappa times the light of as many deposits as there \
+                  were proposals into it. Biased: light is lost",
+        methods: ENERGY,
+    },
+    Key {
+        name: "seeds",
+        default: "path",
+        range: "path|bidirectional",
+        meaning: "where chains start: at all the paths of a path tracer's samples in every pixel, or at one path of \
+                  each sample of walks from both sides",
+        methods: ENERGY,
+    },
+    Key {
+        name: "energy",
+        default: "pilot",
+        range: "pilot|passes",
+        meaning: "what fixes the light of a deposit: a pilot (Batty's Algorithm 1), or for each pass over the image \
+                  the passes of the same ladder before it",
+        methods: ENERGY,
+    },
+    Key {
+        name: "perturbations",
+        default: "lens,multichain,caustic,wavelengths",
+        range: "a list of lens|multichain|caustic|wavelengths",
+        meaning: "what moves a path along its chain; what none of them can move stays where it was sampled",
+        methods: ENERGY,
+    },
+    Key {
+        name: "deposit",
+        default: "current",
+        range: "current|printed",
+        meaning: "the colour of a deposit: that of the path it falls on, or that of the chain's start (Batty's \
+                  Algorithm 2 as printed: wrong, for comparison)",
+        methods: ENERGY,
+    },
+    Key {
+        name: "caustic",
+        default: "exact",
+        range: "exact|printed",
+        meaning: "the density change of caustic perturbations: Cline's rules 2 and 5, or 5 alone (Batty 4.2 as \
+                  printed: wrong, for comparison)",
+        methods: ENERGY,
+    },
+    Key {
+        name: "mutations",
+        default: "bidirectional,lens,multichain,caustic,subpath,wavelengths,time",
+        range: "a list of bidirectional|lens|multichain|caustic|subpath|wavelengths|time|every[:FRACTION]",
+        meaning: "what may change a path; bidirectional alone reaches every path. time has a say where something \
+                  moves. every moves all variables of a path by up to FRACTION (0.2) of their domains, \
+                  0 < FRACTION <= 1",
+        methods: VEACH,
+    },
+    Key {
+        name: "jitter",
+        default: "standard",
+        range: "standard|veach|local|R1:R2",
+        meaning: "pixels by which lens, multichain and caustic move what is seen: a tenth up to the radius of a \
+                  twentieth of the image (veach; standard of mlt), up to a twentieth of the shorter side (local; \
+                  standard of erpt), or 0 < R1 < R2",
+        methods: PATHS,
+    },
+    Key {
+        name: "angles",
+        default: "0.0001:0.1",
+        range: "T1:T2",
+        meaning: "radians by which multichain turns directions within the path, 0 < T1 < T2 <= 3",
+        methods: PATHS,
+    },
+    photon_options::LIGHT_PATHS,
+    photon_options::ROUGHNESS,
+    photon_options::RADIUS,
+    photon_options::REDUCTION,
+    photon_options::REMAINDER,
+    photon_options::ACCEPTANCE,
+    photon_options::BURN_IN,
+    photon_options::COMBINE,
+    photon_options::LEVELS,
+    photon_options::PACE,
+    photon_options::TARGET_FUNCTION,
+    photon_options::PSI,
+    photon_options::REFINEMENT,
+    photon_options::ORIENTATION,
+    photon_options::NORMALISATION,
+    photon_options::MAPS,
+];

@@ -1,0 +1,401 @@
+//! The settings of photon methods.
+
+use kaustik_estimate::{Combine, Refinement, Witnesses};
+
+use crate::settings::key::Key;
+use crate::settings::method::Method;
+use crate::settings::options::setting::{
+    AnySetting, by, finite, integer, number, optional, switch, word,
+};
+
+/// Settings that only photon methods read.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[expect(missing_docs, reason = "the table of keys says what each does")]
+pub struct PhotonOptions {
+    pub photons: u64,
+    pub roughness: f64,
+    pub radius: f64,
+    /// `None`: the radius stays.
+    pub reduction: Option<f64>,
+    pub remainder: bool,
+    pub acceptance: f64,
+    pub burn_in: u64,
+    pub combine: Combine,
+    pub levels: LadderSize,
+    pub pace: Pace,
+    pub target_function: TargetFunction,
+    pub psi: Witnesses,
+    pub refinement: Refinement,
+    /// Do regions tell orientations apart?
+    pub orientation: bool,
+    pub normalisation: Normalisation,
+    /// Pictures of the target and of how often points were touched.
+    pub maps: bool,
+}
+
+/// What the last of the chains follows.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum TargetFunction {
+    /// The inverse density of photons in a region times the inverse size of the kernel (G Eq. 11).
+    #[default]
+    Full,
+    /// The second factor alone.
+    InverseKernel,
+    /// The full one, with the spread of fluxes in each region as well (G Eq. 3).
+    SecondMoment,
+}
+
+/// How many chains a ladder has, and so which targets they follow.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum LadderSize {
+    /// Uniform and full target.
+    Two,
+    /// Uniform, inverse kernel size, full target.
+    Three,
+    /// With visibility, as published (G sec. 4.4).
+    #[default]
+    Four,
+}
+
+/// How often each chain of a ladder takes a step.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Pace {
+    /// By how many uniform light paths are seen: where many are, the first chain takes most steps.
+    #[default]
+    Auto,
+    /// In every so-many-th sweep (1 to 64): uniform, visibility, inverse kernel size, full target. Those that
+    /// a ladder does not have say nothing.
+    Periods([u32; 4]),
+}
+
+/// How the normaliser of visibility is estimated.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Normalisation {
+    /// From all uniform light paths so far.
+    #[default]
+    Progressive,
+    /// From those of each iteration, for it alone.
+    Iteration,
+}
+
+impl Default for PhotonOptions {
+    fn default() -> Self {
+        Self {
+            photons: 250_000,
+            roughness: 0.39,
+            radius: 1.0,
+            reduction: None,
+            remainder: true,
+            acceptance: 0.234,
+            burn_in: 64,
+            combine: Combine::Balance,
+            levels: LadderSize::Four,
+            pace: Pace::Auto,
+            target_function: TargetFunction::Full,
+            psi: Witnesses::All,
+            refinement: Refinement::SHRUNK,
+            orientation: false,
+            normalisation: Normalisation::Progressive,
+            maps: false,
+        }
+    }
+}
+
+/// Methods that trace photons.
+const PHOTONS: &[Method] = &[
+    Method::Sppm,
+    Method::PhotonVisibility,
+    Method::PhotonDensity,
+    Method::PhotonSpatial,
+    Method::PhotonImage,
+];
+/// Those of them that run chains.
+const CHAINS: &[Method] = &[
+    Method::PhotonVisibility,
+    Method::PhotonDensity,
+    Method::PhotonSpatial,
+    Method::PhotonImage,
+];
+/// Those whose target goes by regions.
+const REGIONS: &[Method] = &[Method::PhotonSpatial, Method::PhotonImage];
+
+/// Light paths of an iteration.
+pub(crate) const LIGHT_PATHS: Key = Key {
+    name: "photons",
+    default: "250000",
+    range: "1000 to 100000000",
+    meaning: "light paths an iteration: each iteration sees the scene from new points, with new wavelengths \
+              (the paper on the spatial target function takes 10 million)",
+    methods: PHOTONS,
+};
+/// Where measurement points stand.
+pub(crate) const ROUGHNESS: Key = Key {
+    name: "roughness",
+    default: "0.39",
+    range: "0 <= alpha <= 1",
+    meaning: "lobes of this GGX roughness or more show the light of photons; narrower ones are followed \
+              further from the camera",
+    methods: PHOTONS,
+};
+/// Their size.
+pub(crate) const RADIUS: Key = Key {
+    name: "radius",
+    default: "1",
+    range: "0.01 <= widths <= 100",
+    meaning: "radius within which a photon counts, in widths of a pixel on the surface that it shows",
+    methods: PHOTONS,
+};
+/// How that changes.
+pub(crate) const REDUCTION: Key = Key {
+    name: "reduction",
+    default: "off",
+    range: "off|0 < alpha < 1",
+    meaning: "shrinks the radius from iteration to iteration so that its error vanishes in the end: the square by \
+              (i + alpha) / (i + 1); 0.7 is usual (Hachisuka and Jensen 2009)",
+    methods: PHOTONS,
+};
+/// What they cannot carry.
+pub(crate) const REMAINDER: Key = Key {
+    name: "remainder",
+    default: "on",
+    range: "on|off",
+    meaning: "path tracing of what photons cannot carry, light that reaches the camera by mirrors, glass and \
+              narrow lobes alone; off: emitters seen directly are all that is left of it",
+    methods: PHOTONS,
+};
+
+/// How often small steps are to be accepted.
+pub(crate) const ACCEPTANCE: Key = Key {
+    name: "acceptance",
+    default: "0.234",
+    range: "0.01 <= rate <= 0.99",
+    meaning: "acceptance that the sizes of small steps are driven to between iterations, for each kind of chain by \
+              itself (the authors' code: 0.5)",
+    methods: CHAINS,
+};
+/// What does not count.
+pub(crate) const BURN_IN: Key = Key {
+    name: "burnin",
+    default: "64",
+    range: "0 to 100000",
+    meaning: "steps of each chain at the start of an iteration that count for nothing, because targets have \
+              changed (the paper: 10000 of 10 million, in one ladder)",
+    methods: CHAINS,
+};
+/// How chains make one picture.
+pub(crate) const COMBINE: Key = Key {
+    name: "combine",
+    default: "balance",
+    range: "balance|average|samples",
+    meaning: "how the chains of a ladder make one picture: by the balance heuristic, the plain mean, or the mean \
+              weighted by the samples that each took",
+    methods: CHAINS,
+};
+/// Which chains.
+pub(crate) const LEVELS: Key = Key {
+    name: "levels",
+    default: "4",
+    range: "2|3|4",
+    meaning: "chains of a ladder: uniform, visibility, inverse kernel size, full target; without visibility; \
+              uniform and full alone",
+    methods: REGIONS,
+};
+/// How often they step.
+pub(crate) const PACE: Key = Key {
+    name: "pace",
+    default: "auto",
+    range: "auto|a:b:c:d, 1 to 64 each",
+    meaning: "the uniform chain and those of visibility, inverse kernel size and full target take a step in every a-th, b-th, \
+              c-th, d-th sweep (4:4:4:1: the last takes four to one of each other); auto: 1:64:64:64 where half of the uniform \
+              light paths are seen, else 1:2:2:1 as in the authors' code; without a full target 1:1:1:1",
+    methods: CHAINS,
+};
+/// What the last one follows.
+pub(crate) const TARGET_FUNCTION: Key = Key {
+    name: "tf",
+    default: "full",
+    range: "full|inverse-kernel|second-moment",
+    meaning: "the target function: inverse density of photons in the region times inverse kernel size; the \
+              second alone; or the first times the spread of fluxes in the region as well",
+    methods: REGIONS,
+};
+/// Whose visits tell about regions.
+pub(crate) const PSI: Key = Key {
+    name: "psi",
+    default: "all",
+    range: "all|authors|visibility",
+    meaning: "whose visits tell how dense photons are: those of all chains; of all but the last, as in the authors' code; \
+              of the chain of visibility (with levels=4)",
+    methods: REGIONS,
+};
+/// When regions are divided.
+pub(crate) const REFINEMENT: Key = Key {
+    name: "refinement",
+    default: "shrunk",
+    range: "shrunk|early|adaptive|iterations|off",
+    meaning: "how regions are divided: all, what is known of each drawn towards the one around it where few light paths have \
+              touched it; or where the halves of the statistics differ by less than 30 % and 200 light paths have touched both \
+              parts; by less than 5 %, and 10,000 (the paper's); every iteration; never",
+    methods: REGIONS,
+};
+
+/// How regions are told apart.
+pub(crate) const ORIENTATION: Key = Key {
+    name: "orientation",
+    default: "off",
+    range: "on|off",
+    meaning: "small regions of photon-spatial also part surfaces that face different ways",
+    methods: &[Method::PhotonSpatial],
+};
+/// How visibility's integral is found.
+pub(crate) const NORMALISATION: Key = Key {
+    name: "normalisation",
+    default: "progressive",
+    range: "progressive|iteration",
+    meaning: "how visible light paths are scaled: by the share of all uniform ones so far that are visible, or for each \
+              iteration by its own (always so where something moves)",
+    methods: CHAINS,
+};
+/// Layers.
+pub(crate) const MAPS: Key = Key {
+    name: "maps",
+    default: "off",
+    range: "on|off",
+    meaning: "layers with the target of the last iteration, its factors and regions, and with how often points were \
+              touched",
+    methods: CHAINS,
+};
+
+const COMBINES: &[(&str, Combine)] = &[
+    ("balance", Combine::Balance),
+    ("average", Combine::Average),
+    ("samples", Combine::Samples),
+];
+const LADDER_SIZES: &[(&str, LadderSize)] = &[
+    ("2", LadderSize::Two),
+    ("3", LadderSize::Three),
+    ("4", LadderSize::Four),
+];
+const TARGET_FUNCTIONS: &[(&str, TargetFunction)] = &[
+    ("full", TargetFunction::Full),
+    ("inverse-kernel", TargetFunction::InverseKernel),
+    ("second-moment", TargetFunction::SecondMoment),
+];
+const PSIS: &[(&str, Witnesses)] = &[
+    ("all", Witnesses::All),
+    ("authors", Witnesses::Others),
+    ("visibility", Witnesses::Visibility),
+];
+const REFINEMENTS: &[(&str, Refinement)] = &[
+    ("shrunk", Refinement::SHRUNK),
+    ("early", Refinement::EARLY),
+    ("adaptive", Refinement::PUBLISHED),
+    ("iterations", Refinement::Iterations),
+    ("off", Refinement::Off),
+];
+const NORMALISATIONS: &[(&str, Normalisation)] = &[
+    ("progressive", Normalisation::Progressive),
+    ("iteration", Normalisation::Iteration),
+];
+
+impl PhotonOptions {
+    /// The setting of a key; `None` if photons have no such key.
+    pub(crate) fn setting(&mut self, key: &str) -> Option<AnySetting<'_>> {
+        Some(match key {
+            "photons" => integer(&mut self.photons, 1_000..=100_000_000),
+            "roughness" => number(&mut self.roughness, |alpha| (0.0..=1.0).contains(&alpha)),
+            "radius" => number(&mut self.radius, |widths| (0.01..=100.0).contains(&widths)),
+            "reduction" => optional(&mut self.reduction, "off", |text| {
+                finite(text).filter(|alpha| *alpha > 0.0 && *alpha < 1.0)
+            }),
+            "remainder" => switch(&mut self.remainder),
+            "acceptance" => number(&mut self.acceptance, |rate| (0.01..=0.99).contains(&rate)),
+            "burnin" => integer(&mut self.burn_in, 0..=100_000),
+            "combine" => word(&mut self.combine, COMBINES),
+            "levels" => word(&mut self.levels, LADDER_SIZES),
+            "pace" => by(&mut self.pace, Pace::parse, Pace::text),
+            "tf" => word(&mut self.target_function, TARGET_FUNCTIONS),
+            "psi" => word(&mut self.psi, PSIS),
+            "refinement" => word(&mut self.refinement, REFINEMENTS),
+            "orientation" => switch(&mut self.orientation),
+            "normalisation" => word(&mut self.normalisation, NORMALISATIONS),
+            "maps" => switch(&mut self.maps),
+            _ => return None,
+        })
+    }
+}
+
+impl Pace {
+    fn text(&self) -> String {
+        match self {
+            Self::Auto => "auto".to_owned(),
+            Self::Periods(periods) => periods.map(|n| n.to_string()).join(":"),
+        }
+    }
+
+    fn parse(text: &str) -> Option<Self> {
+        if text == "auto" {
+            return Some(Self::Auto);
+        }
+        let period = |text: &str| text.parse().ok().filter(|n| (1..=64).contains(n));
+        let periods: Option<Vec<u32>> = text.split(':').map(period).collect();
+        Some(Self::Periods(periods?.try_into().ok()?))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Options;
+
+    #[test]
+    fn what_is_written_of_photons_is_what_was_set() {
+        let mut options = Options::default();
+        for text in [
+            "photons=5000",
+            "roughness=0.05",
+            "radius=2.5",
+            "reduction=0.7",
+            "remainder=off",
+            "acceptance=0.5",
+            "burnin=100",
+            "combine=samples",
+            "levels=3",
+            "pace=2:4:1:1",
+            "tf=inverse-kernel",
+            "psi=visibility",
+            "refinement=adaptive",
+            "orientation=on",
+            "normalisation=iteration",
+            "maps=on",
+        ] {
+            options.set(Method::PhotonSpatial, text).unwrap();
+        }
+        let mut again = Options::default();
+        for (key, value) in options.entries(Method::PhotonSpatial) {
+            again
+                .set(Method::PhotonSpatial, &format!("{key}={value}"))
+                .unwrap();
+        }
+        assert_eq!(again, options);
+        assert_ne!(options.photon, PhotonOptions::default());
+        for wrong in [
+            "photons=10",
+            "roughness=2",
+            "radius=0",
+            "reduction=1",
+            "remainder=some",
+            "acceptance=1",
+            "levels=5",
+            "pace=1:1:1",
+            "pace=1:1:1:0",
+            "pace=1:1:1:65",
+            "pace=fast",
+            "tf=half",
+            "refinement=soon",
+        ] {
+            assert!(again.set(Method::PhotonSpatial, wrong).is_err(), "{wrong}");
+        }
+        assert_eq!(again, options);
+    }
+}
