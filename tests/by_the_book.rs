@@ -52,7 +52,7 @@ fn sample(scene: &Scene, raster: [f64; 2], u: &mut impl Draws, fault: Fault) -> 
         let through = || passing;
         let segment = scene.advance(&ray, &mut interior, &wavelengths, through, &mut vertex);
         let Some(segment) = segment else { break };
-        throughput *= segment.absorption;
+        throughput *= segment.transmittance;
         let weight = match last {
             Some((position, pdf)) if fault != Fault::EmissionUnweighted => {
                 let mut rival = scene.direct_pdf(position, &vertex);
@@ -110,7 +110,7 @@ fn sample(scene: &Scene, raster: [f64; 2], u: &mut impl Draws, fault: Fault) -> 
 /// This tracer knows solids only by what `Scene` says of them: it is used in empty space.
 fn is_visible(scene: &Scene, vertex: &Vertex, found: &DirectSample) -> bool {
     let around = scene.camera_interior();
-    scene.transmittance(&scene.shadow_ray(vertex, found), &around) > 0.5
+    scene.visibility(&scene.shadow_ray(vertex, found), &around) > 0.5
 }
 
 /// A picture of independent samples.

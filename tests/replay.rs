@@ -323,7 +323,7 @@ fn the_vertices_of_a_path_see_each_other() {
                             t_max: free as f32,
                             ..ray
                         };
-                        let passed = scene.transmittance(&ray, &scene.camera_interior());
+                        let passed = scene.visibility(&ray, &scene.camera_interior());
                         assert!(passed > 0.0, "{from} {to}");
                     }
                     before = Some((position, normal));

@@ -97,7 +97,7 @@ impl PathSpace<'_> {
                 value *= vertex.value;
                 dispersive |= vertex.dispersive;
             }
-            value *= edge.absorption;
+            value *= edge.transmittance;
             scale *= edge.passed * vertex.opacity;
             if !vertex.specular && !next.specular {
                 scale *= vertex.cos_eye * next.cos_light / edge.squared;

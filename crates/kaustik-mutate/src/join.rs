@@ -64,14 +64,14 @@ impl PathSpace<'_> {
         light.edge = Edge {
             squared: light.edge.squared,
             passed,
-            absorption: self.absorption_between(light, eye, &wavelengths),
+            transmittance: self.transmittance_between(light, eye, &wavelengths),
         };
         passed > 0.0
     }
 
     /// Share of light left by what fills the edge between two neighbours; all of it where it comes
     /// from infinitely far away.
-    pub(crate) fn absorption_between(
+    pub(crate) fn transmittance_between(
         &self,
         light: &PathVertex,
         eye: &PathVertex,
@@ -87,7 +87,7 @@ impl PathSpace<'_> {
             light.edge.squared.sqrt()
         };
         let interior = self.interior_between(light, eye);
-        (self.scene).absorption(&interior, wavelengths, distance)
+        (self.scene).transmittance(&interior, wavelengths, distance)
     }
 
     /// Is it an emitter without extent at a place?

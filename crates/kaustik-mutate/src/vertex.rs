@@ -66,7 +66,7 @@ pub(crate) struct Edge {
     /// Share of light that passes what is partly transparent.
     pub(crate) passed: f64,
     /// Share of light that what fills the space leaves over.
-    pub(crate) absorption: Spectrum,
+    pub(crate) transmittance: Spectrum,
 }
 
 impl Default for Edge {
@@ -74,7 +74,7 @@ impl Default for Edge {
         Self {
             squared: 1.0,
             passed: 1.0,
-            absorption: Spectrum::ONE,
+            transmittance: Spectrum::ONE,
         }
     }
 }

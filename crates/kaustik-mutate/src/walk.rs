@@ -62,7 +62,7 @@ impl PathSpace<'_> {
             slot.opacity = 1.0;
             slot.edge = Edge::default();
             if seen && self.scene.has_alpha() {
-                slot.edge.passed = f64::from(self.scene.transmittance(ray, &start));
+                slot.edge.passed = f64::from(self.scene.visibility(ray, &start));
             }
             return seen;
         };
@@ -71,7 +71,7 @@ impl PathSpace<'_> {
         slot.edge = Edge {
             squared: if parallel { 1.0 } else { squared },
             passed: 1.0,
-            absorption: segment.absorption,
+            transmittance: segment.transmittance,
         };
         self.arrive(slot, interior, -direction);
         if self.scene.has_alpha() {
@@ -110,7 +110,7 @@ impl PathSpace<'_> {
         slot.dispersive = false;
         self.arrive(slot, interior, -direction);
         (self.scene).write_bsdf(&slot.vertex, &wavelengths, &interior, &mut slot.bsdf);
-        from.edge = self.edge_from(from, slot, segment.absorption);
+        from.edge = self.edge_from(from, slot, segment.transmittance);
         if self.scene.has_alpha() {
             from.edge.passed = self.passed(from, slot);
         }
@@ -118,7 +118,7 @@ impl PathSpace<'_> {
     }
 
     /// The edge from a vertex to the next toward the eye, a surface.
-    fn edge_from(&self, from: &PathVertex, to: &PathVertex, absorption: Spectrum) -> Edge {
+    fn edge_from(&self, from: &PathVertex, to: &PathVertex, transmittance: Spectrum) -> Edge {
         let origin = match from.place {
             Place::Emitter(EmitterPoint::Environment(_)) => None,
             Place::Emitter(EmitterPoint::Punctual(index)) => self.scene.punctual_position(index),
@@ -130,7 +130,7 @@ impl PathSpace<'_> {
             Some(origin) => Edge {
                 squared: (to.vertex.position - origin).length_squared(),
                 passed: 1.0,
-                absorption,
+                transmittance,
             },
         }
     }
@@ -148,7 +148,7 @@ impl PathSpace<'_> {
     /// Share of light that passes between two neighbours; 0 where they do not see each other.
     pub(crate) fn passed(&self, light: &PathVertex, eye: &PathVertex) -> f64 {
         let interior = self.interior_between(light, eye);
-        f64::from(self.scene.transmittance(&self.sight(light, eye), &interior))
+        f64::from(self.scene.visibility(&self.sight(light, eye), &interior))
     }
 
     /// The solids around the beginning of [`Self::sight`]: where interfaces are hidden, those at its other

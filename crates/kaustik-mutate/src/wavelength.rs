@@ -71,6 +71,6 @@ impl WavelengthMutation<'_> {
     fn tint(&self, y: &mut Path, i: usize) {
         let wavelengths = y.wavelengths;
         let (light, eye) = y.pair(i);
-        light.edge.absorption = (self.space).absorption_between(light, eye, &wavelengths);
+        light.edge.transmittance = (self.space).transmittance_between(light, eye, &wavelengths);
     }
 }

@@ -25,13 +25,13 @@ impl Shadow {
         wavelengths: &Wavelengths,
         value: &mut Spectrum,
     ) -> bool {
-        let visible = scene.transmittance(&self.ray, &self.interior);
+        let visible = scene.visibility(&self.ray, &self.interior);
         if visible == 0.0 {
             return false;
         }
         *value *= visible;
         if !self.interior.is_vacuum() {
-            *value *= scene.absorption(&self.interior, wavelengths, self.distance);
+            *value *= scene.transmittance(&self.interior, wavelengths, self.distance);
         }
         true
     }

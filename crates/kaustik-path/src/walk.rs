@@ -127,7 +127,7 @@ impl<'w> Walk<'w> {
             return None;
         };
         if !self.interior.is_vacuum() {
-            self.throughput *= segment.absorption;
+            self.throughput *= segment.transmittance;
         }
         note(|| self.reached(vertex, segment.distance));
         Some(segment.distance)

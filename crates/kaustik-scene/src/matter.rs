@@ -275,18 +275,18 @@ impl Matter {
 
     /// Share of light that passes a segment, in [0, 1]. Interfaces that are hidden there are none.
     #[inline]
-    pub(crate) fn transmittance(&self, ray: &Ray, interior: &Interior) -> f32 {
+    pub(crate) fn visibility(&self, ray: &Ray, interior: &Interior) -> f32 {
         if !interior.is_vacuum() {
-            return self.transmittance_within(ray, *interior);
+            return self.visibility_within(ray, *interior);
         }
         match self.has_alpha {
             false => f32::from(u8::from(!self.world.occluded(ray))),
-            true => self.filtered_transmittance(ray),
+            true => self.filtered_visibility(ray),
         }
     }
 
     /// Outside of all solids nothing is hidden, and surfaces may come in any order.
-    fn filtered_transmittance(&self, ray: &Ray) -> f32 {
+    fn filtered_visibility(&self, ray: &Ray) -> f32 {
         let (mut passed, mut layers) = (1.0, 0);
         let blocked = self.world.occluded_filtered(ray, |hit| {
             passed *= 1.0 - self.opacity(hit);
@@ -297,7 +297,7 @@ impl Matter {
     }
 
     /// Within solids surface comes after surface: which of them end a solid depends on all before.
-    fn transmittance_within(&self, ray: &Ray, mut interior: Interior) -> f32 {
+    fn visibility_within(&self, ray: &Ray, mut interior: Interior) -> f32 {
         let mut passed = 1.0;
         let mut next = self.world.intersect(ray);
         for _ in 0..MOST_LAYERS {
@@ -367,7 +367,7 @@ impl Matter {
 
     /// Share of light left after a segment through what fills `interior`.
     #[inline]
-    pub(crate) fn absorption(
+    pub(crate) fn transmittance(
         &self,
         interior: &Interior,
         wavelengths: &Wavelengths,

@@ -48,7 +48,7 @@ pub struct Scene {
 #[derive(Clone, Copy, Debug)]
 pub struct Segment {
     /// Share of light that what fills the space has left over.
-    pub absorption: Spectrum,
+    pub transmittance: Spectrum,
     /// Length in scene units.
     pub distance: f64,
 }
@@ -180,13 +180,13 @@ impl Scene {
         let distance = f64::from(hit.t) * ray.direction.as_dvec3().length();
         if interior.is_vacuum() {
             return Some(Segment {
-                absorption: Spectrum::ONE,
+                transmittance: Spectrum::ONE,
                 distance,
             });
         }
-        let absorption = self.matter.absorption(interior, wavelengths, distance);
+        let transmittance = self.matter.transmittance(interior, wavelengths, distance);
         let segment = Segment {
-            absorption,
+            transmittance,
             distance,
         };
         if !self.is_overruled(ray, vertex, interior) {
@@ -217,7 +217,7 @@ impl Scene {
             self.matter.vertex(ray, &hit, vertex);
             let distance = f64::from(hit.t) * unit;
             let further = distance - segment.distance;
-            segment.absorption *= self.matter.absorption(interior, wavelengths, further);
+            segment.transmittance *= self.matter.transmittance(interior, wavelengths, further);
             segment.distance = distance;
             if !self.is_overruled(ray, vertex, interior) {
                 return Some(segment);
@@ -414,19 +414,19 @@ impl Scene {
 
     /// Share of light that passes a segment (0 or 1 without alpha), for a ray whose ends are excluded.
     #[inline]
-    pub fn transmittance(&self, ray: &Ray, interior: &Interior) -> f32 {
-        self.matter.transmittance(ray, interior)
+    pub fn visibility(&self, ray: &Ray, interior: &Interior) -> f32 {
+        self.matter.visibility(ray, interior)
     }
 
     /// Share of light left by what fills `interior` after `distance`.
     #[inline]
-    pub fn absorption(
+    pub fn transmittance(
         &self,
         interior: &Interior,
         wavelengths: &Wavelengths,
         distance: f64,
     ) -> Spectrum {
-        self.matter.absorption(interior, wavelengths, distance)
+        self.matter.transmittance(interior, wavelengths, distance)
     }
 
     /// The shadow ray from a vertex to what [`Self::sample_direct`] found.

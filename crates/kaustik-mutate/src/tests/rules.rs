@@ -18,9 +18,9 @@ const TOLERANCE: f64 = 1e-5;
 
 /// f but for scattering and emission.
 fn measure(space: &PathSpace<'_>, path: &Path) -> f64 {
-    let mut value = path.at(0).value * path.at(0).edge.absorption;
+    let mut value = path.at(0).value * path.at(0).edge.transmittance;
     for i in 1..path.edges() {
-        value *= path.at(i).value * path.at(i).edge.absorption;
+        value *= path.at(i).value * path.at(i).edge.transmittance;
     }
     path.density() / space.target.of(path.wavelengths.to_xyz(value))
 }

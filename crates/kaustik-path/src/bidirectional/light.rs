@@ -165,7 +165,7 @@ pub(super) fn meet_lens(
         eye: &[],
         joint: Joint::LensHit(hit),
     });
-    value *= (job.scene).absorption(&carried.interior, job.wavelengths, hit.distance);
+    value *= (job.scene).transmittance(&carried.interior, job.wavelengths, hit.distance);
     let xyz = colour(value, walk.dispersive, job.wavelengths);
     out.push(hit.raster, xyz, Class::L3);
     witness.lit(walk.edges + 1, 0, || xyz);

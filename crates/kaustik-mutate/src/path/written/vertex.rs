@@ -69,7 +69,7 @@ struct WrittenFrame {
 struct WrittenEdge {
     squared: f64,
     passed: f64,
-    absorption: [f32; Spectrum::LANES],
+    transmittance: [f32; Spectrum::LANES],
 }
 
 impl From<&PathVertex> for WrittenVertex {
@@ -281,7 +281,7 @@ impl From<&Edge> for WrittenEdge {
         Self {
             squared: edge.squared,
             passed: edge.passed,
-            absorption: lanes(edge.absorption),
+            transmittance: lanes(edge.transmittance),
         }
     }
 }
@@ -291,7 +291,7 @@ impl WrittenEdge {
         Edge {
             squared: self.squared,
             passed: self.passed,
-            absorption: spectrum(&self.absorption),
+            transmittance: spectrum(&self.transmittance),
         }
     }
 }

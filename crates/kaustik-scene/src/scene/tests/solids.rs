@@ -35,7 +35,7 @@ fn assert_near(a: Spectrum, b: Spectrum) {
     assert!(worst < 2e-5, "{a:?} {b:?}");
 }
 
-/// A straight walk through all interfaces: material, length and absorption of each segment, and
+/// A straight walk through all interfaces: material, length and transmittance of each segment, and
 /// the solids at the end.
 fn straight(
     scene: &Scene,
@@ -46,7 +46,7 @@ fn straight(
     let mut ray = Ray::new(origin, direction);
     let mut seen = Vec::new();
     while let Some((vertex, segment)) = meet(scene, &ray, &mut interior, 0.5) {
-        seen.push((vertex.material, segment.distance, segment.absorption));
+        seen.push((vertex.material, segment.distance, segment.transmittance));
         scene.cross(&vertex, direction.as_dvec3(), &mut interior);
         ray = Ray::spawn(&vertex.surface, direction);
     }
@@ -137,11 +137,11 @@ fn overlapping_spheres_are_seen_by_priority() {
     assert!(end.is_vacuum());
     let materials: Vec<u32> = seen.iter().map(|s| s.0).collect();
     assert_eq!(materials, [GLASS, GLASS, WATER]);
-    for ((_, distance, absorption), (length, color)) in
+    for ((_, distance, transmittance), (length, color)) in
         seen[1..].iter().zip([(2.0 * half, GREEN), (1.0, BLUE)])
     {
         assert!((distance - length).abs() < 0.005, "{distance}");
-        assert_near(*absorption, beer(color, *distance as f32));
+        assert_near(*transmittance, beer(color, *distance as f32));
     }
 }
 
@@ -245,7 +245,7 @@ fn alpha_counts_behind_hidden_interfaces() {
     });
     assert_eq!(stopped.count(), 300);
     let short = Ray { t_max: 3.0, ..ray };
-    assert!((scene.transmittance(&short, &inside) - 0.7).abs() < 1e-6);
+    assert!((scene.visibility(&short, &inside) - 0.7).abs() < 1e-6);
 }
 
 /// Glass from 0 to 2 and glass from 1 to 4, of one material.
@@ -283,7 +283,7 @@ fn overlapping_objects_of_one_material_are_one() {
             t_max: (to - from).abs(),
             ..Ray::new(AXIS + Vec3::X * from, Vec3::X * (to - from).signum())
         };
-        scene.transmittance(&ray, &within(from))
+        scene.visibility(&ray, &within(from))
     };
     for (from, to, share) in [
         (0.5, 3.5, 1.0_f32),
