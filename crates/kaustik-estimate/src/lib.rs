@@ -10,6 +10,49 @@
 //! [`PhotonTarget`] gives the densities of all levels, [`PhotonDeposit`] weighs the visits.
 //! The spatial target learns by [`RegionSums`] (what has touched a region) and [`Regions`]
 //! (the tree, and the density of photons in each of its leaves).
+//!
+//! ```
+//! use std::sync::atomic::AtomicU64;
+//!
+//! use kaustik_estimate::{KelemenDeposit, Mis, PathTarget, Scale, ScalarContribution};
+//! use kaustik_film::{Film, Filter, Layout, Quantum, develop};
+//! use kaustik_mcmc::{Exponential, Metropolis, PointKernel, generator};
+//! use kaustik_path::{BuilderSettings, Unidirectional};
+//! use kaustik_scene::{Scene, SceneOptions, builtin};
+//!
+//! let description = builtin::load("cornell")?;
+//! let scene = Scene::new(&description, &SceneOptions { width: 8, height: 8, ..Default::default() })?;
+//! let builder = Unidirectional {
+//!     settings: BuilderSettings::default(),
+//!     next_event: true,
+//! };
+//! let nonfinite = AtomicU64::new(0);
+//! let target = PathTarget { scene: &scene, builder: &builder, nonfinite: &nonfinite };
+//! let family = ScalarContribution::default();
+//! let film = Film::with_layout(&Layout::new(8, 8).with_filter(Filter::BOX), Quantum::from_mean(1.0))?;
+//!
+//! let (p_large, mut draws) = (0.3, generator(7, 0));
+//! let small = Exponential::new(1.0 / 1024.0, 1.0 / 64.0);
+//! let mut chain = Metropolis::start(&target, &family, 0, small, &mut draws);
+//! let kernel = PointKernel::new(target, p_large);
+//! let mut deposit = KelemenDeposit {
+//!     chain: &film,
+//!     large: None,
+//!     scale: Scale { width: 8.0, height: 8.0 },
+//!     b0: 1.0,
+//!     p_large,
+//!     mis: Mis::Off,
+//! };
+//! for _ in 0..2000 {
+//!     chain.step(&kernel, &family, &mut draws, &mut deposit);
+//! }
+//! chain.flush(&mut deposit);
+//! // Large steps are independent samples: their mean is b, which scales the film.
+//! let b = chain.statistics().independent[0].mean();
+//! let image = develop(&[(&film, b * 64.0 / 2000.0)])?;
+//! assert!(b > 0.0 && image.width() == 8);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 mod density_target;
 mod deposit;

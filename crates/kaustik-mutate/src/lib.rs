@@ -46,6 +46,37 @@
 //! (above); a kernel that does not make the run by a walk must therefore put it into the quotient, for y and for x. A
 //! walk back from y that does not end in x makes the move impossible (ratio 0). What is missing for it: derivatives of
 //! position and normal at a vertex.
+//!
+//! # Example
+//! ```
+//! use glam::DVec2;
+//! use kaustik_mcmc::{Ignore, Metropolis, generator};
+//! use kaustik_mutate::{LensPerturbation, Path, PathSpace, Radii, Seeds};
+//! use kaustik_path::{BuilderSettings, ScalarTarget};
+//! use kaustik_scene::{Scene, SceneOptions, builtin};
+//!
+//! let description = builtin::load("cornell")?;
+//! let scene = Scene::new(&description, &SceneOptions { width: 64, height: 64, ..Default::default() })?;
+//! let space = PathSpace {
+//!     scene: &scene,
+//!     settings: BuilderSettings::default(),
+//!     target: ScalarTarget::Luminance,
+//!     pixels: DVec2::splat(64.0),
+//! };
+//! // Bidirectional samples, until one carries light and is of the kind that the kernel moves.
+//! let radii = Radii::raster(space.pixels);
+//! let [kernel, _] = LensPerturbation::runs(&space, radii, radii);
+//! let (mut seeds, mut path, mut draws) = (Seeds::new(&space), Path::default(), generator(7, 0));
+//! while !(seeds.sample(&mut path, &mut draws) > 0.0 && kernel.suits(&path)) {}
+//!
+//! let density = |path: &Path| [path.density()];
+//! let mut chain = Metropolis::at((), path, &density, 0);
+//! for _ in 0..100 {
+//!     chain.step(&kernel, &density, &mut draws, &mut Ignore);
+//! }
+//! assert!(chain.value().density() > 0.0);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 mod bidirectional;
 mod caustic;

@@ -6,6 +6,33 @@
 //! A [`PathBuilder`] draws every number from [`Coordinates`](kaustik_pss::Coordinates) and
 //! nothing else. It knows no chain and no random generator, so that plain Monte Carlo, Markov
 //! chains and the replay of one recorded path all use it alike.
+//!
+//! ```
+//! use kaustik_mcmc::{Independent, generator};
+//! use kaustik_path::{
+//!     Bidirectional, BuilderSettings, Contributions, Form, Heuristic, PathBuilder, ScalarTarget,
+//! };
+//! use kaustik_scene::{Scene, SceneOptions, builtin};
+//!
+//! let description = builtin::load("cornell")?;
+//! let scene = Scene::new(&description, &SceneOptions { width: 8, height: 8, ..Default::default() })?;
+//! let paths = Bidirectional {
+//!     settings: BuilderSettings::default(),
+//!     form: Form::Full,
+//!     heuristic: Heuristic::Power,
+//! };
+//! // A point of the cube is drawn coordinate by coordinate, as the builder asks for them.
+//! let mut value = Contributions::default();
+//! let mut light = 0.0;
+//! for sample in 0..1000 {
+//!     let mut u = Independent::new(generator(7, sample));
+//!     paths.build(&scene, &mut u, &mut value);
+//!     let splats = value.splats().iter();
+//!     light += splats.map(|splat| ScalarTarget::Luminance.of(splat.xyz)).sum::<f64>();
+//! }
+//! assert!(light / 1000.0 > 0.01, "the mean luminance of the image");
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 mod bidirectional;
 mod builder;
