@@ -4,7 +4,9 @@
 use std::ops::Range;
 
 use kaustik_mcmc::{Independent, SampleGenerators};
-use kaustik_path::{Bidirectional, Contributions, Form, Multiplexed, TechniqueSpread, Techniques};
+use kaustik_path::{
+    Bidirectional, Contributions, Form, Multiplexed, Rays, TechniqueSpread, Techniques,
+};
 use kaustik_scene::Scene;
 use rayon::prelude::*;
 
@@ -14,12 +16,17 @@ use crate::{RenderError, RenderSettings, Strategies};
 
 /// The most samples of the pilot: the probabilities need to be no better than roughly right.
 const MOST_SAMPLES: u64 = 200_000;
-/// The pilot goes by rounds, each as long as all before it. Light that is met but seldom comes late: as long as a round has
-/// changed more than this share of the tries, or none has seen any light, there is another, up to so many.
+/// It goes by so many rounds at most, each as long as all before it.
+const ROUNDS: u32 = 7;
+/// Light that is met but seldom comes late. Only after one in so many of the samples ...
+const PATIENCE: u64 = 4;
+/// ... a round that has changed no more than this share of the tries is the last.
 const SETTLED: f64 = 0.05;
-const ROUNDS: u32 = 4;
+/// There is no further round after so many rays for each of the samples: where walks hardly end, all strategies of one
+/// take thousands.
+const MOST_RAYS: u64 = 32;
 /// What a thread takes at a time. Sums go by these, so that they do not depend on the threads.
-const CHUNK: u64 = 256;
+const CHUNK: u64 = 64;
 
 /// The builder, with probabilities by what its own samples saw.
 pub(crate) fn builder(
@@ -41,14 +48,18 @@ pub(crate) fn builder(
     let lens = scene.camera().has_aperture();
     let even = Techniques::even(paths.settings.min_edges, settings.max_depth, lens);
     let strategies = settings.options.strategies == Strategies::Learned;
+    let most = settings.options.pilot.min(MOST_SAMPLES);
     let mut spread = TechniqueSpread::default();
+    let mut rays = Rays::default();
     let mut learned = even.clone();
-    for samples in rounds(settings.options.pilot.min(MOST_SAMPLES)) {
-        spread.merge(&look(scene, &paths, settings, samples));
+    for samples in rounds(most) {
+        let is_enough = samples.end >= most / PATIENCE;
+        look(scene, &paths, settings, samples, &mut spread, &mut rays);
         let better = even.learned(&spread, strategies);
         let change = better.differs_by(&learned);
         learned = better;
-        if change < SETTLED && !spread.is_empty() {
+        let is_settled = is_enough && change < SETTLED && !spread.is_empty();
+        if is_settled || rays.closest + rays.any > MOST_RAYS * most {
             break;
         }
     }
@@ -61,29 +72,33 @@ fn rounds(samples: u64) -> impl Iterator<Item = Range<u64>> {
     ends.scan(0, |start, end| Some(std::mem::replace(start, end)..end))
 }
 
-/// How far the values of each strategy spread, as these samples see it.
+/// How far the values of each strategy spread, as these samples see it, and what it took to see it.
 fn look(
     scene: &Scene,
     paths: &Bidirectional,
     settings: &RenderSettings,
     samples: Range<u64>,
-) -> TechniqueSpread {
+    spread: &mut TechniqueSpread,
+    rays: &mut Rays,
+) {
     let generators = SampleGenerators::new(settings.seed, streams::TECHNIQUES);
-    let chunks = (samples.end - samples.start).div_ceil(CHUNK);
     let of_chunk = |value: &mut Contributions, chunk: u64| {
         let first = samples.start + chunk * CHUNK;
-        let mut spread = TechniqueSpread::default();
+        let (mut spread, mut rays) = (TechniqueSpread::default(), Rays::default());
         for index in first..(first + CHUNK).min(samples.end) {
             let mut u = Independent::new(generators.at(index));
             spread.look(paths, scene, settings.options.target, &mut u, value);
+            rays += value.rays();
         }
-        spread
+        (spread, rays)
     };
-    let seen: Vec<TechniqueSpread> = (0..chunks)
+    let chunks = (samples.end - samples.start).div_ceil(CHUNK);
+    let seen: Vec<(TechniqueSpread, Rays)> = (0..chunks)
         .into_par_iter()
         .map_init(Contributions::default, of_chunk)
         .collect();
-    let mut spread = TechniqueSpread::default();
-    seen.iter().for_each(|seen| spread.merge(seen));
-    spread
+    for (of_chunk, rays_of_chunk) in seen {
+        spread.merge(&of_chunk);
+        *rays += rays_of_chunk;
+    }
 }
