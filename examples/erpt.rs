@@ -9,7 +9,7 @@
 //! it was.
 //!
 //! The figures and claims are in `crates/kaustik-study/src/named/erpt.rs`, the method is in
-//! `crates/kaustik/src/erpt.rs`; `docs/papers/erpt.md` has its equations, each with its item.
+//! `crates/kaustik/src/methods/erpt.rs`; `docs/papers/erpt.md` has its equations, each with its item.
 #![expect(
     clippy::print_stdout,
     clippy::print_stderr,

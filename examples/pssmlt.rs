@@ -9,7 +9,7 @@
 //! it was.
 //!
 //! The figures and claims are in `crates/kaustik-study/src/named/pssmlt.rs`, the method is in
-//! `crates/kaustik/src/pssmlt.rs`; `docs/papers/pssmlt.md` has its equations, each with its item.
+//! `crates/kaustik/src/methods/pssmlt.rs`; `docs/papers/pssmlt.md` has its equations, each with its item.
 #![expect(
     clippy::print_stdout,
     clippy::print_stderr,

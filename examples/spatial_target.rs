@@ -9,7 +9,7 @@
 //! it was.
 //!
 //! The figures and claims are in `crates/kaustik-study/src/named/spatial_target.rs`, the method is in
-//! `crates/kaustik/src/photon/mod.rs`; `docs/papers/spatial-target.md` has its equations, each with its item.
+//! `crates/kaustik/src/methods/photon/mod.rs`; `docs/papers/spatial-target.md` has its equations, each with its item.
 #![expect(
     clippy::print_stdout,
     clippy::print_stderr,

@@ -2,7 +2,7 @@
 
 use kaustik::{Builder, Method, Starts};
 
-use crate::windows::{Contender, Look, SEEDS, SPARED, TILES, assert_equal, compare};
+use crate::windows::{Contender, Look, SEEDS, SPARED, TILES, assert_equal, compare, wanted};
 
 const PATH: Contender = Contender {
     method: Method::Path,
@@ -174,7 +174,7 @@ const LONG: Look = Look {
 /// Each two agree, and are known to the share if their errors are to be so small together.
 fn assert_agreement(words: &str, share: f64, contenders: &[Contender]) {
     let look = Look { share, ..LONG };
-    for told in compare(words, contenders, look) {
+    for told in compare(words, &wanted(contenders), look) {
         assert_equal(words, &told, look, |verdict| verdict.rejected.clone());
         let (_, verdict) = told;
         assert!(verdict.uncertain.len() <= SPARED, "{verdict:?}");

@@ -29,25 +29,27 @@
 //! let nonfinite = AtomicU64::new(0);
 //! let target = PathTarget { scene: &scene, builder: &builder, nonfinite: &nonfinite };
 //! let family = ScalarContribution::default();
+//! // The film counts in quanta of a small part of a pixel's rough mean.
 //! let film = Film::with_layout(&Layout::new(8, 8).with_filter(Filter::BOX), Quantum::from_mean(1.0))?;
 //!
 //! let (p_large, mut draws) = (0.3, generator(7, 0));
 //! let small = Exponential::new(1.0 / 1024.0, 1.0 / 64.0);
+//! // Wherever it comes first: a renderer draws a chain's first state from a `Pool`, and is unbiased from then on.
 //! let mut chain = Metropolis::start(&target, &family, 0, small, &mut draws);
 //! let kernel = PointKernel::new(target, p_large);
 //! let mut deposit = KelemenDeposit {
 //!     chain: &film,
 //!     large: None,
 //!     scale: Scale { width: 8.0, height: 8.0 },
-//!     b0: 1.0,
+//!     b0: 1.0, // a constant in the weights, which falls out
 //!     p_large,
-//!     mis: Mis::Off,
+//!     mis: Mis::Off, // expected values alone
 //! };
 //! for _ in 0..2000 {
 //!     chain.step(&kernel, &family, &mut draws, &mut deposit);
 //! }
 //! chain.flush(&mut deposit);
-//! // Large steps are independent samples: their mean is b, which scales the film.
+//! // Large steps are independent samples: their mean is b, which scales the film of 64 pixels and 2000 mutations.
 //! let b = chain.statistics().independent[0].mean();
 //! let image = develop(&[(&film, b * 64.0 / 2000.0)])?;
 //! assert!(b > 0.0 && image.width() == 8);

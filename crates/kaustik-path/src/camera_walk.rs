@@ -55,6 +55,7 @@ pub(crate) fn start<'w>(
         interior: scene.camera_interior(),
         throughput: Spectrum::ONE,
         start: 1.0,
+        survived: 1.0,
         dispersive: false,
         specular: false,
         pure: true,

@@ -5,7 +5,8 @@
 //!
 //! A [`PathBuilder`] draws every number from [`Coordinates`](kaustik_pss::Coordinates) and
 //! nothing else. It knows no chain and no random generator, so that plain Monte Carlo, Markov
-//! chains and the replay of one recorded path all use it alike.
+//! chains and the replay of one recorded path all use it alike. Here `kaustik-mcmc` lends independent uniform numbers, so
+//! that the mean over the samples is the mean luminance of the image:
 //!
 //! ```
 //! use kaustik_mcmc::{Independent, generator};
@@ -18,8 +19,8 @@
 //! let scene = Scene::new(&description, &SceneOptions { width: 8, height: 8, ..Default::default() })?;
 //! let paths = Bidirectional {
 //!     settings: BuilderSettings::default(),
-//!     form: Form::Full,
-//!     heuristic: Heuristic::Power,
+//!     form: Form::Full, // every vertex of one walk is joined to every vertex of the other
+//!     heuristic: Heuristic::Power, // which strategies share a path, and how
 //! };
 //! // A point of the cube is drawn coordinate by coordinate, as the builder asks for them.
 //! let mut value = Contributions::default();
@@ -30,7 +31,7 @@
 //!     let splats = value.splats().iter();
 //!     light += splats.map(|splat| ScalarTarget::Luminance.of(splat.xyz)).sum::<f64>();
 //! }
-//! assert!(light / 1000.0 > 0.01, "the mean luminance of the image");
+//! assert!(light / 1000.0 > 0.01);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 

@@ -27,6 +27,8 @@ pub(crate) struct Walk<'w> {
     pub(crate) throughput: Spectrum,
     /// Mean throughput at the start: what roulette measures by, so that the unit of light does not show.
     pub(crate) start: f32,
+    /// Probability with which roulette has let it come so far.
+    pub(crate) survived: f32,
     /// Refracted where the index depends on the wavelength: the hero counts alone.
     pub(crate) dispersive: bool,
     /// Has scattered into a Dirac direction.
@@ -68,6 +70,7 @@ impl<'w> Walk<'w> {
             interior: emission.interior,
             throughput,
             start: throughput.mean(),
+            survived: 1.0,
             dispersive: false,
             specular: false,
             pure: true,
@@ -256,6 +259,7 @@ impl<'w> Walk<'w> {
         }
         // A throughput that is no number goes on, to be counted where it arrives.
         self.throughput /= survival;
+        self.survived *= survival;
         true
     }
 

@@ -124,7 +124,7 @@ pub(super) fn emission(
     let value = z.throughput * radiance * weight as f32;
     seen(witness, z.edges, eye, (pdf, z.back), weight, value);
     gathered.add(walk.implicit(), value, z.dispersive);
-    witness.lit(0, z.edges + 1, || {
+    witness.lit((0, z.edges + 1), z.survived, || {
         colour(value, z.dispersive, job.wavelengths)
     });
 }
@@ -158,7 +158,7 @@ pub(super) fn escape(
         value,
     );
     gathered.add(walk.implicit(), value, walk.dispersive);
-    witness.lit(0, walk.edges + 1, || {
+    witness.lit((0, walk.edges + 1), walk.survived, || {
         colour(value, walk.dispersive, job.wavelengths)
     });
 }

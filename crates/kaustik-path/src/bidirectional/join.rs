@@ -58,7 +58,7 @@ pub(super) fn next_event(
     }
     let dispersive = z.dispersive || z.bsdf.dispersive_between(z.wo, wi);
     gathered.add(Class::L2, value, dispersive);
-    witness.lit(1, z.edges + 1, || {
+    witness.lit((1, z.edges + 1), z.survived, || {
         colour(value, dispersive, job.wavelengths)
     });
 }
@@ -134,7 +134,7 @@ pub(super) fn join(
         || z.bsdf.dispersive_between(z.wo, edge.wi)
         || y.bsdf.dispersive_between(y.wo, edge.wy);
     gathered.add(Class::L5, value, dispersive);
-    witness.lit(y.edges + 1, z.edges + 1, || {
+    witness.lit((y.edges + 1, z.edges + 1), y.survived * z.survived, || {
         colour(value, dispersive, job.wavelengths)
     });
 }

@@ -168,7 +168,7 @@ pub(super) fn meet_lens(
     value *= (job.scene).transmittance(&carried.interior, job.wavelengths, hit.distance);
     let xyz = colour(value, walk.dispersive, job.wavelengths);
     out.push(hit.raster, xyz, Class::L3);
-    witness.lit(walk.edges + 1, 0, || xyz);
+    witness.lit((walk.edges + 1, 0), walk.survived, || xyz);
 }
 
 /// t = 1: joins the last vertex to a point of the lens.
@@ -215,7 +215,7 @@ pub(super) fn join_lens(
     let dispersive = y.dispersive || y.bsdf.dispersive_between(y.wo, wi);
     let xyz = colour(value, dispersive, job.wavelengths);
     out.push(lens.raster, xyz, Class::L4);
-    witness.lit(y.edges + 1, 1, || xyz);
+    witness.lit((y.edges + 1, 1), y.survived, || xyz);
 }
 
 /// What a point of the lens, which `y` sees in local direction `wi`, gets; `None` if that is nothing.

@@ -4,9 +4,9 @@ use kaustik_pss::Coordinates;
 use kaustik_scene::Scene;
 use kaustik_spectrum::Xyz;
 
-use super::Bidirectional;
 use super::witness::{Seen, Witness};
 use super::workspace::Workspace;
+use super::{Bidirectional, Form};
 use crate::instant::at_its_time;
 use crate::{Contributions, ScalarTarget};
 
@@ -18,8 +18,11 @@ pub struct TechniqueSpread {
 }
 
 impl TechniqueSpread {
-    /// Looks at all strategies of one point of the cube. Walks play roulette: what long paths bring has a somewhat larger spread
-    /// than the walks of one strategy have, which know how long they are to be.
+    /// Looks at all strategies of one point of the cube, in the full form.
+    ///
+    /// Walks play roulette, which those of a single strategy do not, as they know how long they are to be. What
+    /// survives with probability Q brings 1 / Q of its light; its square counts by Q, so that the mean is that of
+    /// squares without roulette.
     pub fn look(
         &mut self,
         paths: &Bidirectional,
@@ -28,6 +31,8 @@ impl TechniqueSpread {
         u: &mut dyn Coordinates,
         out: &mut Contributions,
     ) {
+        let form = Form::Full;
+        let paths = Bidirectional { form, ..*paths };
         let spread = self;
         at_its_time(scene, u, |scene, u| {
             Workspace::with(|workspace| {
@@ -37,10 +42,19 @@ impl TechniqueSpread {
         });
     }
 
-    /// Adds what a sample of a technique has brought. What is not finite or not positive counts as nothing.
+    /// Adds what a sample of the technique (s, t), s + t >= 2, has brought. What is not finite or not positive counts as nothing.
     pub fn add(&mut self, s: u32, t: u32, light: f64) {
+        self.add_surviving((s, t), 1.0, light);
+    }
+
+    fn add_surviving(&mut self, (s, t): (u32, u32), survived: f32, light: f64) {
         if light > 0.0 {
-            self.add_square((s + t - 1) as usize, s as usize, light * light);
+            let edges = (s + t).saturating_sub(1);
+            self.add_square(
+                edges as usize,
+                s as usize,
+                light * light * f64::from(survived),
+            );
         }
     }
 
@@ -55,7 +69,7 @@ impl TechniqueSpread {
         if squares.len() <= s {
             squares.resize(s + 1, 0.0);
         }
-        squares[s] += square;
+        squares[s] = (squares[s] + square).min(f64::MAX);
     }
 
     /// Adds what others saw.
@@ -72,17 +86,25 @@ impl TechniqueSpread {
         self.squares.is_empty()
     }
 
-    /// Of one technique.
-    pub(super) fn of(&self, edges: u32, s: usize) -> f64 {
+    fn squares(&self, edges: u32) -> &[f64] {
         let squares = self.squares.get(edges as usize);
-        let square = squares.and_then(|squares| squares.get(s));
-        square.copied().unwrap_or(0.0).sqrt()
+        squares.map_or(&[], Vec::as_slice)
     }
 
-    /// Of the techniques of a length, their sum.
+    /// Of one technique.
+    pub(super) fn of(&self, edges: u32, s: usize) -> f64 {
+        self.squares(edges).get(s).copied().unwrap_or(0.0).sqrt()
+    }
+
+    /// Of a length whose techniques are tried in proportion to their spreads.
     pub(super) fn length(&self, edges: u32) -> f64 {
-        let squares = self.squares.get(edges as usize);
-        squares.map_or(0.0, |squares| squares.iter().copied().map(f64::sqrt).sum())
+        self.squares(edges).iter().copied().map(f64::sqrt).sum()
+    }
+
+    /// Of a length of which all so many techniques are tried alike.
+    pub(super) fn even_length(&self, edges: u32, count: usize) -> f64 {
+        let squares: f64 = self.squares(edges).iter().sum();
+        (count as f64 * squares).sqrt()
     }
 }
 
@@ -95,8 +117,9 @@ struct Survey<'a> {
 impl Witness for Survey<'_> {
     fn see(&mut self, _: &Seen<'_>) {}
 
-    fn lit(&mut self, s: u32, t: u32, light: impl FnOnce() -> Xyz) {
-        self.spread.add(s, t, self.target.of(light()));
+    fn lit(&mut self, strategy: (u32, u32), survived: f32, light: impl FnOnce() -> Xyz) {
+        let light = self.target.of(light());
+        self.spread.add_surviving(strategy, survived, light);
     }
 }
 
@@ -115,7 +138,19 @@ mod tests {
         spread.add(2, 1, -1e9);
         assert!((spread.of(2, 2) / spread.of(2, 1) - 10.0).abs() < 1e-12);
         assert!((spread.length(2) / spread.of(2, 1) - 11.0).abs() < 1e-12);
+        // tried alike: three strategies, of which one brings nothing
+        let even = spread.even_length(2, 3) / spread.of(2, 1);
+        assert!((even - 303_f64.sqrt()).abs() < 1e-12);
         assert!(!spread.is_empty());
+    }
+
+    /// Half of the walks bring twice the light: the spread is that of walks which all go on.
+    #[test]
+    fn roulette_does_not_show() {
+        let (mut with, mut without) = (TechniqueSpread::default(), TechniqueSpread::default());
+        (0..8).for_each(|_| without.add(3, 2, 1.5));
+        (0..4).for_each(|_| with.add_surviving((3, 2), 0.5, 3.0));
+        assert!((with.of(4, 3) / without.of(4, 3) - 1.0).abs() < 1e-12);
     }
 
     #[test]

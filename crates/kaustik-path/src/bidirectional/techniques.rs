@@ -61,19 +61,23 @@ impl Techniques {
         }
     }
 
-    /// By what a pilot saw: lengths in proportion to the spread of their values, and with `strategies` also these in
-    /// proportion to theirs; with a share for all whatever was seen.
+    /// By what a pilot saw: with `strategies` each technique in proportion to the spread of its values; without, and of
+    /// paths of more than 64 edges, each length in proportion to the spread that all its strategies alike have. With a share for all whatever was seen.
     ///
-    /// Of independent samples no other probabilities have a smaller variance. For a chain they take peaks down: what
-    /// brings much light at few points is tried more often, and weighs less where it is met.
+    /// But for that share no other probabilities give independent samples a smaller variance. For a chain they take peaks
+    /// down: what brings much light at few points is tried more often, and weighs less where it is met.
     #[must_use]
     pub fn learned(&self, spread: &TechniqueSpread, strategies: bool) -> Self {
-        let lengths: Vec<u32> = self.edges().collect();
-        let seen: Vec<f64> = lengths.iter().map(|&k| spread.length(k)).collect();
-        let prior: Vec<f64> = lengths.iter().map(|&k| prior(k)).collect();
-        let learn = |&edges: &u32| {
+        let is_learned = |edges: u32| strategies && edges <= LEARNED_EDGES;
+        let length = |edges| match is_learned(edges) {
+            true => spread.length(edges),
+            false => spread.even_length(edges, self.count(edges)),
+        };
+        let seen: Vec<f64> = self.edges().map(length).collect();
+        let prior: Vec<f64> = self.edges().map(prior).collect();
+        let learn = |edges: u32| {
             let count = self.count(edges);
-            if !strategies || edges > LEARNED_EDGES || spread.length(edges) <= 0.0 {
+            if !is_learned(edges) || spread.length(edges) <= 0.0 {
                 return Vec::new();
             }
             let seen: Vec<f64> = (0..count).map(|s| spread.of(edges, s)).collect();
@@ -83,7 +87,7 @@ impl Techniques {
             least: self.least,
             lens: self.lens,
             lengths: cumulative(&mixed(&seen, &prior, EVEN_LENGTHS)),
-            strategies: lengths.iter().map(learn).collect(),
+            strategies: self.edges().map(learn).collect(),
         }
     }
 
@@ -94,6 +98,11 @@ impl Techniques {
             .map(|(a, b)| (a.probability - b.probability).abs())
             .sum();
         0.5 * sum
+    }
+
+    /// Are there no lengths at all?
+    pub fn is_empty(&self) -> bool {
+        self.lengths.is_empty()
     }
 
     fn edges(&self) -> std::ops::Range<u32> {

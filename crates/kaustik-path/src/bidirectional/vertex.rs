@@ -24,6 +24,8 @@ pub(crate) struct PathVertex {
     pub(crate) interior: Interior,
     pub(crate) running: Running,
     pub(crate) onward: Onward,
+    /// Probability with which roulette has let the subpath come so far.
+    pub(crate) survived: f32,
     /// Edges from the subpath's end.
     pub(crate) edges: u32,
     pub(crate) dispersive: bool,
@@ -45,6 +47,7 @@ impl Default for PathVertex {
             interior: Interior::VACUUM,
             running: Running::default(),
             onward: Onward::UNJOINED,
+            survived: 1.0,
             edges: 0,
             dispersive: false,
             connectable: false,
@@ -62,6 +65,7 @@ impl PathVertex {
         self.ng = self.vertex.local_normal();
         self.throughput = walk.throughput;
         self.interior = walk.interior;
+        self.survived = walk.survived;
         self.edges = walk.edges;
         self.dispersive = walk.dispersive;
         self.delta = false;

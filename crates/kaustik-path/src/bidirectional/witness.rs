@@ -15,9 +15,10 @@ pub(super) trait Witness {
     /// inwards.
     fn see(&mut self, seen: &Seen<'_>);
 
-    /// Told of every strategy that brings light, and of the light.
+    /// Told of every strategy `(s, t)` that brings light, of the probability with which roulette has let its subpaths come so far,
+    /// and of the light.
     #[inline]
-    fn lit(&mut self, _s: u32, _t: u32, _light: impl FnOnce() -> Xyz) {}
+    fn lit(&mut self, _strategy: (u32, u32), _survived: f32, _light: impl FnOnce() -> Xyz) {}
 }
 
 /// A weighted path.

@@ -22,8 +22,8 @@ const ROUNDS: u32 = 7;
 const PATIENCE: u64 = 4;
 /// ... a round that has changed no more than this share of the tries is the last.
 const SETTLED: f64 = 0.05;
-/// There is no further round after so many rays for each of the samples: where walks hardly end, all strategies of one
-/// take thousands.
+/// There is no further round after so many rays for each sample that the pilot may have: where walks hardly end, all
+/// strategies of one sample take thousands.
 const MOST_RAYS: u64 = 32;
 /// What a thread takes at a time. Sums go by these, so that they do not depend on the threads.
 const CHUNK: u64 = 64;
@@ -48,6 +48,9 @@ pub(crate) fn builder(
     let lens = scene.camera().has_aperture();
     let even = Techniques::even(paths.settings.min_edges, settings.max_depth, lens);
     let strategies = settings.options.strategies == Strategies::Learned;
+    if even.is_empty() {
+        return Ok(Multiplexed::new(paths, even));
+    }
     let most = settings.options.pilot.min(MOST_SAMPLES);
     let mut spread = TechniqueSpread::default();
     let mut rays = Rays::default();
@@ -56,9 +59,8 @@ pub(crate) fn builder(
         let is_enough = samples.end >= most / PATIENCE;
         look(scene, &paths, settings, samples, &mut spread, &mut rays);
         let better = even.learned(&spread, strategies);
-        let change = better.differs_by(&learned);
+        let is_settled = is_enough && !spread.is_empty() && better.differs_by(&learned) < SETTLED;
         learned = better;
-        let is_settled = is_enough && change < SETTLED && !spread.is_empty();
         if is_settled || rays.closest + rays.any > MOST_RAYS * most {
             break;
         }
@@ -100,5 +102,23 @@ fn look(
     for (of_chunk, rays_of_chunk) in seen {
         spread.merge(&of_chunk);
         *rays += rays_of_chunk;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rounds_follow_on_each_other_and_take_all_samples() {
+        for samples in [1, 3, 64, 1_000, MOST_SAMPLES] {
+            let rounds: Vec<_> = rounds(samples).collect();
+            assert_eq!(rounds.len() as u32, ROUNDS);
+            assert_eq!(
+                (rounds[0].start, rounds[rounds.len() - 1].end),
+                (0, samples)
+            );
+            assert!(rounds.windows(2).all(|pair| pair[0].end == pair[1].start));
+        }
     }
 }

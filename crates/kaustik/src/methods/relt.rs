@@ -38,8 +38,6 @@ use run::{Run, Tours, below, pool, runs};
 use scouts::{SpecularLight, scouting};
 use start::{Started, for_so_many_replicas, replica_builder, start};
 
-/// Paths of a sweep, about: a look at the stop flag comes as often as elsewhere.
-const PATHS_A_SWEEP: u64 = 16;
 /// Sweeps of a ladder between two changes of its step sizes. Rounds of 16 were seen to bias a chain by
 /// 20 %, rounds of 1,000 within its error.
 const ADAPTATION_ROUND: u64 = 1_000;
@@ -213,8 +211,10 @@ impl<'a, const K: usize> ReltEngine<'a, K> {
             steps: self.tours.each,
         };
         let mut deposit = self.deposit(run.shares);
+        // A look at the stop flag comes as often as elsewhere.
+        let stride = (STRIDE / self.cost()).max(1);
         for done in 0..sweeps {
-            if done % (STRIDE / PATHS_A_SWEEP) == 0 && is_stopped(stop) {
+            if done % stride == 0 && is_stopped(stop) {
                 break;
             }
             for (level, kernel) in kernels.iter().enumerate() {

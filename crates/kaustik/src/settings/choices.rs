@@ -90,7 +90,7 @@ impl Normaliser {
 /// How often `mmlt` tries the strategies of a length.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Strategies {
-    /// By the light that each brings to a pilot.
+    /// By the spread of what each brings to a pilot.
     #[default]
     Learned,
     /// All alike.
@@ -136,9 +136,17 @@ pub enum EvenSamples {
 }
 
 impl EvenSamples {
-    /// `auto`, or a number up to 256.
+    /// The most a sweep.
+    pub(crate) const MOST: u32 = 256;
+
+    /// `auto`, or a number up to [`MOST`](Self::MOST).
     pub(crate) fn parse(text: &str) -> Option<Self> {
-        let count = || text.parse().ok().filter(|n| *n <= 256).map(Self::Count);
+        let count = || {
+            text.parse()
+                .ok()
+                .filter(|n| *n <= Self::MOST)
+                .map(Self::Count)
+        };
         if text == "auto" {
             Some(Self::Auto)
         } else {

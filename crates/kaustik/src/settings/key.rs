@@ -97,8 +97,8 @@ pub const KEYS: &[Key] = &[
         default: "100000",
         range: "1 to 10000000",
         meaning: "independent samples at the start: they choose the chains' first states, estimate the \
-                  normalisation and fix the film's quantum (path, light, bdpt: a hundredth of it; multi-stage methods: \
-                  as many again, shared by the stages after the first)",
+                  normalisation and fix the film's quantum (path, light, bdpt: a hundredth of it; mmlt: at most as many again \
+                  tell how often strategies are tried; multi-stage methods: as many again, shared by the stages after the first)",
         methods: &[
             Method::Path,
             Method::Light,
@@ -158,8 +158,8 @@ pub const KEYS: &[Key] = &[
         name: "strategies",
         default: "learned",
         range: "learned|even",
-        meaning: "how often the strategies of a length are tried: by the light that each brings to a \
-                  pilot, with a quarter for all alike; or all alike (Hachisuka 2014)",
+        meaning: "how often the strategies of a length are tried: by the spread of what each brings to \
+                  a pilot, with a quarter for all alike; or all alike (Hachisuka 2014)",
         methods: MULTIPLEXED,
     },
     Key {
@@ -300,7 +300,7 @@ pub const KEYS: &[Key] = &[
         default: "auto",
         range: "auto|0 to 256",
         meaning: "independent samples a sweep beside the chains, spread evenly over the image (the paper: none): 2 to \
-                  64 by how easily light is found, or so many",
+                  256 by how easily light is found, or so many",
         methods: EXCHANGE,
     },
     Key {

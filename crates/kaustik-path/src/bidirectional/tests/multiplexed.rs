@@ -114,8 +114,9 @@ struct Lit(BTreeMap<(u32, u32), f64>);
 impl Witness for Lit {
     fn see(&mut self, _: &Seen<'_>) {}
 
-    fn lit(&mut self, s: u32, t: u32, light: impl FnOnce() -> Xyz) {
-        *self.0.entry((s, t)).or_default() += ScalarTarget::Xyz.of(light());
+    fn lit(&mut self, strategy: (u32, u32), survived: f32, light: impl FnOnce() -> Xyz) {
+        assert!((0.0..=1.0).contains(&survived));
+        *self.0.entry(strategy).or_default() += ScalarTarget::Xyz.of(light());
     }
 }
 

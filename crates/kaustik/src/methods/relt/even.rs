@@ -16,17 +16,17 @@ use kaustik_path::Contributions;
 
 use super::full_replica;
 use super::start::Started;
-use crate::RenderSettings;
 use crate::sampling::cells::Cells;
 use crate::sampling::shuffle::Shuffle;
 use crate::sampling::stratified::mix;
 use crate::sampling::streams;
+use crate::{EvenSamples, RenderSettings};
 
 /// The most samples a sweep, if it is not said how many, and the fewest.
-const MOST: f64 = 256.0;
+const MOST: f64 = EvenSamples::MOST as f64;
 const FEWEST: f64 = 2.0;
-/// Of a small picture a ladder takes a sweep as often as a sample a pixel, or it would come to hardly any; but no more often
-/// than once in so many.
+/// More than so many only where each cell of the image still has one sample at most while all ladders take a sweep: in
+/// small pictures there would be hardly any sweeps.
 const MOST_OF_SMALL: f64 = 64.0;
 /// As many where light is hard to find, and a specific replica has little of it.
 const FEW: f64 = 16.0;
@@ -62,6 +62,7 @@ pub(super) fn samples_a_sweep<const K: usize>(
     let cells = Cells::new(settings).count();
     let a_ladder = cells as f64 / f64::from(settings.options.ladders);
     let most = MOST.min(a_ladder.max(MOST_OF_SMALL));
+    // 16 where an effective sample in four is one, as where light is hard to find; 256 where it is one in two
     (MOST * ease.powi(4)).min(most).max(few(specific)).round() as u32
 }
 

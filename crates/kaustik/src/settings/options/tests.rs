@@ -61,7 +61,7 @@ fn what_is_written_of_replicas_is_what_was_set() {
         "beta=0.5",
         "delta=0",
         "exchange=some",
-        "even=65",
+        "even=257",
         "even=some",
         "particles=10",
     ] {
