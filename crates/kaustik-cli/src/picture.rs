@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use kaustik::film::{check_writable, exr, png, write_file};
-use kaustik::{Budget, Outcome, Place, RenderSettings, RenderStatistics, Rendered, Source};
+use kaustik::{Budget, Method, Outcome, Place, RenderSettings, RenderStatistics, Rendered, Source};
 use serde_json::{Value, json};
 
 use crate::arguments::OutputWords;
@@ -163,13 +163,11 @@ pub(crate) fn report(words: &OutputWords, outcome: Outcome, statistics: &RenderS
 
 /// How much was done, how fast, and what chains say of themselves, in a line.
 fn summary(statistics: &RenderStatistics) -> String {
-    let work = match &statistics.photons {
-        Some(photons) => format!(
-            "{} iterations, {:.1} light paths a pixel",
-            photons.iterations, statistics.per_pixel
-        ),
-        None => format!("{:.1} samples a pixel", statistics.per_pixel),
-    };
+    let steps = (statistics.method.parse()).map_or("samples", Method::steps);
+    let mut work = format!("{:.1} {steps} a pixel", statistics.per_pixel);
+    if let Some(photons) = &statistics.photons {
+        work = format!("{} iterations, {work}", photons.iterations);
+    }
     let mut line = format!(
         "{}: {work} in {:.1} s ({:.2} M/s)",
         statistics.method,

@@ -147,6 +147,25 @@ impl Method {
         }
     }
 
+    /// What the steps of a render are, in the plural: what `--spp` counts, but for photon methods, where it counts
+    /// iterations.
+    pub fn steps(self) -> &'static str {
+        match self {
+            Self::Path | Self::Light | Self::Bdpt => "samples",
+            // A sample with all that its chains take.
+            Self::Erpt | Self::ErptPss => "samples",
+            Self::Annealing => "paths",
+            Self::Pssmlt | Self::Mmlt | Self::Mlt => "mutations",
+            Self::MltMultistage | Self::PssmltMultistage => "mutations",
+            Self::Relt => "samples and mutations",
+            Self::Sppm
+            | Self::PhotonVisibility
+            | Self::PhotonDensity
+            | Self::PhotonSpatial
+            | Self::PhotonImage => "light paths",
+        }
+    }
+
     /// Are its ladders independent, so that processes can each run a share of them? Those of photon methods learn
     /// from each other in every iteration, those of multi-stage methods in every stage.
     pub fn has_shares(self) -> bool {
