@@ -17,49 +17,83 @@ use crate::settings::method::Method;
 use crate::{Mutations, PhotonOptions, RenderError, StageOptions};
 
 /// All settings; a method reads those that [`Method::keys`] lists.
+///
+/// Each is named as its key, or as said; [`KEYS`] tells ranges and what the papers have.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[expect(missing_docs, reason = "the table of keys says what each does")]
 pub struct Options {
+    /// Independent chains or streams of samples, 1 to 4096: part of the result.
     pub ladders: u32,
+    /// How many wavelengths a path has, and their law.
     pub wavelengths: WavelengthSampling,
+    /// Gives back the light that scatters between the facets of rough surfaces.
     pub compensation: bool,
+    /// Independent samples at the start, 1 to 10,000,000.
     pub pilot: u64,
+    /// `nextevent`: joins every vertex of a walk from the camera to an emitter.
     pub next_event: bool,
+    /// How a point of the unit cube becomes paths.
     pub builder: Builder,
+    /// How the strategies of bidirectional paths share one path.
     pub heuristic: Heuristic,
+    /// How often `mmlt` tries the strategies of a length.
     pub strategies: Strategies,
+    /// The scalar of a colour that chains follow.
     pub target: ScalarTarget,
+    /// How what one point contributes makes one scalar.
     pub contribution: Contribution,
+    /// `plarge`: probability of a large step, in (0, 1].
     pub p_large: f64,
+    /// `mutation`: the law of small steps, in shares of the domain.
     pub small_step: SmallStep,
+    /// Large steps as independent samples.
     pub mis: Mis,
+    /// What scales the image, or the replicas' films.
     pub normaliser: Normaliser,
+    /// Measures the scale by samples beside the chains as well, where light comes by glass, mirrors or water.
     pub meter: bool,
+    /// What independent samples beside the chains see to.
     pub direct: Direct,
-    /// `None`: the standard set with `delta`.
+    /// What the chains of a ladder follow; `None`: the standard set with `delta`.
     pub replicas: Option<ReplicaSet>,
+    /// Share of joined paths in the last of the standard replicas, in (0, 1].
     pub delta: f64,
+    /// Exponent of the heuristic that combines replicas, in [1, 8].
     pub beta: f64,
+    /// Which replicas exchange after a sweep.
     pub exchange: Schedule,
+    /// Independent samples a sweep, spread evenly over the image.
     pub even: EvenSamples,
+    /// The law of the replicas' small steps.
     pub steps: Steps,
+    /// Particles of an annealing, 1000 to 1,000,000.
     pub particles: u64,
+    /// Steps of each chain that spreads the light of a sample, 1 to 100,000.
     pub length: u32,
+    /// Mean number of such chains a sample, in [0.01, 100].
     pub chains: f64,
-    /// `None`: no filter.
+    /// Proposals that a chain may stay in one place before its staying leaves nothing; `None`: no filter.
     pub consecutive: Option<u64>,
-    /// `None`: no filter.
+    /// Most light of a pixel, in deposits a proposal into it; `None`: no filter.
     pub proposed: Option<f64>,
+    /// Where the chains of `erpt` start.
     pub seeds: Starts,
+    /// What fixes the light of a deposit.
     pub energy: Energy,
+    /// What moves a path along its chain (`erpt`).
     pub perturbations: Mutations,
+    /// The colour of a deposit.
     pub deposit: Colours,
+    /// Density change of caustic perturbations.
     pub caustic: Caustics,
+    /// What may change a path (`mlt`).
     pub mutations: Mutations,
+    /// Pixels by which perturbations move what is seen.
     pub jitter: Jitter,
-    /// Radians, least and most.
+    /// Radians, least and most, by which multi-chain perturbations turn directions within a path.
     pub angles: [f64; 2],
+    /// Those of photon methods.
     pub photon: PhotonOptions,
+    /// Those of multi-stage methods.
     pub stages: StageOptions,
 }
 

@@ -8,28 +8,40 @@ use crate::settings::options::setting::{
     AnySetting, by, finite, integer, number, optional, switch, word,
 };
 
-/// Settings that only photon methods read.
+/// Settings that only photon methods read. Each is named as its key, or as said.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[expect(missing_docs, reason = "the table of keys says what each does")]
 pub struct PhotonOptions {
+    /// Light paths of an iteration, 1000 to 100,000,000.
     pub photons: u64,
+    /// Lobes of this GGX roughness or more show the light of photons, in [0, 1].
     pub roughness: f64,
+    /// Radius within which a photon counts, in widths of a pixel as it lies on the surface, in [0.01, 100].
     pub radius: f64,
-    /// `None`: the radius stays.
+    /// Shrinks the squared radius by (i + alpha) / (i + 1) in iteration i; `None`: the radius stays.
     pub reduction: Option<f64>,
+    /// Path tracing of what photons cannot carry.
     pub remainder: bool,
+    /// Acceptance that the sizes of small steps are driven to, in [0.01, 0.99].
     pub acceptance: f64,
+    /// `burnin`: steps of each chain that are discarded at the start of an iteration.
     pub burn_in: u64,
+    /// How the chains of a ladder make one picture.
     pub combine: Combine,
+    /// Chains of a ladder.
     pub levels: LadderSize,
+    /// How often each of them takes a step.
     pub pace: Pace,
+    /// `tf`: what the last of the chains follows.
     pub target_function: TargetFunction,
+    /// Whose visits tell how dense photons are.
     pub psi: Witnesses,
+    /// How regions are divided.
     pub refinement: Refinement,
-    /// Do regions tell orientations apart?
+    /// Do small regions tell orientations apart?
     pub orientation: bool,
+    /// How visible light paths are scaled.
     pub normalisation: Normalisation,
-    /// Pictures of the target and of how often points were touched.
+    /// Layers of the target and of how often points were touched.
     pub maps: bool,
 }
 
