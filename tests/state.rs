@@ -149,7 +149,7 @@ pub(crate) fn cases() -> Vec<(String, RenderSettings)> {
     add("by second moments", Method::PhotonImage, |s| {
         s.options.photon.target_function = TargetFunction::SecondMoment;
         s.options.photon.refinement = Refinement::Iterations;
-        s.options.photon.normalisation = Normalisation::Iteration;
+        s.options.photon.normalisation = Normalisation::Progressive;
     });
     add("in the middle of a pass", Method::Path, |s| {
         s.budget = Budget::Total(12 * u64::from(SIDE * SIDE) + 77);

@@ -83,10 +83,10 @@ pub enum Pace {
 /// How the normaliser of visibility is estimated.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Normalisation {
-    /// From all uniform light paths so far.
-    #[default]
+    /// From all uniform light paths so far: biased where visibility goes with an iteration's wavelengths or points.
     Progressive,
     /// From those of each iteration, for it alone.
+    #[default]
     Iteration,
 }
 
@@ -107,7 +107,7 @@ impl Default for PhotonOptions {
             psi: Witnesses::All,
             refinement: Refinement::SHRUNK,
             orientation: false,
-            normalisation: Normalisation::Progressive,
+            normalisation: Normalisation::Iteration,
             maps: false,
         }
     }
@@ -262,10 +262,11 @@ pub(crate) const ORIENTATION: Key = Key {
 /// How visibility's integral is found.
 pub(crate) const NORMALISATION: Key = Key {
     name: "normalisation",
-    default: "progressive",
-    range: "progressive|iteration",
-    meaning: "how visible light paths are scaled: by the share of all uniform ones so far that are visible, or for each \
-              iteration by its own (always so where something moves)",
+    default: "iteration",
+    range: "iteration|progressive",
+    meaning: "how visible light paths are scaled: for each iteration by the share of its own uniform ones that are visible \
+              (always so where something moves), or by that of all so far, which is biased where the share goes with the \
+              wavelengths",
     methods: CHAINS,
 };
 /// Layers.
