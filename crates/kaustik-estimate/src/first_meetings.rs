@@ -11,6 +11,9 @@ pub struct FirstMeetings {
     order: Vec<u32>,
     of_point: Vec<bool>,
     of_leaf: Vec<bool>,
+    /// Numbers of the meetings by point, then in their order, and the place of each among them.
+    by_point: Vec<u32>,
+    places: Vec<u32>,
 }
 
 /// The answers for one path.
@@ -31,11 +34,18 @@ impl FirstMeetings {
             order,
             of_point,
             of_leaf,
+            by_point,
+            places,
         } = self;
         order.clear();
         order.extend(0..meetings.len() as u32);
         let point = |at: u32| meetings[at as usize].point;
         mark(order, of_point, point);
+        by_point.clone_from(order);
+        places.resize(order.len(), 0);
+        for (place, &at) in (0..).zip(order.iter()) {
+            places[at as usize] = place;
+        }
         mark(order, of_leaf, |at| leaves[point(at) as usize]);
         Firsts::Many(self)
     }
@@ -62,6 +72,32 @@ impl Firsts<'_> {
                 !meetings[..own].iter().any(|other| other.point == point)
             }
             Self::Many(firsts) => firsts.of_point[at],
+        }
+    }
+
+    /// Tells of the meeting of this number and of all later ones at its point, in their order.
+    #[inline]
+    pub(crate) fn each_at_its_point(
+        &self,
+        meetings: &[Meeting],
+        at: usize,
+        mut tell: impl FnMut(&Meeting),
+    ) {
+        let point = meetings[at].point;
+        match self {
+            Self::Few => {
+                let there = meetings[at..]
+                    .iter()
+                    .filter(|meeting| meeting.point == point);
+                there.for_each(tell);
+            }
+            Self::Many(firsts) => {
+                let place = firsts.places[at] as usize;
+                (firsts.by_point[place..].iter())
+                    .map(|&at| &meetings[at as usize])
+                    .take_while(|meeting| meeting.point == point)
+                    .for_each(&mut tell);
+            }
         }
     }
 
@@ -105,6 +141,12 @@ mod tests {
                 many.at_point(&meetings, at, own),
                 Firsts::Few.at_point(&meetings, at, own)
             );
+            let later = |firsts: &Firsts<'_>| {
+                let mut photons = Vec::new();
+                firsts.each_at_its_point(&meetings, at, |meeting| photons.push(meeting.photon));
+                photons
+            };
+            assert_eq!(later(&many), later(&Firsts::Few));
             assert_eq!(
                 many.in_leaf(&meetings, at, &leaves),
                 Firsts::Few.in_leaf(&meetings, at, &leaves)

@@ -4,6 +4,7 @@ use std::sync::atomic::{AtomicI64, Ordering::Relaxed};
 
 use kaustik_mcmc::Visit;
 
+use crate::first_meetings::Firsts;
 use crate::{
     FirstMeetings, LeafTally, Meeting, PhotonLevels, PhotonMap, PhotonTargetKind, PhotonValue,
     Sharing,
@@ -140,7 +141,7 @@ impl<const K: usize> RegionSums<K> {
             }
             points += 1;
             if let Some(typical) = self.typical {
-                let flux = flux(visit.value, at, map);
+                let flux = flux(visit.value, &firsts, at, map);
                 self.sums[here as usize][level].add_flux(flux / typical, weight);
             }
         }
@@ -195,16 +196,14 @@ impl LevelSums {
 
 /// What a path brings to the point of its meeting `first`, in this meeting and in all later ones.
 #[inline]
-fn flux(value: &PhotonValue, first: usize, map: &PhotonMap<'_>) -> f64 {
-    let point = value.meetings[first].point;
+fn flux(value: &PhotonValue, firsts: &Firsts<'_>, first: usize, map: &PhotonMap<'_>) -> f64 {
     let photons = value.path.photons();
-    (value.meetings[first..].iter())
-        .filter(|meeting| meeting.point == point)
-        .map(|meeting| {
-            let photon = &photons[meeting.photon as usize];
-            map.points.response(point as usize, photon)
-        })
-        .sum()
+    let mut flux = 0.0;
+    firsts.each_at_its_point(&value.meetings, first, |meeting| {
+        let photon = &photons[meeting.photon as usize];
+        flux += map.points.response(meeting.point as usize, photon);
+    });
+    flux
 }
 
 #[inline]
