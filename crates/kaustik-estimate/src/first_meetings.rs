@@ -8,12 +8,12 @@ const FEW: usize = 64;
 /// Room for the answers of one path after the other.
 #[derive(Debug, Default)]
 pub struct FirstMeetings {
+    /// Numbers of the meetings: by point, then as they come.
     order: Vec<u32>,
+    /// Where each stands in that order.
+    places: Vec<u32>,
     of_point: Vec<bool>,
     of_leaf: Vec<bool>,
-    /// Numbers of the meetings by point, then in their order, and the place of each among them.
-    by_point: Vec<u32>,
-    places: Vec<u32>,
 }
 
 /// The answers for one path.
@@ -32,21 +32,20 @@ impl FirstMeetings {
         }
         let Self {
             order,
+            places,
             of_point,
             of_leaf,
-            by_point,
-            places,
         } = self;
         order.clear();
         order.extend(0..meetings.len() as u32);
         let point = |at: u32| meetings[at as usize].point;
+        mark(order, of_leaf, |at| leaves[point(at) as usize]);
+        // last, as this is the order that is kept
         mark(order, of_point, point);
-        by_point.clone_from(order);
         places.resize(order.len(), 0);
         for (place, &at) in (0..).zip(order.iter()) {
             places[at as usize] = place;
         }
-        mark(order, of_leaf, |at| leaves[point(at) as usize]);
         Firsts::Many(self)
     }
 }
@@ -93,7 +92,7 @@ impl Firsts<'_> {
             }
             Self::Many(firsts) => {
                 let place = firsts.places[at] as usize;
-                (firsts.by_point[place..].iter())
+                (firsts.order[place..].iter())
                     .map(|&at| &meetings[at as usize])
                     .take_while(|meeting| meeting.point == point)
                     .for_each(&mut tell);

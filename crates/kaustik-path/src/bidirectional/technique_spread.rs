@@ -42,14 +42,11 @@ impl TechniqueSpread {
         });
     }
 
-    /// Adds what a sample of the technique (s, t), s + t >= 2, has brought. What is not finite or not positive counts as nothing.
-    pub fn add(&mut self, s: u32, t: u32, light: f64) {
-        self.add_surviving((s, t), 1.0, light);
-    }
-
-    fn add_surviving(&mut self, (s, t): (u32, u32), survived: f32, light: f64) {
+    /// Adds what a sample of the technique (s, t), s + t >= 2, has brought that survived with this probability. What is not
+    /// finite or not positive counts as nothing.
+    pub(super) fn add(&mut self, (s, t): (u32, u32), survived: f32, light: f64) {
         if light > 0.0 {
-            let edges = (s + t).saturating_sub(1);
+            let edges = s + t - 1;
             self.add_square(
                 edges as usize,
                 s as usize,
@@ -119,7 +116,7 @@ impl Witness for Survey<'_> {
 
     fn lit(&mut self, strategy: (u32, u32), survived: f32, light: impl FnOnce() -> Xyz) {
         let light = self.target.of(light());
-        self.spread.add_surviving(strategy, survived, light);
+        self.spread.add(strategy, survived, light);
     }
 }
 
@@ -132,10 +129,10 @@ mod tests {
     fn what_is_met_seldom_spreads_further() {
         let mut spread = TechniqueSpread::default();
         assert!(spread.is_empty());
-        (0..100).for_each(|_| spread.add(1, 2, 1.0));
-        spread.add(2, 1, 100.0);
-        spread.add(2, 1, f64::NAN);
-        spread.add(2, 1, -1e9);
+        (0..100).for_each(|_| spread.add((1, 2), 1.0, 1.0));
+        spread.add((2, 1), 1.0, 100.0);
+        spread.add((2, 1), 1.0, f64::NAN);
+        spread.add((2, 1), 1.0, -1e9);
         assert!((spread.of(2, 2) / spread.of(2, 1) - 10.0).abs() < 1e-12);
         assert!((spread.length(2) / spread.of(2, 1) - 11.0).abs() < 1e-12);
         // tried alike: three strategies, of which one brings nothing
@@ -148,8 +145,8 @@ mod tests {
     #[test]
     fn roulette_does_not_show() {
         let (mut with, mut without) = (TechniqueSpread::default(), TechniqueSpread::default());
-        (0..8).for_each(|_| without.add(3, 2, 1.5));
-        (0..4).for_each(|_| with.add_surviving((3, 2), 0.5, 3.0));
+        (0..8).for_each(|_| without.add((3, 2), 1.0, 1.5));
+        (0..4).for_each(|_| with.add((3, 2), 0.5, 3.0));
         assert!((with.of(4, 3) / without.of(4, 3) - 1.0).abs() < 1e-12);
     }
 
@@ -166,7 +163,7 @@ mod tests {
             let mut spread = TechniqueSpread::default();
             light
                 .iter()
-                .for_each(|&(s, t, light)| spread.add(s, t, light));
+                .for_each(|&(s, t, light)| spread.add((s, t), 1.0, light));
             spread
         };
         let mut parts = of(&light[..2]);

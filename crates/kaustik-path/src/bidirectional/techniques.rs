@@ -220,7 +220,7 @@ mod tests {
     fn spread() -> TechniqueSpread {
         let mut spread = TechniqueSpread::default();
         for (s, t, light) in [(0, 2, 1.0), (1, 2, 3.0), (0, 3, 1.0), (2, 2, f64::NAN)] {
-            spread.add(s, t, light);
+            spread.add((s, t), 1.0, light);
         }
         spread
     }

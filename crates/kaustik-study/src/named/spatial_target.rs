@@ -156,7 +156,7 @@ fn five(scale: Scale) -> PaperFigure {
         scale,
         "Figure 5: chains of a ladder",
         "Four chains, three without visibility, two without inverse kernel size as well, the plain mean of four; and what is ours: \
-         the statistics of all chains but the last alone, normalisers as printed.",
+         the statistics of all chains but the last alone; one share of visible paths for all iterations, which is biased.",
         &[HALL],
         10.0,
     );
@@ -166,7 +166,7 @@ fn five(scale: Scale) -> PaperFigure {
         spatial(scale, "two", &["levels=2"]),
         spatial(scale, "average", &["combine=average"]),
         spatial(scale, "authors' statistics", &["psi=authors"]),
-        spatial(scale, "chained normalisers", &["normalisation=iteration"]),
+        spatial(scale, "one normaliser", &["normalisation=progressive"]),
         spatial(scale, "second moment", &["tf=second-moment"]),
         spatial(scale, "orientation", &["orientation=on"]),
     ];

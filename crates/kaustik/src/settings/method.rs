@@ -151,12 +151,14 @@ impl Method {
     /// iterations.
     pub fn steps(self) -> &'static str {
         match self {
-            Self::Path | Self::Light | Self::Bdpt => "samples",
-            // A sample with all that its chains take.
-            Self::Erpt | Self::ErptPss => "samples",
+            // of `erpt` with all that its chains take
+            Self::Path | Self::Light | Self::Bdpt | Self::Erpt | Self::ErptPss => "samples",
             Self::Annealing => "paths",
-            Self::Pssmlt | Self::Mmlt | Self::Mlt => "mutations",
-            Self::MltMultistage | Self::PssmltMultistage => "mutations",
+            Self::Pssmlt
+            | Self::Mmlt
+            | Self::Mlt
+            | Self::MltMultistage
+            | Self::PssmltMultistage => "mutations",
             Self::Relt => "samples and mutations",
             Self::Sppm
             | Self::PhotonVisibility

@@ -107,61 +107,68 @@ fn one_strategy_at_a_time_is_the_whole() {
     assert!(lit > 4_000, "most of it must not be black: {lit}");
 }
 
-/// Of each strategy, the light that a witness is told of.
+/// Of each strategy, the light that a witness is told of, and with which probability roulette left it.
 #[derive(Default)]
-struct Lit(BTreeMap<(u32, u32), f64>);
+struct Lit(BTreeMap<(u32, u32), (f64, f64)>);
 
 impl Witness for Lit {
     fn see(&mut self, _: &Seen<'_>) {}
 
     fn lit(&mut self, strategy: (u32, u32), survived: f32, light: impl FnOnce() -> Xyz) {
-        assert!((0.0..=1.0).contains(&survived));
-        *self.0.entry(strategy).or_default() += ScalarTarget::Xyz.of(light());
+        let told = (ScalarTarget::Xyz.of(light()), f64::from(survived));
+        assert_eq!(self.0.insert(strategy, told), None, "told of once");
     }
 }
 
-/// A witness is told of all light, as of the strategy that brings it.
+/// A witness is told of all light, as of the strategy that brings it. Light times the probability with which roulette left
+/// it is what the strategy alone brings, whose walks play none.
 #[test]
 fn all_light_is_told_of() {
-    let mut told = 0;
+    let (mut told, mut left) = (0, 0);
     for (name, scene) in scenes() {
         let paths = paths(Heuristic::Power);
         let lens = scene.camera().has_aperture();
-        let techniques = Techniques::even(1, EDGES, lens);
-        let builder = Multiplexed::new(paths, techniques);
+        let builder = Multiplexed::new(paths, Techniques::even(1, EDGES, lens));
         let mut source = Independent::new(generator(32, 0));
         let mut out = Contributions::default();
-        let light = |out: &Contributions| -> f64 {
-            out.splats()
-                .iter()
-                .map(|splat| ScalarTarget::Xyz.of(splat.xyz))
-                .sum()
-        };
         for _ in 0..POINTS {
-            let mut u = Recording::new(&mut source);
-            let mut lit = Lit::default();
+            let mut recording = Recording::new(&mut source);
+            let mut whole = Lit::default();
             Workspace::with(|workspace| {
-                paths.evaluate(&scene, &mut u, &mut out, workspace, &mut lit);
+                paths.evaluate(&scene, &mut recording, &mut out, workspace, &mut whole);
             });
-            let (all, seen) = (light(&out), lit.0.values().sum::<f64>());
+            let mut point: Recorded = recording.finish();
+            let splats = out.splats().iter();
+            let all: f64 = splats.map(|splat| ScalarTarget::Xyz.of(splat.xyz)).sum();
+            let seen: f64 = whole.0.values().map(|(light, _)| light).sum();
             assert!((all - seen).abs() <= 1e-4 * all, "{name}: {seen} of {all}");
             for technique in builder.techniques().all() {
-                let mut lit = Lit::default();
+                let strategy = (technique.s, technique.t);
+                let Some((light, survived)) = whole.0.remove(&strategy) else {
+                    continue;
+                };
+                let mut alone = Lit::default();
                 Workspace::with(|workspace| {
-                    builder.one(&scene, technique, &mut u, &mut out, workspace, &mut lit);
+                    builder.one(
+                        &scene, technique, &mut point, &mut out, workspace, &mut alone,
+                    );
                 });
-                let all = light(&out);
-                let seen = lit.0.remove(&(technique.s, technique.t)).unwrap_or(0.0);
+                let expected = light * survived / technique.probability;
+                let (light, one) = alone.0.remove(&strategy).expect("the same light");
+                assert!(one == 1.0 && alone.0.is_empty(), "{name}, {technique:?}");
+                // below that f32 has few digits left
                 assert!(
-                    (all - seen).abs() <= 1e-4 * all,
-                    "{name}, {technique:?}: {seen} of {all}"
+                    (light - expected).abs() <= 1e-4 * expected + 1e-34,
+                    "{name}, {technique:?}: {light}, not {expected}"
                 );
-                assert!(lit.0.is_empty(), "{name}, {technique:?}: {:?}", lit.0);
-                told += u32::from(all > 0.0);
+                told += 1;
+                left += u32::from(survived < 1.0);
             }
+            assert!(whole.0.is_empty(), "{name}: {:?}", whole.0.keys());
         }
     }
     assert!(told > 4_000, "most of it must not be black: {told}");
+    assert!(left > 400, "roulette must have been played: {left}");
 }
 
 /// The test of the test: without any one of the strategies of three edges it is not the whole.

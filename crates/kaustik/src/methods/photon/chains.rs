@@ -104,8 +104,8 @@ impl<const K: usize> PhotonChains<K> {
         let quantum = stage.quantum();
         let films = (1..K).map(|_| Film::with_layout(&settings.layout(), quantum));
         let films = films.collect::<Result<_, _>>()?;
-        // Only the share of visible paths is about the same in all iterations; of what moves, or is seen by discs that
-        // shrink, that is not either, and the mean picture is not that of the mean share.
+        // One share of visible paths for all iterations is roughly right at best (decision 026); where something moves or
+        // discs shrink it is not even that.
         let progressive = options.normalisation == Normalisation::Progressive
             && levels.0.get(1) == Some(&PhotonTargetKind::Visibility)
             && !stage.moves()
