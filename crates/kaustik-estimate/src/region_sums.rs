@@ -10,8 +10,10 @@ use crate::{
     Sharing,
 };
 
-/// Steps of one: weights are near one, and sums stay below 2^62.
-const STEP: f64 = (1u64 << 24) as f64;
+/// Steps of one: weights, in the unit of the iteration, are near one.
+const STEP: f64 = (1u64 << 20) as f64;
+/// What a visit adds at most, in steps: sums of 2^24 visits stay below 2^62.
+const MOST_STEPS: f64 = (1u64 << 38) as f64;
 
 /// No leaf.
 const NONE: u32 = u32::MAX;
@@ -46,6 +48,8 @@ pub struct RegionSums<const K: usize> {
     counts: [bool; K],
     /// A typical flux that a path brings to a point, if fluxes are asked for.
     typical: Option<f64>,
+    /// What a visit is about worth, > 0: all sums of weights are in it.
+    unit: f64,
 }
 
 /// Sums of one level in one leaf, in steps of fixed point, so that any order of adding gives the same.
@@ -76,6 +80,7 @@ impl<const K: usize> RegionSums<K> {
             sums: (0..leaves).map(|_| zeros()).collect(),
             counts,
             typical: None,
+            unit: 1.0,
         }
     }
 
@@ -100,6 +105,13 @@ impl<const K: usize> RegionSums<K> {
         }
     }
 
+    /// Says what visits are about worth in the iteration that has begun: `visible`, about the share of visible uniform
+    /// paths, > 0, if any chain that is counted looks for these. However small it is, weights keep all their digits.
+    pub fn expect(&mut self, visible: f64) {
+        let looks = self.counts.iter().skip(1).any(|counts| *counts);
+        self.unit = if looks { visible } else { 1.0 };
+    }
+
     /// Takes a visit of a path that touches points, in a ladder whose chains share so.
     pub(crate) fn take(
         &self,
@@ -115,7 +127,7 @@ impl<const K: usize> RegionSums<K> {
         }
         let share = self.share(visit, sharing);
         let omega = share * sharing.rough[level] / visit.densities[level];
-        let weight = visit.weight * omega;
+        let weight = visit.weight * omega / self.unit;
         let meetings = &visit.value.meetings;
         let leaf = |meeting: &Meeting| self.leaves[meeting.point as usize];
         let firsts = room.of(meetings, &self.leaves);
@@ -170,6 +182,7 @@ impl<const K: usize> RegionSums<K> {
         let tally = |levels: &[LevelSums; K]| {
             let mut tally = LeafTally::default();
             for (sums, factor) in levels.iter().zip(factors) {
+                let factor = factor * self.unit;
                 let of = |sum: &AtomicI64| sum.load(Relaxed) as f64;
                 tally.flux[0] += of(&sums.flux) / STEP * factor;
                 tally.flux[1] += of(&sums.squared_flux) / SQUARE_STEP * factor;
@@ -189,8 +202,10 @@ impl LevelSums {
     fn add_flux(&self, relative: f64, weight: f64) {
         let relative = relative.clamp(0.0, MOST_FLUX);
         add(&self.flux, weight * relative);
-        let steps = (weight * relative * relative * SQUARE_STEP).round_ties_even() as i64;
-        self.squared_flux.fetch_add(steps, Relaxed);
+        add_steps(
+            &self.squared_flux,
+            weight * relative * relative * SQUARE_STEP,
+        );
     }
 }
 
@@ -208,7 +223,13 @@ fn flux(value: &PhotonValue, firsts: &Firsts<'_>, first: usize, map: &PhotonMap<
 
 #[inline]
 fn add(sum: &AtomicI64, value: f64) {
-    sum.fetch_add((value * STEP).round_ties_even() as i64, Relaxed);
+    add_steps(sum, value * STEP);
+}
+
+#[inline]
+fn add_steps(sum: &AtomicI64, steps: f64) {
+    let steps = steps.round_ties_even().min(MOST_STEPS);
+    sum.fetch_add(steps as i64, Relaxed);
 }
 
 #[cfg(test)]
@@ -253,6 +274,7 @@ mod tests {
         let levels = PhotonLevels([PhotonTargetKind::Uniform, PhotonTargetKind::Full]);
         let mut sums = RegionSums::new(4, &levels, Witnesses::All);
         sums.begin(leaves.clone());
+        sums.expect(0.5);
         let mut rng = generator(71, 0);
         let mut below = |n: f64| (rng.uniform() * n) as u32;
         let mut exact = vec![LeafTally::default(); 4];
@@ -297,5 +319,52 @@ mod tests {
             );
             assert!(exact.psi[0] > 1.0 && exact.psi[1] > 1.0);
         }
+    }
+    /// Where one uniform path in a thousand million is visible, visits tell as much as anywhere.
+    #[test]
+    fn what_is_seldom_seen_is_not_rounded_away() {
+        let (points, lookup) = (MeasurementPoints::default(), Lookup::default());
+        let map = PhotonMap {
+            points: &points,
+            lookup: &lookup,
+            wavelengths: &Wavelengths::sample(0.5, WavelengthSampling::default()),
+            max_edges: 8,
+        };
+        let share = 1e-9;
+        let sharing = Sharing {
+            combine: Combine::Balance,
+            rough: [1.0, share, 0.2 * share],
+            samples: [1.0; 3],
+        };
+        let kinds = [
+            PhotonTargetKind::Uniform,
+            PhotonTargetKind::Visibility,
+            PhotonTargetKind::Full,
+        ];
+        let mut sums = RegionSums::new(1, &PhotonLevels(kinds), Witnesses::Others);
+        sums.begin(vec![0; 2]);
+        sums.expect(share);
+        let mut value = PhotonValue::default();
+        value
+            .meetings
+            .extend([0, 1].map(|point| Meeting { photon: 0, point }));
+        for _ in 0..1000 {
+            let visit = Visit {
+                level: 1,
+                value: &value,
+                densities: &[1.0, 1.0, 0.2],
+                weight: 1.0,
+                independent: 0.0,
+            };
+            sums.take(&visit, &map, &sharing, 0, &mut FirstMeetings::default());
+        }
+        let [tally] = sums.tallies(&[1.0; 3])[..] else {
+            panic!("one leaf");
+        };
+        assert!(
+            (tally.psi[0] / (2000.0 * share) - 1.0).abs() < 1e-5,
+            "{tally:?}"
+        );
+        assert!((tally.paths / 1000.0 - 1.0).abs() < 1e-5, "{tally:?}");
     }
 }

@@ -88,6 +88,21 @@ impl Lookup {
         }
     }
 
+    /// The most balls in one bucket.
+    pub(super) fn fullest(&self) -> u32 {
+        let counts = self.starts.windows(2).map(|pair| pair[1] - pair[0]);
+        counts.max().unwrap_or(0)
+    }
+
+    /// How many of the balls that it was built of touch the cell of this one's centre, in its own grid; those of cells
+    /// that share the bucket by chance count with them.
+    pub(super) fn crowd(&self, disc: &Disc) -> u32 {
+        let bottom = -exponent(self.grids[0].scale);
+        let grid = self.grids[(level(squared(disc)) - bottom).max(0) as usize];
+        let bucket = (grid.bucket(grid.cell(disc.center)) & self.mask) as usize;
+        self.starts[bucket + 1] - self.starts[bucket]
+    }
+
     /// The buckets of a ball, each once.
     fn cells(&self, disc: &Disc, bottom: i32) -> Cells {
         let squared = squared(disc);

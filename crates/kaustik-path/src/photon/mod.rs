@@ -8,6 +8,7 @@
 //! Both walks must carry the same wavelengths, so that these are given and not drawn.
 
 mod camera;
+mod crowd;
 mod light;
 mod lookup;
 mod narrow;

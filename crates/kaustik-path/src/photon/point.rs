@@ -154,6 +154,11 @@ impl MeasurementPoints {
         &self.discs
     }
 
+    /// For whoever finds that they are too large.
+    pub(super) fn discs_mut(&mut self) -> &mut [Disc] {
+        &mut self.discs
+    }
+
     /// The points, in the order in which they were made.
     pub fn points(&self) -> &[MeasurementPoint] {
         &self.points
@@ -309,6 +314,17 @@ impl Listed {
         }
         let f = bsdf.eval(wo, wi, Mode::Radiance);
         (f * photon.per_cosine(wi.z), bsdf.dispersive_between(wo, wi))
+    }
+}
+
+#[cfg(test)]
+impl MeasurementPoints {
+    /// Discs alone.
+    pub(super) fn of_discs(discs: Vec<Disc>) -> Self {
+        Self {
+            discs,
+            ..Self::default()
+        }
     }
 }
 

@@ -310,6 +310,7 @@ impl<const K: usize> PhotonChains<K> {
         for (rough, kind) in self.rough.iter_mut().zip(self.levels.0) {
             *rough *= grown[kind as usize];
         }
+        self.targets.expect(&self.levels, &self.rough);
         if let Some(maps) = &mut self.maps {
             maps.begin(stage);
         }

@@ -14,6 +14,8 @@ use crate::sampling::streams;
 
 /// Passes of uniform light paths.
 const PASSES: u64 = 4;
+/// Light paths a pass at most: nothing stops a pilot, and a map that is blurred over pixels has enough of these.
+const MOST_PATHS: u64 = 1 << 18;
 /// So many times the radius.
 const WIDER: f64 = 3.0;
 /// Light paths that one thread traces at a time.
@@ -29,6 +31,7 @@ pub(super) fn pilot(scene: &Scene, settings: &RenderSettings) -> DensityTarget {
     let counts: Vec<AtomicU64> = (0..columns * rows).map(|_| AtomicU64::new(0)).collect();
     let mut areas = vec![0.0; columns * rows];
     let generators = SampleGenerators::new(settings.seed, streams::DENSITY);
+    let paths = stage.photons.min(MOST_PATHS);
     for pass in 0..PASSES {
         stage.begin(None);
         let map = stage.map();
@@ -46,8 +49,8 @@ pub(super) fn pilot(scene: &Scene, settings: &RenderSettings) -> DensityTarget {
             areas[pixel(index)] += disc.area();
         }
         let chunk = |path: &mut PhotonPath, chunk: u64| {
-            for number in chunk * CHUNK..((chunk + 1) * CHUNK).min(stage.photons) {
-                let mut u = Independent::new(generators.at(pass * stage.photons + number));
+            for number in chunk * CHUNK..((chunk + 1) * CHUNK).min(paths) {
+                let mut u = Independent::new(generators.at(pass * paths + number));
                 (stage.tracing).build(stage.scene(), stage.wavelengths(), &mut u, path);
                 for photon in path.photons() {
                     map.meetings(photon, |index| {
@@ -56,7 +59,7 @@ pub(super) fn pilot(scene: &Scene, settings: &RenderSettings) -> DensityTarget {
                 }
             }
         };
-        let chunks = (0..stage.photons.div_ceil(CHUNK)).into_par_iter();
+        let chunks = (0..paths.div_ceil(CHUNK)).into_par_iter();
         chunks.for_each_init(PhotonPath::default, chunk);
     }
     let density = |(count, area): (&AtomicU64, &f64)| {
@@ -67,10 +70,6 @@ pub(super) fn pilot(scene: &Scene, settings: &RenderSettings) -> DensityTarget {
         }
     };
     let densities: Vec<f64> = counts.iter().zip(&areas).map(density).collect();
-    let whole = [settings.width, settings.height].map(f64::from);
-    let of_whole = |[x, y]: [u32; 2]| [f64::from(x) / whole[0], f64::from(y) / whole[1]];
-    DensityTarget::new(columns, rows, &densities).of_window(
-        of_whole([window.x0, window.y0]),
-        of_whole([window.width(), window.height()]),
-    )
+    let [low, sides] = super::window(&settings);
+    DensityTarget::new(columns, rows, &densities).of_window(low, sides)
 }

@@ -103,7 +103,10 @@ fn tracer(
     settings: &RenderSettings,
 ) -> Result<Box<dyn Tracer>, RenderError> {
     let space = match settings.method {
-        Method::PhotonImage => Space::Image,
+        Method::PhotonImage => {
+            let [low, sides] = window(settings);
+            Space::Image(low, sides)
+        }
         _ => Space::World,
     };
     use PhotonTargetKind::{Full, InverseKernel, Uniform, Visibility};
@@ -124,6 +127,14 @@ fn tracer(
         }
         _ => Ok(Box::new(IndependentPhotons::new(stage, settings)?)),
     }
+}
+
+/// First corner and sides of the window that is rendered, in the unit square over the whole image.
+fn window(settings: &RenderSettings) -> [[f64; 2]; 2] {
+    let window = settings.layout().crop;
+    let whole = [settings.width, settings.height].map(f64::from);
+    let of_whole = |[x, y]: [u32; 2]| [f64::from(x) / whole[0], f64::from(y) / whole[1]];
+    [[window.x0, window.y0], [window.width(), window.height()]].map(of_whole)
 }
 
 fn chains<const K: usize>(

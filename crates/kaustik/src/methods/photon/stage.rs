@@ -192,7 +192,7 @@ impl<'a> Stage<'a> {
         if !self.look(index, stop) {
             return false;
         }
-        self.lookup.rebuild(self.points.discs());
+        self.points.sort_into(&mut self.lookup);
         true
     }
 
@@ -345,15 +345,16 @@ impl<'a> Stage<'a> {
     }
 
     /// The unit of contributions of single photons. Their size comes from the mean power of photons and the mean area
-    /// of discs, which are known even where the two never meet.
+    /// of discs, which are known even where the two never meet. The geometric mean: one disc before the lens, as small as
+    /// a grain, is to make no other's light too little to count.
     pub(super) fn quantum(&self) -> Quantum {
-        let of = |disc: &Disc| 1.0 / disc.area();
-        let inverse: Mean = if self.scene.moves() {
+        let of = |disc: &Disc| disc.area().ln();
+        let areas: Mean = if self.scene.moves() {
             self.pilot(1, |disc, _| of(disc)).into_iter().collect()
         } else {
             self.points.discs().iter().map(of).collect()
         };
-        let typical = self.power().mean() * inverse.mean() / std::f64::consts::PI;
+        let typical = self.power().mean() / (areas.mean().exp() * std::f64::consts::PI);
         Quantum::from_mean(typical)
     }
 }

@@ -22,8 +22,8 @@ const ORIENTED: f32 = 0.05;
 pub(super) enum Space {
     /// In the scene.
     World,
-    /// On the image.
-    Image,
+    /// On the image: on the window that is rendered, by its first corner and its sides (the unit square over the whole).
+    Image([f64; 2], [f64; 2]),
     /// No regions: a pilot's map of the image.
     Densities(DensityTarget),
 }
@@ -74,7 +74,7 @@ impl<const K: usize> Targets<K> {
             Space::World | Space::Densities(_) => {
                 Regions::spatial(&mut stage.pilot(PILOT_PASSES, place))
             }
-            Space::Image => Regions::image(),
+            Space::Image(..) => Regions::image(),
         });
         let sums = (regions.as_ref()).map(|regions| {
             let sums = RegionSums::new(regions.leaves(), levels, options.psi);
@@ -208,9 +208,12 @@ impl<const K: usize> Targets<K> {
     /// Where a point lies in the tree.
     fn place(&self, disc: &Disc, point: &MeasurementPoint) -> Place {
         match &self.space {
-            Space::Image => {
-                let [x, y] = point.raster.as_vec2().to_array();
-                [x, y, 0.0, 0.0, 0.0, 0.0]
+            Space::Image(low, sides) => {
+                let within = |axis: usize| {
+                    let from_corner = point.raster[axis] - low[axis];
+                    (from_corner / sides[axis]) as f32
+                };
+                [within(0), within(1), 0.0, 0.0, 0.0, 0.0]
             }
             _ => place(disc, point, self.normals),
         }
@@ -246,6 +249,24 @@ impl<const K: usize> Targets<K> {
     /// Where visits tell about regions.
     pub(super) fn sums(&self) -> Option<&RegionSums<K>> {
         self.sums.as_ref()
+    }
+
+    /// What visits of the iteration will be about worth, by the rough normalisers of these levels.
+    pub(super) fn expect(&mut self, levels: &PhotonLevels<K>, rough: &[f64; K]) {
+        // A visit is worth `b / T`: of the chain that looks most widely, with the mean over points for `T`.
+        let worth = rough[1] / self.mean(levels.0[1]);
+        if let Some(sums) = &mut self.sums {
+            sums.expect(worth.max(f64::MIN_POSITIVE));
+        }
+    }
+
+    /// A target's mean over the points.
+    fn mean(&self, kind: PhotonTargetKind) -> f64 {
+        match kind {
+            PhotonTargetKind::Uniform | PhotonTargetKind::Visibility => 1.0,
+            PhotonTargetKind::InverseKernel => self.means[0],
+            PhotonTargetKind::Full => self.means[1],
+        }
     }
 
     /// Ends an iteration: regions take what visits have told.
