@@ -1,6 +1,7 @@
 //! Which replicas there are: rows of class weights.
 
 use std::fmt;
+use std::ops::RangeInclusive;
 use std::str::FromStr;
 
 use kaustik_path::Class;
@@ -11,6 +12,8 @@ pub type ClassWeights = [f64; WEIGHED];
 
 /// Classes that a row gives a weight to: the paper's.
 const WEIGHED: usize = 6;
+/// Weights in a row that are not 0: what they make of light stays a number.
+const WEIGHTS: RangeInclusive<f64> = 1e-30..=1e30;
 
 /// The replicas of a run (RELT 4.2.3): the uniform one, then a row of class
 /// weights each.
@@ -251,7 +254,7 @@ pub enum ReplicaSetError {
     NotUniform(String),
     /// Fewer than [`ReplicaSet::FEWEST`] or more than [`ReplicaSet::MOST`].
     Count(usize),
-    /// A replica's weights are not one finite number >= 0 for each class, at least one of them positive.
+    /// A replica's weights are not one number for each class, 0 or from 1e-30 to 1e30, at least one of them positive.
     Row {
         /// The replica.
         replica: usize,
@@ -412,7 +415,7 @@ fn row(text: &str) -> Option<ClassWeights> {
     let row: ClassWeights = numbers?.try_into().ok()?;
     let sound = row
         .iter()
-        .all(|weight| weight.is_finite() && *weight >= 0.0);
+        .all(|weight| WEIGHTS.contains(weight) || *weight == 0.0);
     (sound && row.iter().any(|&weight| weight > 0.0)).then_some(row)
 }
 

@@ -169,12 +169,19 @@ impl<const K: usize> ReplicaWeights<K> {
     /// `n_k` samples of replica k that count for `v_k`), D being the sum of `(v_k n_k q_k/b_hat_k)^beta`.
     #[inline]
     pub fn factor(&self, level: usize, densities: &[f64; K]) -> f64 {
-        let mut sum = 0.0;
-        for (density, counted) in densities.iter().zip(&self.counted).take(self.shared) {
-            sum += Self::power(density * counted, self.beta);
-        }
-        self.worth[level] * Self::power(densities[level] * self.counted[level], self.beta - 1.0)
-            / sum
+        let (expected, most) = self.expected(densities);
+        let powers = expected.iter().take(self.shared);
+        let sum: f64 = powers.map(|&x| Self::power(x, self.beta)).sum();
+        self.worth[level] * Self::power(expected[level], self.beta - 1.0) / (sum * most)
+    }
+
+    /// `v_k n_k q_k/b_hat_k` of each replica over the largest of those that share, and the largest: no power of them is
+    /// too large for a number.
+    #[inline]
+    fn expected(&self, densities: &[f64; K]) -> ([f64; K], f64) {
+        let expected: [f64; K] = std::array::from_fn(|k| densities[k] * self.counted[k]);
+        let most = expected[..self.shared].iter().copied().fold(0.0, f64::max);
+        (expected.map(|x| x / most), most)
     }
 
     /// Densities over the rough constants.
@@ -193,12 +200,9 @@ impl<const K: usize> ReplicaWeights<K> {
         } else {
             light.other
         };
-        let mut terms = [0.0; K];
-        let mut sum = 0.0;
-        for k in 0..self.shared {
-            terms[k] = Self::power(densities[k] * self.counted[k], self.beta);
-            sum += terms[k];
-        }
+        let (expected, _) = self.expected(densities);
+        let mut terms = expected.map(|x| Self::power(x, self.beta));
+        let sum: f64 = terms[..self.shared].iter().sum();
         for term in &mut terms {
             *term *= common / sum;
         }

@@ -111,7 +111,8 @@ impl<'a> Seeds<'a> {
                 let specular = (2..t).map(|t| self.eye.at(self.eye.len() - t).specular);
                 (outside || (t > 1 && self.emits(space, t))) && space.admits(specular)
             }
-            _ => !outside,
+            // two ends that see each other: nothing between them but what is specular
+            _ => !outside && (s + t > 2 || space.admits(std::iter::empty())),
         };
         ends && space.lengths().contains(&(s + t - 1))
     }

@@ -71,6 +71,8 @@ fn what_is_no_set_is_refused_with_the_place() {
         "0,0,0,0,0,0",
         "1,0,-1,0,0,0",
         "1,0,nan,0,0,0",
+        "1,0,1e31,0,0,0",
+        "1,0,1e-31,0,0,0",
         "a,0,0,0,0,1",
     ] {
         let (replica, found) = (3, row.to_owned());

@@ -125,7 +125,7 @@ impl<'a, F: Family<Contributions, 1> + Send + Sync> PssmltEngine<'a, F> {
             streams::PILOT,
             0..options.pilot,
         ));
-        let b0 = constant(options.mis, &pool, || {
+        let b0 = constant(&options, &pool, || {
             rough_constant(target, &family, settings)
         });
         let chains = start_chains(target, &family, &pool, settings)?;
@@ -216,15 +216,17 @@ impl<'a, F: Family<Contributions, 1> + Send + Sync> PssmltEngine<'a, F> {
     }
 }
 
-/// The constant in the weights; 0 if neither the pool nor rough samples of their own saw any light.
+/// The constant in the weights; 0 if nobody who may be asked saw any light.
 ///
-/// Kelemen's printed weights want b itself, the split ones a constant that knows nothing of the pool; without
-/// weights of large steps it cancels.
-fn constant(mis: Mis, pool: &Pool, rough: impl Fn() -> Option<f64>) -> f64 {
+/// Kelemen's printed weights want b itself; without weights of large steps it cancels. The split ones want a constant that
+/// knows nothing of the pool, or pictures whose pool was lucky are too bright and no others too dark. A running normaliser
+/// outgrows that.
+fn constant(options: &Options, pool: &Pool, rough: impl Fn() -> Option<f64>) -> f64 {
     let of_pool = Some(pool.normaliser().mean()).filter(|b| *b > 0.0);
-    match mis {
-        Mis::Printed | Mis::Off => of_pool.or_else(rough),
-        Mis::Split => rough().or(of_pool),
+    match (options.mis, options.normaliser) {
+        (Mis::Printed | Mis::Off, _) => of_pool.or_else(rough),
+        (Mis::Split, Normaliser::Running) => rough().or(of_pool),
+        (Mis::Split, _) => rough(),
     }
     .unwrap_or(0.0)
 }
@@ -309,6 +311,6 @@ impl<F: Family<Contributions, 1> + Send + Sync> Engine for PssmltEngine<'_, F> {
     }
 
     fn is_lit(&self) -> bool {
-        self.b0 > 0.0 || self.besides.is_lit()
+        self.b0 > 0.0 || self.pool.mean() > 0.0 || self.besides.is_lit()
     }
 }

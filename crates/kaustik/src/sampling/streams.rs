@@ -82,12 +82,15 @@ mod tests {
             Method::Mmlt => [&started[..], &metered, &[one(CONSTANT), one(TECHNIQUES)]].concat(),
             Method::Mlt => [&started[..], &metered, &[by_ladder(fresh)]].concat(),
             Method::MltMultistage => [&started[..], &[by_ladder(fresh)]].concat(),
-            Method::Relt => vec![
-                annealing(3, 15)..=annealing(0, 0),
-                one(LAMPS),
-                one(EVEN_BEGINNING),
-                by_ladder(even),
-            ],
+            Method::Relt => {
+                let own = [
+                    annealing(3, 15)..=annealing(0, 0),
+                    one(LAMPS),
+                    one(EVEN_BEGINNING),
+                    by_ladder(even),
+                ];
+                [&own[..], &metered].concat()
+            }
             Method::Annealing => vec![
                 annealing(3, 15)..=annealing(0, 0),
                 one(LAMPS),

@@ -54,12 +54,14 @@ struct Ascent<'a, const K: usize> {
 }
 
 impl<'a, const K: usize> Climb<'a, K> {
-    /// The first attempt is 0; each has twice the particles of the one before.
+    /// The first attempt is 0; each has twice the particles of the one before. What the first found to be `easy` or not, all
+    /// do: its samples, which stay, are judged by the densities that follow from it.
     pub(super) fn new(
         target: PathTarget<'a>,
         set: &'a ReplicaSet,
         settings: &'a RenderSettings,
         attempt: u32,
+        easy: Option<Option<f64>>,
     ) -> Self {
         let family = ReplicaFamily::new(set, settings.options.target);
         let particles = (settings.options.particles << attempt).min(MOST_PARTICLES);
@@ -78,13 +80,18 @@ impl<'a, const K: usize> Climb<'a, K> {
             particles,
             scouts: Scouts::send(target, family, settings, ladder, count),
         };
-        let share = climb.scouts.effective_share();
-        // As a renderer of its own an annealing has no even samples.
-        let even = settings.options.even != EvenSamples::Count(0);
-        if settings.method == Method::Relt && even && share > EASY {
+        if let Some(share) = easy.unwrap_or_else(|| climb.is_easy()) {
             climb.leave_specular(share);
         }
         climb
+    }
+
+    /// The effective share of scouts, if it is so large that independent samples may have their light.
+    fn is_easy(&self) -> Option<f64> {
+        let options = &self.settings.options;
+        // As a renderer of its own an annealing has no even samples.
+        let even = self.settings.method == Method::Relt && options.even != EvenSamples::Count(0);
+        Some(self.scouts.effective_share()).filter(|share| even && *share > EASY)
     }
 
     /// Leaves light that so large a share of scouts find to independent samples.

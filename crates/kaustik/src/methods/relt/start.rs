@@ -131,11 +131,12 @@ fn anneal<const K: usize>(
     let mut attempt = 0;
     let mut first = None;
     loop {
-        let climb = Climb::<K>::new(target, set, settings, attempt);
+        let easy = first.as_ref().map(|(_, easy)| *easy);
+        let climb = Climb::<K>::new(target, set, settings, attempt, easy);
         let (mut started, extinct, sighted) = climb.run();
         if extinct.is_some() && attempt < AGAIN {
             attempt += 1;
-            first.get_or_insert((started.pool, started.scouted));
+            first.get_or_insert(((started.pool, started.scouted), climb.easy));
             continue;
         }
         if let Some(Extinct { level }) = extinct {
@@ -154,7 +155,7 @@ fn anneal<const K: usize>(
         }
         // What counts as independent is the first attempt's: a later one was made because that had met too little,
         // and is the last because it met enough.
-        if let Some(first) = first {
+        if let Some((first, _)) = first {
             (started.pool, started.scouted) = first;
         }
         return started;
