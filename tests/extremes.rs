@@ -135,6 +135,11 @@ fn a_sky_at_the_end_of_single_precision() {
         let output = kaustik(&words);
         let said = String::from_utf8_lossy(&output.stderr).into_owned();
         assert!(output.status.success(), "{method} {scene:?}: {said}");
-        assert!(sum(&exr).is_finite(), "{method} {scene:?}");
+        // `sum` has looked at each of them
+        if scene == [&large] {
+            assert!(said.contains("left out"), "{method}: {said}");
+        } else {
+            assert!(sum(&exr) > 0.0, "{method} {scene:?}");
+        }
     }
 }

@@ -13,9 +13,9 @@ use std::fmt::Write;
 use std::path::PathBuf;
 
 use kaustik_mcmc::{
-    Exponential, Ladder, Metropolis, PointKernel, Schedule, Visit, generator, target,
+    Coordinates, Exponential, Ladder, Metropolis, PointKernel, Schedule, Stream, Visit, generator,
+    target,
 };
-use kaustik_pss::{Coordinates, Stream};
 
 const MODES: usize = 6;
 const LEVELS: usize = 6;

@@ -13,9 +13,9 @@ use std::fmt::Write;
 use std::path::PathBuf;
 
 use kaustik_mcmc::{
-    Exponential, Ignore, Ladder, PointKernel, Population, Resampling, anneal, generator, target,
+    Coordinates, Exponential, Ignore, Ladder, PointKernel, Population, Resampling, Stream, anneal,
+    generator, target,
 };
-use kaustik_pss::{Coordinates, Stream};
 
 const LEVELS: usize = 7;
 const EVENTS: u32 = 60;

@@ -11,10 +11,9 @@
 //!
 //! ```
 //! use kaustik_mcmc::{
-//!     Exponential, Metropolis, PointKernel, Pool, Visit, generator, sample, sample_generator,
-//!     target,
+//!     Coordinates, Exponential, Metropolis, PointKernel, Pool, Stream, Visit, generator, sample,
+//!     sample_generator, target,
 //! };
-//! use kaustik_pss::{Coordinates, Stream};
 //!
 //! // Where does a particle end that decays with chance 2% at each of its random steps?
 //! // We want the far tail: how much of (end - 3)^+ is there? Evaluation is the dear part,
@@ -59,7 +58,7 @@
 //! let b = pool.normaliser(); // the integral of the tail, with its standard error
 //! println!("{:.5} +- {:.5}, {:.3} of it beyond 4", b.mean(), b.standard_error(),
 //!     beyond_four / steps as f64);
-//! let statistics = chain.statistics(); // small steps are accepted a hundred times as often
+//! let statistics = chain.statistics(); // small steps are accepted far more often
 //! assert!(statistics.small().rate() > 20.0 * statistics.large().rate());
 //! # assert!(b.mean() > 5.0 * b.standard_error());
 //! # Ok::<(), kaustik_mcmc::StartError>(())
@@ -107,7 +106,7 @@
 //! coordinates from it, decide. No trait to implement; [`Proposal`] shows it whole.
 //!
 //! Either way, a renderer that asks a sampler for the *next* number wraps the coordinates in a
-//! [`Cursor`](kaustik_pss::Cursor).
+//! [`Cursor`].
 //!
 //! Path mutations and other states that are no points implement [`Kernel`] and use the
 //! same chain. There is one accept/reject decision, [`decide`](fn@decide), with one acceptance
@@ -247,5 +246,7 @@ pub use target::{FnTarget, Target, target};
 pub use tour::{TourRecorder, Touring};
 pub use visit::{Both, Ignore, Recorder, Visit};
 
+/// What targets are given: coordinates of a point of the unit cube, by stream.
+pub use kaustik_pss::{Coordinates, Cursor, Recorded, Recording, Stream};
 /// The generator that [`generator`] and [`sample_generator`] make.
 pub use rand_pcg::Pcg64Dxsm;

@@ -14,8 +14,7 @@ use crate::{Draws, Mutation, Point, Step};
 /// This is the whole of Kelemen's method for a program that would rather keep its own loop:
 ///
 /// ```
-/// use kaustik_mcmc::{Draws, Exponential, Point, Step, acceptance, generator};
-/// use kaustik_pss::{Coordinates, Stream};
+/// use kaustik_mcmc::{Coordinates, Draws, Exponential, Point, Step, Stream, acceptance, generator};
 ///
 /// let brightness = |u: &mut dyn Coordinates| u.get(Stream::Camera, 0); // yours
 ///
@@ -23,7 +22,7 @@ use crate::{Draws, Mutation, Point, Step};
 /// let mut point = Point::new(Exponential::default());
 /// let mut first = point.propose(Step::Large, &mut rng);
 /// let mut current = brightness(&mut first);
-/// first.decide(1.0);
+/// first.accept();
 /// for _ in 0..100 {
 ///     let step = if rng.bernoulli(0.3) { Step::Large } else { Step::Small };
 ///     let mut proposal = point.propose(step, &mut rng);
@@ -65,6 +64,12 @@ impl<'a, M: Mutation, D: Draws + ?Sized> Proposal<'a, M, D> {
             self.open = false;
         }
         accepted
+    }
+
+    /// Accepts without asking, as a first state is.
+    pub fn accept(mut self) {
+        self.point.commit();
+        self.open = false;
     }
 
     /// Rejects without asking: the same as dropping it.

@@ -45,7 +45,7 @@ impl<M: Mutation, V, const K: usize> Metropolis<Point<M>, V, K> {
     /// From a state within the region, a point v of the region is accepted with probability min(1, q(v) / q(u));
     /// what lies outside is turned down, as if its density were zero, for the price of a look. From a state outside
     /// the chain never moves by this. So moves go between points of the region alone, both ways
-    /// with the same density: the target is invariant, whatever it is. What it adds to small steps is jumps between
+    /// with the same density: any target is left as it is. What it adds to small steps is jumps between
     /// islands of the region; the way into it and out of it are other moves' affair.
     ///
     /// As an exchange, this records nothing by itself: what the current state has gathered is reported before it

@@ -63,8 +63,9 @@ impl<M: Mutation + Clone, V, const K: usize> Metropolis<Point<M>, V, K> {
     /// long the tour was. From where s is zero there is no tour, and the chain stays: what lies there is other steps'
     /// affair.
     ///
-    /// Nor is the tour lost but for its end. Of a state with the law q the weight s / q makes one with the law s, and so
-    /// of every state of the tour that began there: the recorder takes them all.
+    /// The states on the way are of use too. The start has the density q; with the weight s / q it stands for s, which the
+    /// tour's steps leave as it is. So every state of the tour with that weight is a sample of s, and the recorder is
+    /// told of all of them.
     ///
     /// Coordinates that the value of the current state does not use are forgotten ([`Point::refresh`]).
     /// `tour` is any chain, such as the last tour's: its state, value and pending visits are overwritten, its

@@ -147,7 +147,8 @@ impl Contributions {
         &self.splats
     }
 
-    /// The scalar of all splats of each class: `L_0` to `L_5` of RELT (12) to (17).
+    /// Sums of the scalar of the splats of each [`Class`], by `class as usize`, each >= 0: `L_0` to `L_5` of RELT eqs. 12 to
+    /// 17, of which `L_0` is split into [`Class::L0`] and [`Class::L0Joined`].
     #[inline]
     pub fn by_class(&self, target: ScalarTarget) -> [f64; Class::COUNT] {
         let mut sums = [0.0; Class::COUNT];

@@ -347,12 +347,23 @@ thread_local! {
     static EVENTS: RefCell<Vec<Event>> = const { RefCell::new(Vec::new()) };
 }
 
-/// Runs `work` and writes down what the builders do in it on this thread, at most a million events.
+/// Nobody listens any longer when it goes, even if a panic takes it.
+struct Listening;
+
+impl Drop for Listening {
+    fn drop(&mut self) {
+        LISTENING.set(false);
+    }
+}
+
+/// Runs `work` and writes down what the builders do in it on this thread, at most a million events. Within `work` it must
+/// not be called again: the inner call would take the outer one's events.
 pub fn trace<T>(work: impl FnOnce() -> T) -> (T, Vec<Event>) {
     EVENTS.take();
     LISTENING.set(true);
+    let listening = Listening;
     let result = work();
-    LISTENING.set(false);
+    drop(listening);
     (result, EVENTS.take())
 }
 

@@ -37,8 +37,8 @@ impl fmt::Debug for Find<'_> {
 ///
 /// From such a surface, which the walk has reached through glass or by mirrors, only few directions lead
 /// through glass or mirrors again to the lamp. So several are followed from there, each at the cost of its
-/// own new edges alone; only the first goes on past the next surface that scatters otherwise. Lengths of
-/// paths fall into stretches by this, and `found` is told of light that was met with its stretch. At the
+/// own new edges alone; only the first goes on past the next surface that scatters otherwise. Each way is
+/// responsible for its own range of path lengths, which `found` is given with every hit ([`Find::settings`]). At the
 /// coordinates of a find, [`Bidirectional`](crate::Bidirectional) paths in their full form, with the find's
 /// settings, have some light of that class. The sum of this light times the weight, over all finds, has its mean.
 ///

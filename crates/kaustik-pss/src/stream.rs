@@ -1,8 +1,8 @@
 /// What a coordinate is for. Streams are numbered apart, so that a longer camera
 /// walk does not shift the meaning of the light walk's coordinates (Kelemen sec. 2).
 ///
-/// The names are those of light transport. Nothing else about a stream is: a program of another
-/// kind takes them for seven independent rows of coordinates.
+/// Only the names come from light transport: other programs may take them for seven independent
+/// sequences.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[repr(u8)]

@@ -14,9 +14,9 @@ mod picture;
 mod renderer;
 
 use kaustik_mcmc::{
-    Draws, Exponential, Point, Pool, Step, acceptance, generator, sample_generator,
+    Coordinates, Cursor, Draws, Exponential, Point, Pool, Step, Stream, acceptance, generator,
+    sample_generator,
 };
-use kaustik_pss::{Coordinates, Cursor, Stream};
 use picture::{Image, SIDE, mean, rmse, write_png};
 use renderer::{V, trace};
 
@@ -60,7 +60,7 @@ fn chain(samples: usize, seed: u64) -> Image {
     let mut again = sample_generator(seed, 0, start.index);
     let mut first = point.propose(Step::Large, &mut again);
     let mut current = read(&mut first);
-    first.decide(1.0);
+    first.accept();
 
     let mut image = vec![V::default(); SIDE * SIDE];
     let steps = samples - samples / 10;

@@ -13,15 +13,14 @@ impl<M> Point<M> {
     /// Empty for a point that is nowhere yet.
     ///
     /// ```
-    /// use kaustik_mcmc::{Exponential, Point, Step, generator};
-    /// use kaustik_pss::{Coordinates, Stream};
+    /// use kaustik_mcmc::{Coordinates, Exponential, Point, Step, Stream, generator};
     ///
     /// let evaluate = |u: &mut dyn Coordinates| u.get(Stream::Light, 3) - u.get(Stream::Camera, 0);
     /// let mut rng = generator(1, 0);
     /// let mut point = Point::new(Exponential::default());
     /// let mut first = point.propose(Step::Large, &mut rng);
     /// let value = evaluate(&mut first);
-    /// first.decide(1.0);
+    /// first.accept();
     ///
     /// let mut recorded = point.record();
     /// assert_eq!(evaluate(&mut recorded), value);

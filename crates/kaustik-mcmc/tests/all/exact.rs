@@ -34,7 +34,7 @@ impl Kernel<[usize; 2]> for Ring {
         *proposed = state[0];
         let odds = (1.0 - self.up) / self.up;
         let ratio = if up { odds } else { 1.0 / odds };
-        Move::new(2, if self.honest { ratio } else { 1.0 })
+        Move::new(Move::OWN, if self.honest { ratio } else { 1.0 })
     }
 
     fn reject(&self, state: &mut [usize; 2]) {

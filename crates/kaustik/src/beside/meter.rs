@@ -31,20 +31,20 @@ use look::Look;
 use samples::{At, Samples, Scratch, WORTH};
 
 /// Samples a pass in each cell that join two walks, for methods that do not know the rest of the light by themselves.
-const JOINED: u64 = 6;
+const JOINED_SAMPLES: u64 = 6;
 /// Scouts a pass, for each cell in the mean, that look at Dirac surfaces.
 const SCOUTS: u64 = 16;
 /// Passes that tell how well the meter knows the light, and are no part of what it says of it.
 const TRIALS: Range<u64> = (1 << 40)..(1 << 40) + 4;
 /// A meter whose estimate would have less than this weight beside the method's own is not run.
-const SAY: f64 = 0.25;
+const LEAST_WEIGHT: f64 = 0.25;
 /// Passes before the first mutation.
-const FIRST: u64 = 4;
+const FIRST_PASSES: u64 = 4;
 /// The most passes: who merges shares, which have the same ones, has to take no more. In `ring-and-sphere` 15
 /// know the light to half a percent, so many to a twentieth.
-const MOST: u64 = 2048;
+const MOST_PASSES: u64 = 2048;
 /// Passes that are taken at once.
-const BLOCK: u64 = 16;
+const PASSES_AT_ONCE: u64 = 16;
 
 /// Independent samples that the method already makes (of `relt`: its scouts).
 #[derive(Clone, Copy, Debug)]
@@ -142,7 +142,7 @@ impl<'a> Meter<'a> {
             // Who meets light seldom does not know how much he misses.
             None => 1.0,
         };
-        if say.is_nan() || say < SAY {
+        if say.is_nan() || say < LEAST_WEIGHT {
             return None;
         }
         meter.keep_up(0);
@@ -156,12 +156,12 @@ impl<'a> Meter<'a> {
         }
         let (target, joined) = match settings.method {
             Method::Relt => (ScalarTarget::Xyz, 0),
-            _ => (settings.options.target, JOINED),
+            _ => (settings.options.target, JOINED_SAMPLES),
         };
         let samples = |stream| Samples::new(scene, settings, target, stream);
         let look = Look::new(&samples(streams::METER_LOOK))?;
         let samples = samples(streams::METER);
-        let scouts = look.often(&samples, SCOUTS, JOINED);
+        let scouts = look.often(&samples, SCOUTS, JOINED_SAMPLES);
         let meter = Self {
             first: first(joined, &scouts),
             samples,
@@ -316,13 +316,13 @@ impl Beside for Meter<'_> {
     const NAME: &'static str = "meter of light";
 
     fn due(&self, mutations: u64) -> u64 {
-        (FIRST + mutations / self.mutations_a_pass()).min(MOST)
+        (FIRST_PASSES + mutations / self.mutations_a_pass()).min(MOST_PASSES)
     }
 
     fn keep_up(&mut self, mutations: u64) {
         let due = self.due(mutations);
         while self.passes < due {
-            let end = (self.passes + BLOCK).min(due);
+            let end = (self.passes + PASSES_AT_ONCE).min(due);
             let (light, nonfinite) = self.take(self.passes..end);
             // One by one: the same bits however many are taken at once.
             light.into_iter().for_each(|light| self.light.push(light));
