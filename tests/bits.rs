@@ -90,11 +90,11 @@ struct Onlooker {
 }
 
 impl Watch for Onlooker {
-    fn wants(&mut self, _: &Progress) -> bool {
+    fn wants_image(&mut self, _: &Progress) -> bool {
         true
     }
 
-    fn see(&mut self, rendered: Rendered) {
+    fn see_image(&mut self, rendered: Rendered) {
         self.per_pixel.push(rendered.statistics.per_pixel);
         self.last = Some(rendered.image);
     }

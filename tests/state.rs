@@ -29,17 +29,17 @@ pub(crate) struct Keeper {
 }
 
 impl Watch for Keeper {
-    fn wants(&mut self, _: &Progress) -> bool {
+    fn wants_image(&mut self, _: &Progress) -> bool {
         self.looks
     }
 
-    fn see(&mut self, _: Rendered) {}
+    fn see_image(&mut self, _: Rendered) {}
 
     fn wants_state(&mut self, _: &Progress, last: bool) -> bool {
         last || self.all
     }
 
-    fn keep(&mut self, snapshot: &Snapshot<'_>) {
+    fn see_state(&mut self, snapshot: &Snapshot<'_>) {
         let bytes = snapshot.bytes(&Source::default());
         self.states.push(bytes.expect("a state can be written"));
     }

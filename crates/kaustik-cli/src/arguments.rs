@@ -47,10 +47,10 @@ pub(crate) struct RenderWords {
     /// How to compute the picture (see `kaustik methods`)
     #[arg(long, value_name = "NAME", default_value_t = Method::default())]
     pub(crate) method: Method,
-    /// Columns; 1024, or what the camera's aspect ratio makes of the height
+    /// Columns; by default what the camera's aspect ratio makes of the height, or of a longer side of 1024
     #[arg(long, value_name = "W", value_parser = clap::value_parser!(u32).range(1..=65536))]
     pub(crate) width: Option<u32>,
-    /// Rows; what the camera's aspect ratio makes of the width
+    /// Rows; by default what the camera's aspect ratio makes of the width, or of a longer side of 1024
     #[arg(long, value_name = "H", value_parser = clap::value_parser!(u32).range(1..=65536))]
     pub(crate) height: Option<u32>,
     /// Samples or mutations a pixel; of photon methods iterations

@@ -87,17 +87,17 @@ impl<'a> Checkpoints<'a> {
 }
 
 impl Watch for Checkpoints<'_> {
-    fn wants(&mut self, _: &Progress) -> bool {
+    fn wants_image(&mut self, _: &Progress) -> bool {
         std::mem::take(&mut self.asked)
     }
 
-    fn see(&mut self, rendered: Rendered) {
+    fn see_image(&mut self, rendered: Rendered) {
         if let Err(failure) = picture::write(self.outputs, self.source, self.settings, rendered) {
             output::note(&format!("warning: {failure}; the render goes on"));
         }
     }
 
-    fn begins(&mut self) {
+    fn pilot_done(&mut self) {
         self.signals.sampling();
     }
 
@@ -106,7 +106,7 @@ impl Watch for Checkpoints<'_> {
         self.path.is_some() && (last || self.asked || self.last.elapsed() >= self.every)
     }
 
-    fn keep(&mut self, snapshot: &Snapshot<'_>) {
+    fn see_state(&mut self, snapshot: &Snapshot<'_>) {
         let Some(path) = self.path else {
             return;
         };

@@ -100,17 +100,17 @@ impl Keeper<'_> {
 }
 
 impl Watch for Keeper<'_> {
-    fn wants(&mut self, _: &Progress) -> bool {
+    fn wants_image(&mut self, _: &Progress) -> bool {
         false
     }
 
-    fn see(&mut self, _: Rendered) {}
+    fn see_image(&mut self, _: Rendered) {}
 
     fn wants_state(&mut self, _: &Progress, _: bool) -> bool {
         self.path().is_some()
     }
 
-    fn keep(&mut self, snapshot: &Snapshot<'_>) {
+    fn see_state(&mut self, snapshot: &Snapshot<'_>) {
         if let Some(path) = self.path() {
             self.failure = snapshot.write(path, self.source).err();
         }

@@ -182,21 +182,21 @@ impl Move {
     }
 }
 
-/// Kelemen's mixture on lazy points: a large step with probability `large`, otherwise a
+/// Kelemen's mixture on lazy points: a large step with probability `p_large`, otherwise a
 /// small one by the point's own mutation. Symmetric as a whole.
 #[derive(Clone, Debug)]
 pub struct PointKernel<T> {
     /// What is evaluated. References to targets are targets.
     pub target: T,
     /// Probability of a large step, in [0, 1]; Kelemen reports about 0.5 as best. 0 needs
-    /// another source of large jumps, such as an exchange with a uniform replica.
-    pub large: f64,
+    /// another source of large jumps, such as an exchange with a uniform replica. Below 0, or NaN, is 0; above 1 is 1.
+    pub p_large: f64,
 }
 
 impl<T: Target> PointKernel<T> {
     /// The mixture with the given probability of large steps.
-    pub fn new(target: T, large: f64) -> Self {
-        Self { target, large }
+    pub fn new(target: T, p_large: f64) -> Self {
+        Self { target, p_large }
     }
 }
 
@@ -210,7 +210,7 @@ impl<T: Target, M: Mutation> Kernel<Point<M>> for PointKernel<T> {
         proposed: &mut T::Value,
         draws: &mut D,
     ) -> Move {
-        let large = draws.bernoulli(self.large);
+        let large = draws.bernoulli(self.p_large);
         let step = if large { Step::Large } else { Step::Small };
         let mut proposal = point.propose(step, draws);
         self.target.evaluate(&mut proposal, proposed);

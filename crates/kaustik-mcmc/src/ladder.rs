@@ -25,7 +25,7 @@ use crate::{
 /// Replicas keep what belongs to their level: a lazy [`Point`](crate::Point) its mutation (the debt that a
 /// state owes to it is paid when it leaves), the kernel its large steps, the chain its
 /// statistics. Level 0 usually has the uniform density 1 and large steps only
-/// (`PointKernel { large: 1.0, .. }`), the others small steps only.
+/// (`PointKernel { p_large: 1.0, .. }`), the others small steps only.
 ///
 /// ```
 /// use kaustik_mcmc::{

@@ -21,10 +21,10 @@ pub struct LevelKernel<T, M> {
 }
 
 impl<T: Target, M: Mutation> LevelKernel<T, M> {
-    /// Large steps with probability `large`, small ones by `mutation`.
-    pub fn new(target: T, large: f64, mutation: M) -> Self {
+    /// Large steps with probability `p_large`, small ones by `mutation`.
+    pub fn new(target: T, p_large: f64, mutation: M) -> Self {
         Self {
-            kernel: PointKernel::new(target, large),
+            kernel: PointKernel::new(target, p_large),
             mutation,
         }
     }

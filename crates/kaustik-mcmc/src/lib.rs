@@ -69,14 +69,14 @@
 //! | noun | is |
 //! |---|---|
 //! | [`Target`] | dear: evaluates a point into a value |
-//! | [`Family`] | cheap: reads K densities off a value, one a level |
+//! | [`Family`] | cheap: K unnormalised target densities, one a level, read off a value |
 //! | [`Point`] | lazily made coordinates with their clock (Kelemen sec. 4 and 6) |
 //! | [`Mutation`] | how one coordinate takes a small step: [`Exponential`], [`Uniform`], [`WrappedNormal`], [`WrappedCauchy`], [`Power`]; [`PerCoordinate`] |
 //! | [`Proposal`] | a guard: a point one step on, until decided; dropped, it never was |
 //! | [`Kernel`] | how a chain proposes, for any state: [`PointKernel`] for points, [`LevelKernel`] and [`SizedKernel`] with step sizes of their own |
 //! | [`Mixture`] | several kernels in one, by fixed chances or by [`Suitability`] |
-//! | [`Scouting`] | proposals that are looked at before they are paid for: [`Metropolis::scout`] |
-//! | [`Touring`] | many steps under a cheap surrogate, offered as one: [`Metropolis::step_by_tour`] |
+//! | [`Scouting`] | independence proposals that a cheap test screens before they are evaluated: [`Metropolis::scout`] |
+//! | [`Touring`] | surrogate transitions (Liu 2001): many steps under a cheap target, offered as one: [`Metropolis::step_by_tour`] |
 //! | [`SecondStage`] | a second try after a rejected large step: [`Metropolis::step_delayed`] |
 //! | [`Metropolis`] | a chain: current value, the decision, what is yet to be reported |
 //! | [`Ladder`] | chains at all levels that exchange states: by a [`Schedule`], on a [`SwapGraph`] |
@@ -140,7 +140,7 @@
 //!
 //! # Features
 //!
-//! None by default: the dependencies are then `rand`'s traits, one generator and `libm`.
+//! None by default: the dependencies are then `kaustik-pss`, `rand`'s traits, one generator and `libm`.
 //! `testing` adds the kit with proptest's strategies, `serde` the states as files.
 //!
 //! # Determinism and replay
@@ -151,9 +151,11 @@
 //!
 //! # Errors
 //!
-//! Chains cannot fail. A density that is NaN, infinite or negative is counted
+//! A step cannot fail. A density that is NaN, infinite or negative is counted
 //! ([`Statistics::defects`]), treated as zero, and neither enters a state nor reaches a
-//! recorder. Only a start can fail: [`StartError`].
+//! recorder. What can: a start ([`StartError`]), a population that dies out ([`Extinct`]), parameters out of
+//! range ([`RedistributionError`], [`SwapGraphError`]). An index that does not exist, such as a level of K
+//! or more, panics.
 
 /// The program of the README runs.
 #[cfg(doctest)]

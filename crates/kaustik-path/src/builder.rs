@@ -17,7 +17,7 @@ pub trait PathBuilder: Send + Sync {
 /// What all builders are told.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BuilderSettings {
-    /// Shortest path that is kept, in edges (at least 1). Shorter ones bring nothing, longer ones are what they are without.
+    /// Shortest path that is kept, in edges (at least 1). Shorter ones contribute nothing, and longer ones do not depend on it.
     pub min_edges: u32,
     /// Longest path in edges, at least 1 (1: emitters seen directly).
     pub max_edges: u32,

@@ -31,9 +31,9 @@ impl fmt::Debug for Find<'_> {
     }
 }
 
-/// Looks for light of [`Class::L0`](crate::Class::L0) by a walk from the camera, as [`sight`](crate::sight) does. It
-/// goes on along so many `ways` (one at least) from the first surface that does not scatter into a Dirac direction, along
-/// half as many from the next, and so on.
+/// Looks for light of [`Class::L0`](crate::Class::L0) by a walk from the camera, as [`sight`](crate::sight) does. The
+/// walk splits at surfaces that do not scatter into a Dirac direction: into so many `ways` at the first, half as many at the
+/// next, and so on, one at least.
 ///
 /// From such a surface, which the walk has reached through glass or by mirrors, only few directions lead
 /// through glass or mirrors again to the lamp. So several are followed from there, each at the cost of its

@@ -148,7 +148,7 @@ impl Eyes<'_, '_> {
 }
 
 impl Watch for Eyes<'_, '_> {
-    fn wants(&mut self, progress: &Progress) -> bool {
+    fn wants_image(&mut self, progress: &Progress) -> bool {
         self.now = self.elapsed();
         let share = match self.look.looks.last() {
             Some((Amount::Seconds(last), ..)) => self.now / last,
@@ -162,7 +162,7 @@ impl Watch for Eyes<'_, '_> {
         self.due() > self.next
     }
 
-    fn see(&mut self, rendered: Rendered) {
+    fn see_image(&mut self, rendered: Rendered) {
         self.keep(&rendered, self.due());
         if self.next == self.look.looks.len() {
             self.stop.store(true, Ordering::Relaxed);

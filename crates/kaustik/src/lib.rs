@@ -6,10 +6,8 @@
 //!
 //! ```
 //! use kaustik::{Budget, Control, Method, RenderSettings, render};
-//! use kaustik::scene::{Scene, SceneOptions, builtin};
+//! use kaustik::scene::{Scene, builtin};
 //!
-//! let description = builtin::load("furnace")?;
-//! let scene = Scene::new(&description, &SceneOptions { width: 8, height: 8, ..Default::default() })?;
 //! let settings = RenderSettings {
 //!     method: Method::Path,
 //!     width: 8,
@@ -17,6 +15,7 @@
 //!     budget: Budget::PerPixel(4),
 //!     ..RenderSettings::default()
 //! };
+//! let scene = Scene::new(&builtin::load("furnace")?, &settings.scene_options())?;
 //! let done = render(&scene, &settings, &mut Control::default())?;
 //! assert_eq!(done.image.width(), 8);
 //! # Ok::<(), Box<dyn std::error::Error>>(())

@@ -70,16 +70,16 @@ pub fn render(
     render_watched(scene, settings, control, &mut Unwatched)
 }
 
-/// Whoever wants the picture before it is done.
+/// Observes a render: asked after every round whether it wants the image or the state.
 pub trait Watch {
-    /// Asked after every round: is the picture wanted as it is now?
-    fn wants(&mut self, progress: &Progress) -> bool;
+    /// Asked after every round: is the image wanted as it is now?
+    fn wants_image(&mut self, progress: &Progress) -> bool;
 
     /// Gets it: without albedo, normal and depth, with a method's parts if the settings ask for features.
-    fn see(&mut self, rendered: Rendered);
+    fn see_image(&mut self, rendered: Rendered);
 
-    /// The pilot is over: from now on there is something to lose.
-    fn begins(&mut self) {}
+    /// The pilot is over: from now on there is a state to be kept.
+    fn pilot_done(&mut self) {}
 
     /// Asked after every round, and once more after the `last`: is the state wanted as it is now?
     fn wants_state(&mut self, _progress: &Progress, _last: bool) -> bool {
@@ -87,18 +87,18 @@ pub trait Watch {
     }
 
     /// Gets it.
-    fn keep(&mut self, _snapshot: &Snapshot<'_>) {}
+    fn see_state(&mut self, _snapshot: &Snapshot<'_>) {}
 }
 
 /// Nobody.
 pub(crate) struct Unwatched;
 
 impl Watch for Unwatched {
-    fn wants(&mut self, _: &Progress) -> bool {
+    fn wants_image(&mut self, _: &Progress) -> bool {
         false
     }
 
-    fn see(&mut self, _: Rendered) {}
+    fn see_image(&mut self, _: Rendered) {}
 }
 
 /// As [`render`], showing pictures and states on the way: an error curve takes one render, not one a point.
@@ -119,6 +119,49 @@ pub fn render_watched(
 /// As [`render_watched`], from where another render was: the picture has the bits of a render that nothing
 /// interrupted, for any number of threads. The budget is that of both together and may be larger than the
 /// first was. The state, which may be as large as the films, is let go once it is taken up.
+///
+/// ```
+/// use kaustik::scene::{Scene, builtin};
+/// use kaustik::{Budget, Control, Method, Progress, RenderSettings, Rendered, Snapshot, Source, State, Watch};
+///
+/// /// Keeps the last state.
+/// #[derive(Default)]
+/// struct Keeper(Vec<u8>);
+///
+/// impl Watch for Keeper {
+///     fn wants_image(&mut self, _: &Progress) -> bool {
+///         false
+///     }
+///     fn see_image(&mut self, _: Rendered) {}
+///     fn wants_state(&mut self, _: &Progress, last: bool) -> bool {
+///         last
+///     }
+///     fn see_state(&mut self, snapshot: &Snapshot<'_>) {
+///         self.0 = snapshot.bytes(&Source::default()).unwrap_or_default();
+///     }
+/// }
+///
+/// let settings = RenderSettings {
+///     method: Method::Path,
+///     width: 8,
+///     height: 8,
+///     budget: Budget::PerPixel(4),
+///     ..RenderSettings::default()
+/// };
+/// let scene = Scene::new(&builtin::load("cornell")?, &settings.scene_options())?;
+/// let mut keeper = Keeper::default();
+/// kaustik::render_watched(&scene, &settings, &mut Control::default(), &mut keeper)?;
+///
+/// // Later, perhaps elsewhere: four samples a pixel more.
+/// let state = State::from_bytes(keeper.0)?;
+/// let more = RenderSettings {
+///     budget: Budget::PerPixel(8),
+///     ..state.settings()?
+/// };
+/// let done = kaustik::resume(&scene, &more, state, &mut Control::default(), &mut Keeper::default())?;
+/// assert_eq!(done.statistics.steps, 8 * 64);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 ///
 /// # Errors
 /// As [`render_watched`]; a state of another scene, method, setting or share, or a damaged one.
@@ -150,7 +193,7 @@ fn render_from(
         pool.install(|| work.take_up(engine.as_mut(), &state, true))?;
     }
     work.begin();
-    watch.begins();
+    watch.pilot_done();
     let outcome = work.run(engine.as_mut(), &pool, control, watch)?;
     work.finish(engine, &pool, outcome)
 }
@@ -296,7 +339,7 @@ impl<'a> Work<'a> {
             if watch.wants_state(&progress, false) {
                 self.show_state(engine, watch);
             }
-            if watch.wants(&progress) {
+            if watch.wants_image(&progress) {
                 self.show(engine, pool, watch)?;
             }
             if control.stopped() {
@@ -327,7 +370,7 @@ impl<'a> Work<'a> {
     }
 
     pub(crate) fn show_state(&self, engine: &(dyn Engine + '_), watch: &mut dyn Watch) {
-        watch.keep(&self.snapshot(engine));
+        watch.see_state(&self.snapshot(engine));
     }
 
     /// Shows the picture, and puts back what its chains had to deposit for it.
@@ -338,11 +381,11 @@ impl<'a> Work<'a> {
         watch: &mut dyn Watch,
     ) -> Result<(), RenderError> {
         if !engine.holds_back() {
-            watch.see(pool.install(|| self.rendered(engine, Outcome::Stopped))?);
+            watch.see_image(pool.install(|| self.rendered(engine, Outcome::Stopped))?);
             return Ok(());
         }
         let kept = self.snapshot(engine).state()?;
-        watch.see(pool.install(|| self.rendered(engine, Outcome::Stopped))?);
+        watch.see_image(pool.install(|| self.rendered(engine, Outcome::Stopped))?);
         Ok(pool.install(|| take_up(engine, &kept, true))?)
     }
 

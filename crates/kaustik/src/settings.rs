@@ -24,6 +24,7 @@ use std::time::Duration;
 
 use kaustik_estimate::Scale;
 use kaustik_film::{Filter, Layout, Window};
+use kaustik_scene::SceneOptions;
 
 /// When a render is done.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -86,6 +87,16 @@ impl Default for RenderSettings {
 }
 
 impl RenderSettings {
+    /// What a scene must be compiled with to be rendered by these settings; its first camera, its own environment.
+    pub fn scene_options(&self) -> SceneOptions {
+        SceneOptions {
+            width: self.width,
+            height: self.height,
+            compensation: self.options.compensation,
+            ..SceneOptions::default()
+        }
+    }
+
     /// Size, crop and filter for a film.
     pub fn layout(&self) -> Layout {
         let layout = Layout::new(self.width, self.height).with_filter(self.filter);

@@ -192,17 +192,17 @@ fn what_is_broken_off_is_taken_back() {
 struct Keeper(Option<State>);
 
 impl Watch for Keeper {
-    fn wants(&mut self, _: &Progress) -> bool {
+    fn wants_image(&mut self, _: &Progress) -> bool {
         false
     }
 
-    fn see(&mut self, _: crate::Rendered) {}
+    fn see_image(&mut self, _: crate::Rendered) {}
 
     fn wants_state(&mut self, _: &Progress, last: bool) -> bool {
         last
     }
 
-    fn keep(&mut self, snapshot: &Snapshot<'_>) {
+    fn see_state(&mut self, snapshot: &Snapshot<'_>) {
         self.0 = snapshot.state().ok();
     }
 }

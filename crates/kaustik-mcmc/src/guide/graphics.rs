@@ -11,7 +11,7 @@
 //! | camera and light numbers apart (sec. 2, end) | [`Stream`](kaustik_pss::Stream) |
 //! | the point u, its time stamps (sec. 4, 6) | [`Point`](crate::Point) |
 //! | `Mutate`, s1 and s2 (sec. 6) | [`Exponential`](crate::Exponential) |
-//! | large step, `largestepprob` (sec. 3) | [`Step::Large`](crate::Step::Large), [`PointKernel::large`](crate::PointKernel::large) |
+//! | large step, `largestepprob` (sec. 3) | [`Step::Large`](crate::Step::Large), [`PointKernel::p_large`](crate::PointKernel::p_large) |
 //! | `Accept`, `Reject`, the stack | [`Proposal::decide`](crate::Proposal::decide); dropped is rejected |
 //! | I*, scalar contribution | a [`Family`](crate::Family) of one level |
 //! | a(u, v) | [`acceptance`](crate::acceptance) |
