@@ -156,8 +156,8 @@ pub(crate) const KERNEL: &[Fault] = &[
     fault(
         "large steps are 2 % too frequent",
         "kernel.rs",
-        "draws.bernoulli(self.large)",
-        "draws.bernoulli(self.large * 1.02)",
+        "draws.bernoulli(self.p_large)",
+        "draws.bernoulli(self.p_large * 1.02)",
         "unbiased::independent_proposals_are_unbiased unbiased::the_split_form_is_unbiased_for_every_b0",
     ),
     fault(
