@@ -1,6 +1,6 @@
 //! Light paths as states of chains: what they touch, and what the targets say of it.
 
-use kaustik_mcmc::{Family, Target};
+use kaustik_mcmc::{Draws, Family, Target, sample_generator};
 use kaustik_path::{PhotonPath, PhotonTracing, note};
 use kaustik_pss::Coordinates;
 use kaustik_scene::Scene;
@@ -98,7 +98,8 @@ impl PhotonTarget<'_> {
     ) {
         let stride = count.div_ceil(MOST_MEETINGS);
         let photon = path.photons()[at];
-        let mut turn = (hash(photon.position.to_array()) % stride as u64) as usize;
+        let [x, y, z] = photon.position.to_array().map(|at| u64::from(at.to_bits()));
+        let mut turn = (sample_generator(x, y, z).uniform() * stride as f64) as usize;
         self.map.meetings(&photon, |point| {
             if turn == 0 {
                 turn = stride;
@@ -111,15 +112,6 @@ impl PhotonTarget<'_> {
         });
         path.multiply(at, stride as f32);
     }
-}
-
-/// A number that looks drawn at random, by the bits of three others.
-fn hash(position: [f32; 3]) -> u64 {
-    let mix = |hash: u64, value: f32| {
-        let mixed = (hash ^ u64::from(value.to_bits())).wrapping_mul(0x9e37_79b9_7f4a_7c15);
-        mixed ^ (mixed >> 29)
-    };
-    position.into_iter().fold(0x2545_f491_4f6c_dd1d, mix) >> 8
 }
 
 /// Which targets the chains of a ladder follow, the uniform one first (G sec. 4.4, Fig. 5).
@@ -143,7 +135,7 @@ impl<const K: usize> Family<PhotonValue, K> for PhotonLevels<K> {
 #[cfg(test)]
 mod tests {
     use glam::DVec2;
-    use kaustik_mcmc::{Independent, sample_generator};
+    use kaustik_mcmc::Independent;
     use kaustik_path::{BuilderSettings, Lookup, MeasurementPoints, MeasurementWalk, Photon};
     use kaustik_scene::{SceneOptions, builtin};
     use kaustik_spectrum::{WavelengthSampling, Wavelengths};
@@ -188,8 +180,9 @@ mod tests {
             map,
             targets: &[],
         };
-        let brought =
-            |photon: &Photon, point: usize| points.contribution(point, photon, &wavelengths).sum();
+        let brought = |photon: &Photon, point: usize| {
+            f64::from(points.contribution(point, photon, &wavelengths).sum())
+        };
         let (mut value, mut whole) = (PhotonValue::default(), PhotonPath::default());
         let (mut thinned, mut all, mut kept) = (0, 0.0, 0.0);
         for index in 0..400 {

@@ -243,6 +243,28 @@ mod tests {
     use super::*;
     use crate::Combine;
 
+    /// A map without points: no sum of weights asks for them.
+    struct Nowhere(MeasurementPoints, Lookup, Wavelengths);
+
+    impl Default for Nowhere {
+        fn default() -> Self {
+            let wavelengths = Wavelengths::sample(0.5, WavelengthSampling::default());
+            Self(MeasurementPoints::default(), Lookup::default(), wavelengths)
+        }
+    }
+
+    impl Nowhere {
+        fn map(&self) -> PhotonMap<'_> {
+            let Self(points, lookup, wavelengths) = self;
+            PhotonMap {
+                points,
+                lookup,
+                wavelengths,
+                max_edges: 8,
+            }
+        }
+    }
+
     /// Up to three photons, each of which meets up to three of twenty points.
     fn path(mut below: impl FnMut(f64) -> u32) -> PhotonValue {
         let mut value = PhotonValue::default();
@@ -258,13 +280,8 @@ mod tests {
     /// each point once, and of each path once.
     #[test]
     fn a_path_counts_once_at_a_point_and_in_a_leaf() {
-        let (points, lookup) = (MeasurementPoints::default(), Lookup::default());
-        let map = PhotonMap {
-            points: &points,
-            lookup: &lookup,
-            wavelengths: &Wavelengths::sample(0.5, WavelengthSampling::default()),
-            max_edges: 8,
-        };
+        let nowhere = Nowhere::default();
+        let map = nowhere.map();
         let sharing = Sharing {
             combine: Combine::Balance,
             rough: [1.0, 0.5],
@@ -320,16 +337,12 @@ mod tests {
             assert!(exact.psi[0] > 1.0 && exact.psi[1] > 1.0);
         }
     }
+
     /// Where one uniform path in a thousand million is visible, visits tell as much as anywhere.
     #[test]
     fn what_is_seldom_seen_is_not_rounded_away() {
-        let (points, lookup) = (MeasurementPoints::default(), Lookup::default());
-        let map = PhotonMap {
-            points: &points,
-            lookup: &lookup,
-            wavelengths: &Wavelengths::sample(0.5, WavelengthSampling::default()),
-            max_edges: 8,
-        };
+        let nowhere = Nowhere::default();
+        let map = nowhere.map();
         let share = 1e-9;
         let sharing = Sharing {
             combine: Combine::Balance,

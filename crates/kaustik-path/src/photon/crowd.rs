@@ -5,8 +5,8 @@
 
 use super::{Disc, Lookup, MeasurementPoints};
 
-/// Discs are small enough where so few touch a cell of their size. Discs of one pixel's width have about forty there, or
-/// some hundreds where they are seen at a slant: those of twenty pixels' width are let be.
+/// Discs are small enough where so few touch a cell of their size: at most 36 of a pixel's radius on a plane that is seen
+/// straight on, ten times as many at a slant. Those of twenty pixels' radius are let be there, of seven here.
 const MOST: u32 = 1 << 14;
 /// They shrink by no more than this at a time: what lay in a crowd may be alone after that.
 const LEAST_STEP: f32 = 1.0 / 16.0;
@@ -99,7 +99,7 @@ mod tests {
         assert!(radii.clone().all(|radius| radius > 1e-5 && radius < 0.02));
     }
 
-    /// Twenty pixels wide, on a plane.
+    /// A radius of twenty pixels, on a plane that is seen straight on.
     #[test]
     fn discs_of_a_plane_are_let_be() {
         let (points, _) = sorted(discs(200_000, 447.0, 20.0));

@@ -52,15 +52,15 @@ impl Lookup {
         }));
         let buckets = (2 * discs.len()).next_power_of_two().max(2);
         self.mask = buckets as u32 - 1;
-        self.fill(discs, bottom);
+        self.fill(discs);
     }
 
     /// Counts, then places: every bucket's balls lie together, in the order of their numbers.
-    fn fill(&mut self, discs: &[Disc], bottom: i32) {
+    fn fill(&mut self, discs: &[Disc]) {
         self.starts.clear();
         self.starts.resize(self.mask as usize + 2, 0);
         for disc in discs {
-            let cells = self.cells(disc, bottom);
+            let cells = self.cells(disc);
             for bucket in cells.iter() {
                 self.starts[bucket as usize + 1] += 1;
             }
@@ -75,7 +75,7 @@ impl Lookup {
         self.entries.resize(total as usize, 0);
         // Filled from behind, each start ends at its own place.
         for (index, disc) in discs.iter().enumerate().rev() {
-            let cells = self.cells(disc, bottom);
+            let cells = self.cells(disc);
             for bucket in cells.iter() {
                 let end = &mut self.starts[bucket as usize + 1];
                 *end -= 1;
@@ -97,17 +97,22 @@ impl Lookup {
     /// How many of the balls that it was built of touch the cell of this one's centre, in its own grid; those of cells
     /// that share the bucket by chance count with them.
     pub(super) fn crowd(&self, disc: &Disc) -> u32 {
-        let bottom = -exponent(self.grids[0].scale);
-        let grid = self.grids[(level(squared(disc)) - bottom).max(0) as usize];
+        let grid = self.grid_of(squared(disc));
         let bucket = (grid.bucket(grid.cell(disc.center)) & self.mask) as usize;
         self.starts[bucket + 1] - self.starts[bucket]
     }
 
+    /// The grid of a ball, by its squared radius.
+    fn grid_of(&self, squared: f32) -> Grid {
+        let bottom = -exponent(self.grids[0].scale);
+        self.grids[(level(squared) - bottom).max(0) as usize]
+    }
+
     /// The buckets of a ball, each once.
-    fn cells(&self, disc: &Disc, bottom: i32) -> Cells {
+    fn cells(&self, disc: &Disc) -> Cells {
         let squared = squared(disc);
         let (center, radius) = (disc.center, squared.sqrt());
-        let grid = self.grids[(level(squared) - bottom).max(0) as usize];
+        let grid = self.grid_of(squared);
         // A little more, so that rounding leaves nothing out.
         let reach = Vec3::splat(radius * 1.0001);
         let (low, high) = (grid.cell(center - reach), grid.cell(center + reach));
