@@ -120,6 +120,17 @@ const MMLT_BY_TILES: Contender = Contender {
     ..MLT_BY_TILES
 };
 
+/// Behind glass and water a chain's small steps leave a caustic but seldom: with nine large steps in ten a tile's variance is
+/// half of what it is with three.
+const MMLT_LARGE_STEPS: Contender = Contender {
+    variant: " large steps",
+    change: |settings| {
+        (MMLT_BY_TILES.change)(settings);
+        settings.options.p_large = 0.9;
+    },
+    ..MMLT_BY_TILES
+};
+
 /// Consistent, not unbiased: to one percent.
 const RELT: Contender = Contender {
     method: Method::Relt,
@@ -212,9 +223,9 @@ agree_with_bdpt! {
 agree_with_bdpt! {
     strategies_agree_on_direct_light: "cornell-direct", HALF, [MMLT_BY_TILES, PATH];
     strategies_agree_on_indirect_light: "cornell-indirect", HALF, [MMLT_BY_TILES, PATH];
-    strategies_agree_on_ring_and_sphere: "ring-and-sphere?light=0.8", HALF, [MMLT_BY_TILES, PATH];
-    strategies_agree_on_glass_cube: "glass-cube?light=0.8", HALF, [MMLT_BY_TILES, PATH];
-    strategies_agree_on_water: "water-cornell?light=0.8", HALF, [MMLT_BY_TILES, PATH];
+    strategies_agree_on_ring_and_sphere: "ring-and-sphere?light=0.8", HALF, [MMLT_LARGE_STEPS, PATH];
+    strategies_agree_on_glass_cube: "glass-cube?light=0.8", HALF, [MMLT_LARGE_STEPS, PATH];
+    strategies_agree_on_water: "water-cornell?light=0.8", HALF, [MMLT_LARGE_STEPS, PATH];
 }
 
 // What is consistent, not unbiased.

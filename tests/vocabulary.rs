@@ -8,35 +8,63 @@ use kaustik::{KEYS, Key, Method};
 
 use crate::source::read;
 
-/// The line of docs/settings.md that a key amounts to, up to its explanation.
+/// The line of docs/settings.md that a key amounts to, [`plain`].
 fn row(key: &Key) -> String {
     let all = key.methods.len() == Method::ALL.len();
-    let names: Vec<String> = key.methods.iter().map(|m| format!("`{m}`")).collect();
+    let names: Vec<&str> = key.methods.iter().map(|m| m.name()).collect();
     let methods = if all {
         "all".to_owned()
     } else {
         names.join(", ")
     };
-    let range = key.range.replace('|', "\\|");
-    format!(
-        "| `{}` | {methods} | `{range}` | `{}` |",
-        key.name, key.default
-    )
+    let Key {
+        name,
+        range,
+        default,
+        meaning,
+        ..
+    } = key;
+    let range = range.replace('|', "\\|");
+    format!("| {name} | {methods} | {range} | {default} | {meaning} |")
+}
+
+/// A line without marks of code, without links in parentheses of their own, and with the words of other links alone.
+fn plain(line: &str) -> String {
+    let line = line.replace('`', "");
+    let mut parts = line.split('[');
+    let mut plain = parts.next().unwrap_or_default().to_owned();
+    for part in parts {
+        let link = part
+            .split_once("](")
+            .and_then(|(words, rest)| Some((words, rest.split_once(')')?.1)));
+        match link {
+            Some((_, after)) if plain.ends_with(" (") && after.starts_with(')') => {
+                plain.truncate(plain.len() - 2);
+                plain += &after[1..];
+            }
+            Some((words, after)) => {
+                plain += words;
+                plain += after;
+            }
+            None => {
+                plain.push('[');
+                plain += part;
+            }
+        }
+    }
+    plain
 }
 
 /// Keys whose line is missing, and lines in the table of keys that no key has.
 fn differences(keys: &[Key], document: &str) -> Vec<String> {
     let rows: Vec<String> = keys.iter().map(row).collect();
-    let lines: Vec<&str> = document
+    let lines: Vec<String> = document
         .lines()
         .filter(|line| line.starts_with("| `"))
+        .map(plain)
         .collect();
-    let missing = rows
-        .iter()
-        .filter(|row| !lines.iter().any(|l| l.starts_with(row.as_str())));
-    let surplus = lines
-        .iter()
-        .filter(|l| !rows.iter().any(|row| l.starts_with(row.as_str())));
+    let missing = rows.iter().filter(|row| !lines.contains(row));
+    let surplus = lines.iter().filter(|line| !rows.contains(line));
     let missing = missing.map(|row| format!("lacks {row}"));
     missing
         .chain(surplus.map(|line| format!("has   {line}")))
@@ -163,6 +191,13 @@ fn a_planted_difference_is_found() {
     let mut keys = KEYS.to_vec();
     keys[0].default = "another";
     assert_eq!(differences(&keys, &page).len(), 2);
+    let mut keys = KEYS.to_vec();
+    keys[0].meaning = "something else";
+    assert_eq!(differences(&keys, &page).len(), 2);
+    assert_eq!(
+        plain("| `a\\|b` | [moves](x.md#y) more ([why](z.md)) | [0, 1) |"),
+        "| a\\|b | moves more | [0, 1) |"
+    );
     let table = "## A\n| `x`, `y` | `no` |\n| `z` | |\n## B\n| `no` | |\n";
     assert_eq!(
         first_column(table, "## A").into_iter().collect::<Vec<_>>(),

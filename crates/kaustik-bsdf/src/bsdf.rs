@@ -1,3 +1,4 @@
+use crate::lobe::lobe_of_variants;
 use crate::{
     Coated, Conductor, Delta, Dielectric, Interface, Lambertian, LayerParameters, Layered, Lobe,
     Mirror, Mode, OrenNayar, Phong, Principled, PrincipledParameters, Reflectance, RoughConductor,
@@ -149,78 +150,10 @@ impl Bsdf {
     }
 }
 
-/// The same expression for whatever variant it is.
-macro_rules! each {
-    ($bsdf:expr, $lobe:ident => $body:expr) => {
-        match $bsdf {
-            Bsdf::Lambertian($lobe) => $body,
-            Bsdf::Mirror($lobe) => $body,
-            Bsdf::Conductor($lobe) => $body,
-            Bsdf::RoughConductor($lobe) => $body,
-            Bsdf::Dielectric($lobe) => $body,
-            Bsdf::RoughDielectric($lobe) => $body,
-            Bsdf::ThinDielectric($lobe) => $body,
-            Bsdf::RoughThinDielectric($lobe) => $body,
-            Bsdf::Coated($lobe) => $body,
-            Bsdf::Phong($lobe) => $body,
-            Bsdf::Principled($lobe) => $body,
-            Bsdf::Layered($lobe) => $body,
-            Bsdf::OrenNayar($lobe) => $body,
-        }
-    };
-}
-
-impl Lobe for Bsdf {
-    #[inline]
-    fn eval(&self, wo: DVec3, wi: DVec3, mode: Mode) -> Spectrum {
-        each!(self, lobe => lobe.eval(wo, wi, mode))
-    }
-
-    #[inline]
-    fn pdf(&self, wo: DVec3, wi: DVec3, mode: Mode) -> f64 {
-        each!(self, lobe => lobe.pdf(wo, wi, mode))
-    }
-
-    #[inline]
-    fn eval_pdf(&self, wo: DVec3, wi: DVec3, mode: Mode) -> (Spectrum, f64) {
-        each!(self, lobe => lobe.eval_pdf(wo, wi, mode))
-    }
-
-    #[inline]
-    fn sample(&self, wo: DVec3, uc: f64, u: [f64; 2], mode: Mode) -> Option<Sample> {
-        each!(self, lobe => lobe.sample(wo, uc, u, mode))
-    }
-
-    #[inline]
-    fn delta(&self, wo: DVec3, transmitted: bool, mode: Mode) -> Option<Delta> {
-        each!(self, lobe => lobe.delta(wo, transmitted, mode))
-    }
-
-    #[inline]
-    fn albedo(&self, wo: DVec3) -> Spectrum {
-        each!(self, lobe => lobe.albedo(wo))
-    }
-
-    #[inline]
-    fn is_delta(&self) -> bool {
-        each!(self, lobe => lobe.is_delta())
-    }
-
-    #[inline]
-    fn transmits(&self) -> bool {
-        each!(self, lobe => lobe.transmits())
-    }
-
-    #[inline]
-    fn is_connectable(&self) -> bool {
-        each!(self, lobe => lobe.is_connectable())
-    }
-
-    #[inline]
-    fn dispersive_between(&self, wo: DVec3, wi: DVec3) -> bool {
-        each!(self, lobe => lobe.dispersive_between(wo, wi))
-    }
-}
+lobe_of_variants!(
+    Bsdf: Lambertian, Mirror, Conductor, RoughConductor, Dielectric, RoughDielectric, ThinDielectric,
+    RoughThinDielectric, Coated, Phong, Principled, Layered, OrenNayar
+);
 
 #[cfg(test)]
 mod tests {

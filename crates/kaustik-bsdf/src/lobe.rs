@@ -68,3 +68,82 @@ pub trait Lobe {
         false
     }
 }
+
+/// Makes an enum whose every variant holds one [`Lobe`] a lobe itself: whatever is asked of it, the variant answers.
+macro_rules! lobe_of_variants {
+    ($name:ident: $($variant:ident),+ $(,)?) => {
+        impl Lobe for $name {
+            #[inline]
+            fn eval(&self, wo: DVec3, wi: DVec3, mode: Mode) -> Spectrum {
+                match self {
+                    $(Self::$variant(lobe) => lobe.eval(wo, wi, mode),)+
+                }
+            }
+
+            #[inline]
+            fn pdf(&self, wo: DVec3, wi: DVec3, mode: Mode) -> f64 {
+                match self {
+                    $(Self::$variant(lobe) => lobe.pdf(wo, wi, mode),)+
+                }
+            }
+
+            #[inline]
+            fn eval_pdf(&self, wo: DVec3, wi: DVec3, mode: Mode) -> (Spectrum, f64) {
+                match self {
+                    $(Self::$variant(lobe) => lobe.eval_pdf(wo, wi, mode),)+
+                }
+            }
+
+            #[inline]
+            fn sample(&self, wo: DVec3, uc: f64, u: [f64; 2], mode: Mode) -> Option<Sample> {
+                match self {
+                    $(Self::$variant(lobe) => lobe.sample(wo, uc, u, mode),)+
+                }
+            }
+
+            #[inline]
+            fn delta(&self, wo: DVec3, transmitted: bool, mode: Mode) -> Option<Delta> {
+                match self {
+                    $(Self::$variant(lobe) => lobe.delta(wo, transmitted, mode),)+
+                }
+            }
+
+            #[inline]
+            fn albedo(&self, wo: DVec3) -> Spectrum {
+                match self {
+                    $(Self::$variant(lobe) => lobe.albedo(wo),)+
+                }
+            }
+
+            #[inline]
+            fn is_delta(&self) -> bool {
+                match self {
+                    $(Self::$variant(lobe) => lobe.is_delta(),)+
+                }
+            }
+
+            #[inline]
+            fn transmits(&self) -> bool {
+                match self {
+                    $(Self::$variant(lobe) => lobe.transmits(),)+
+                }
+            }
+
+            #[inline]
+            fn is_connectable(&self) -> bool {
+                match self {
+                    $(Self::$variant(lobe) => lobe.is_connectable(),)+
+                }
+            }
+
+            #[inline]
+            fn dispersive_between(&self, wo: DVec3, wi: DVec3) -> bool {
+                match self {
+                    $(Self::$variant(lobe) => lobe.dispersive_between(wo, wi),)+
+                }
+            }
+        }
+    };
+}
+
+pub(crate) use lobe_of_variants;

@@ -205,6 +205,8 @@ mod target;
 #[cfg(any(test, doc, feature = "testing"))]
 pub mod testing;
 mod tour;
+#[cfg(test)]
+mod toys;
 mod visit;
 
 pub use adapt::{AcceptanceAdaptation, DiminishingAdaptation, JumpAdaptation};

@@ -1,4 +1,5 @@
 use super::{PrincipledParameters, Wall};
+use crate::lobe::lobe_of_variants;
 use crate::{
     Bsdf, Delta, Dielectric, Interface, Lobe, Mode, RoughDielectric, RoughThinDielectric, Sample,
     ThinDielectric,
@@ -48,51 +49,4 @@ impl Clear {
     }
 }
 
-/// The same expression for whatever it is.
-macro_rules! each {
-    ($clear:expr, $lobe:ident => $body:expr) => {
-        match $clear {
-            Clear::Pane($lobe) => $body,
-            Clear::FrostedPane($lobe) => $body,
-            Clear::Solid($lobe) => $body,
-            Clear::RoughSolid($lobe) => $body,
-        }
-    };
-}
-
-impl Lobe for Clear {
-    #[inline]
-    fn eval(&self, wo: DVec3, wi: DVec3, mode: Mode) -> Spectrum {
-        each!(self, lobe => lobe.eval(wo, wi, mode))
-    }
-
-    #[inline]
-    fn pdf(&self, wo: DVec3, wi: DVec3, mode: Mode) -> f64 {
-        each!(self, lobe => lobe.pdf(wo, wi, mode))
-    }
-
-    #[inline]
-    fn sample(&self, wo: DVec3, uc: f64, u: [f64; 2], mode: Mode) -> Option<Sample> {
-        each!(self, lobe => lobe.sample(wo, uc, u, mode))
-    }
-
-    #[inline]
-    fn delta(&self, wo: DVec3, transmitted: bool, mode: Mode) -> Option<Delta> {
-        each!(self, lobe => lobe.delta(wo, transmitted, mode))
-    }
-
-    #[inline]
-    fn albedo(&self, wo: DVec3) -> Spectrum {
-        each!(self, lobe => lobe.albedo(wo))
-    }
-
-    #[inline]
-    fn is_delta(&self) -> bool {
-        each!(self, lobe => lobe.is_delta())
-    }
-
-    #[inline]
-    fn dispersive_between(&self, wo: DVec3, wi: DVec3) -> bool {
-        each!(self, lobe => lobe.dispersive_between(wo, wi))
-    }
-}
+lobe_of_variants!(Clear: Pane, FrostedPane, Solid, RoughSolid);

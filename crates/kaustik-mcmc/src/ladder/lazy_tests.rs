@@ -3,43 +3,18 @@
 use kaustik_pss::{Coordinates, Stream};
 
 use super::*;
+use crate::Point;
 use crate::testing::{Enumerator, GridStep, Law, PointKey, point_key};
-use crate::{Ignore, Move, PointKernel, target};
-use crate::{Point, Target};
+use crate::toys::{CELLS, Cells, cell, lazy, mutations};
+use crate::{Ignore, Move, PointKernel};
 
 const TOLERANCE: f64 = 1e-12;
-
-const CELLS: usize = 3;
-
-/// Two coordinates, or one.
-type Cells = (usize, Option<usize>);
-
-fn cell(x: f64) -> usize {
-    (x * CELLS as f64) as usize
-}
-
-/// The first coordinate decides whether another is read.
-fn toy() -> impl Target<Value = Cells> + Clone {
-    target(|u: &mut dyn Coordinates| -> Cells {
-        let first = cell(u.get(Stream::Camera, 0));
-        let second = (first != 2).then(|| cell(u.get(Stream::Light, 0)));
-        (first, second)
-    })
-}
 
 fn densities(&(first, second): &Cells) -> [f64; 2] {
     let part = |table: [f64; CELLS]| second.map_or(0.7, |i| table[i]);
     [
         [0.6, 1.0, 0.4][first] * part([1.0, 0.2, 0.5]),
         [1.0, 0.5, 0.9][first] * part([0.0, 1.0, 0.3]),
-    ]
-}
-
-/// Small steps far apart from level to level.
-fn mutations() -> [GridStep; 2] {
-    [
-        GridStep::symmetric(CELLS, 1),
-        GridStep::new(CELLS, &[(0, 0.8), (1, 0.1), (-1, 0.1)]),
     ]
 }
 
@@ -67,7 +42,7 @@ impl Kernel<Point<GridStep>> for Careless {
         proposed: &mut Cells,
         draws: &mut D,
     ) -> Move {
-        PointKernel::new(toy(), self.kernel).propose(point, current, proposed, draws)
+        PointKernel::new(lazy(), self.kernel).propose(point, current, proposed, draws)
     }
 
     fn accept(&self, point: &mut Point<GridStep>) {
@@ -85,7 +60,7 @@ impl Kernel<Point<GridStep>> for Careless {
         draws: &mut D,
     ) {
         if self.settle {
-            PointKernel::new(toy(), 0.0).exchange(a, b, draws);
+            PointKernel::new(lazy(), 0.0).exchange(a, b, draws);
         } else {
             std::mem::swap(&mut a.streams, &mut b.streams);
             std::mem::swap(&mut a.clock, &mut b.clock);
@@ -100,7 +75,7 @@ fn lazy_defect<N: Kernel<Point<GridStep>, Value = Cells>>(
     sweeps: usize,
 ) -> f64 {
     let start = |(): &(), draws: &mut Enumerator| {
-        Ladder::start(&toy(), &densities, mutations(), draws).with_schedule(schedule)
+        Ladder::start(&lazy(), &densities, mutations(), draws).with_schedule(schedule)
     };
     let mut law = Law::certain(())
         .then(CELLS, start, key)
@@ -139,7 +114,7 @@ fn lazy_points_of_different_steps_keep_the_product() {
         ([0.0, 0.0], Schedule::Permutation),
         ([1.0, 0.0], Schedule::Alternating),
     ] {
-        let kernels = large.map(|large| PointKernel::new(toy(), large));
+        let kernels = large.map(|large| PointKernel::new(lazy(), large));
         let defect = lazy_defect(&kernels, schedule, 3);
         assert!(defect < TOLERANCE, "{schedule:?}: {defect:e}");
     }

@@ -8,33 +8,10 @@ use super::*;
 use crate::testing::{
     Enumerator, Law, TransitionMatrix, assert_detailed_balance, assert_stationary,
 };
+use crate::toys::{Ring, STATES};
 use crate::{Ignore, Move, Visit, acceptance, generator};
 
-const STATES: usize = 3;
 const TOLERANCE: f64 = 1e-12;
-
-/// Values are states of a ring; a step goes up with probability `up`, else down.
-#[derive(Clone, Copy)]
-struct Ring {
-    up: f64,
-}
-
-impl Kernel<()> for Ring {
-    type Value = usize;
-
-    fn propose<D: Draws + ?Sized>(
-        &self,
-        (): &mut (),
-        current: &usize,
-        proposed: &mut usize,
-        draws: &mut D,
-    ) -> Move {
-        let up = draws.index(&[1.0 - self.up, self.up]) == 1;
-        *proposed = (current + if up { 1 } else { STATES - 1 }) % STATES;
-        let odds = (1.0 - self.up) / self.up;
-        Move::new(2, if up { odds } else { 1.0 / odds })
-    }
-}
 
 /// densities[state][level]
 type Table<const K: usize> = [[f64; K]; STATES];

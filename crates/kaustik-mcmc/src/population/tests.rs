@@ -5,31 +5,16 @@ use proptest::prelude::*;
 
 use super::*;
 use crate::testing::{Enumerator, GridStep, enumerate};
+use crate::toys::{CELLS, Cells, Ring, STATES, cell, lazy, mutations};
 use crate::{
     Ignore, LevelKernel, Mean, Move, PointKernel, Visit, anneal, generator, sample_generator,
     target,
 };
 
-const STATES: usize = 3;
 const TOLERANCE: f64 = 1e-12;
 
-/// Steps up or down on a ring of three.
-struct Ring;
-
-impl Kernel<()> for Ring {
-    type Value = usize;
-
-    fn propose<D: Draws + ?Sized>(
-        &self,
-        (): &mut (),
-        current: &usize,
-        proposed: &mut usize,
-        draws: &mut D,
-    ) -> Move {
-        *proposed = (current + [1, STATES - 1][draws.index(&[1.0, 1.0])]) % STATES;
-        Move::new(2, 1.0)
-    }
-}
+/// Up or down alike.
+const RING: Ring = Ring { up: 0.5 };
 
 /// Nested supports; some populations die.
 const TABLE: [[f64; 3]; STATES] = [[1.0, 0.5, 0.2], [1.0, 2.0, 3.0], [1.0, 0.0, 0.0]];
@@ -69,7 +54,7 @@ fn law<const N: usize>(
         let annealed = anneal(
             &mut population,
             moves,
-            &[Ring, Ring, Ring],
+            &[RING; 3],
             &family,
             draws,
             &mut record,
@@ -166,7 +151,7 @@ proptest! {
             let samples = (0..count).map(|_| ((), draws.index(&[1.0; STATES])));
             let samples: Vec<_> = samples.collect();
             let mut population = Population::from_samples(samples, &family, scheme);
-            let annealed = anneal(&mut population, moves, &[Ring, Ring], &family, draws, &mut Ignore);
+            let annealed = anneal(&mut population, moves, &[RING; 2], &family, draws, &mut Ignore);
             let z = annealed.normalisers.values();
             let start = |k: usize| annealed.starts[k].map_or(0.0, |((), s)| z[k] * h[s]);
             [z[0], z[1], start(0), start(1)].map(f64::to_bits)
@@ -233,7 +218,7 @@ fn errors_are_those_of_repeated_runs() {
                 .map(|_| ((), rng.index(&[1.0; STATES])))
                 .collect::<Vec<_>>();
             let mut population = Population::from_samples(samples, &family, scheme);
-            let kernels = [Ring, Ring, Ring];
+            let kernels = [RING; 3];
             let annealed = anneal(&mut population, 1, &kernels, &family, &mut rng, &mut Ignore);
             let z = annealed.normalisers.estimates()[2];
             value.push(z.value);
@@ -250,20 +235,20 @@ fn extinction_is_reported_and_stays() {
     let samples = [2, 2, 2].map(|s| ((), s));
     let mut population = Population::from_samples(samples, &family, Resampling::Systematic);
     let stage = population
-        .advance(0, &Ring, &mut rng)
+        .advance(0, &RING, &mut rng)
         .expect("all are alive");
     assert!(!stage.resampled && stage.founders == 3);
     assert!((stage.effective - 3.0).abs() < 1e-15);
     let dead = Extinct { level: 1 };
-    assert_eq!(population.advance(1, &Ring, &mut rng), Err(dead));
-    assert_eq!(population.advance(2, &Ring, &mut rng), Err(dead));
+    assert_eq!(population.advance(1, &RING, &mut rng), Err(dead));
+    assert_eq!(population.advance(2, &RING, &mut rng), Err(dead));
     assert_eq!(
         (population.level(), population.normaliser().to_bits()),
         (Some(0), 0)
     );
 
     let mut again = Population::from_samples(samples, &family, Resampling::Systematic);
-    let kernels = [Ring, Ring, Ring];
+    let kernels = [RING; 3];
     let annealed = anneal(&mut again, 1, &kernels, &family, &mut rng, &mut Ignore);
     assert_eq!(annealed.extinct, Some(dead));
     assert!(annealed.starts[0].is_some() && annealed.starts[1].is_none());
@@ -271,7 +256,7 @@ fn extinction_is_reported_and_stays() {
     assert_eq!(annealed.into_ladder(&family).err(), Some(dead));
     let nobody = Population::<(), usize, 3>::from_samples([], &family, Resampling::default());
     assert!(nobody.choose(&mut rng).is_none() && nobody.level().is_none());
-    assert!(nobody.clone().advance(0, &Ring, &mut rng).is_err());
+    assert!(nobody.clone().advance(0, &RING, &mut rng).is_err());
 }
 
 /// Particles of the base law are what the first weights are for: no step may move them before.
@@ -334,35 +319,11 @@ fn defects_weigh_nothing_and_are_counted() {
     assert_eq!(threes, 3);
 }
 
-const CELLS: usize = 3;
-
-type Cells = (usize, Option<usize>);
-
-fn cell(x: f64) -> usize {
-    (x * CELLS as f64) as usize
-}
-
-/// The first coordinate decides whether another is read.
-fn toy() -> impl Target<Value = Cells> + Clone {
-    target(|u: &mut dyn Coordinates| -> Cells {
-        let first = cell(u.get(Stream::Camera, 0));
-        let second = (first != 2).then(|| cell(u.get(Stream::Light, 0)));
-        (first, second)
-    })
-}
-
 fn densities(&(first, second): &Cells) -> [f64; 2] {
     let part = |table: [f64; CELLS]| second.map_or(0.7, |i| table[i]);
     [
         [0.6, 1.0, 0.4][first] * part([1.0, 0.2, 0.5]),
         [1.0, 0.5, 0.9][first] * part([0.1, 1.0, 0.3]),
-    ]
-}
-
-fn mutations() -> [GridStep; 2] {
-    [
-        GridStep::symmetric(CELLS, 1),
-        GridStep::new(CELLS, &[(0, 0.8), (1, 0.1), (-1, 0.1)]),
     ]
 }
 
@@ -375,7 +336,7 @@ fn lazy_defect<N: Kernel<Point<GridStep>, Value = Cells>>(
     let law = enumerate(CELLS, |draws| {
         let [first, _] = mutations();
         let scheme = Resampling::Systematic;
-        let mut population = Population::start(1, &toy(), &densities, &first, scheme, draws);
+        let mut population = Population::start(1, &lazy(), &densities, &first, scheme, draws);
         if population.advance(0, &kernels[0], draws).is_err() {
             return ([0; 2], 0);
         }
@@ -406,7 +367,7 @@ fn lazy_defect<N: Kernel<Point<GridStep>, Value = Cells>>(
 }
 
 fn level_kernels() -> [LevelKernel<impl Target<Value = Cells>, GridStep>; 2] {
-    mutations().map(|mutation| LevelKernel::new(toy(), 0.0, mutation))
+    mutations().map(|mutation| LevelKernel::new(lazy(), 0.0, mutation))
 }
 
 #[test]

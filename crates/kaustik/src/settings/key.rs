@@ -81,24 +81,25 @@ pub const KEYS: &[Key] = &[
         name: "wavelengths",
         default: "hero",
         range: "hero|uniform",
-        meaning: "four wavelengths importance-sampled over 360-830 nm, or one uniform over 400-700 nm \
-                  (RELT 5.1.1; the same as --wavelengths 1)",
+        meaning: "four, importance-sampled over 360-830 nm; or one, uniform over 400-700 nm (the replica exchange paper's own; \
+                  the same as --wavelengths 1)",
         methods: EVERY,
     },
     Key {
         name: "compensation",
         default: "on",
         range: "on|off",
-        meaning: "give back the light that scatters between the facets of rough surfaces",
+        meaning: "gives back the light that scatters between the facets of rough surfaces",
         methods: EVERY,
     },
     Key {
         name: "pilot",
         default: "100000",
         range: "1 to 10000000",
-        meaning: "independent samples at the start: they choose the chains' first states, estimate the \
-                  normalisation and fix the film's quantum (path, light, bdpt: a hundredth of it; mmlt: at most as many again \
-                  tell how often strategies are tried; multi-stage methods: as many again, shared by the stages after the first)",
+        meaning: "independent samples at the start: they choose the first states, estimate the normalisation and fix the \
+                  film's quantum (path, light, bdpt, and the remainder of photon methods: a hundredth of it; mmlt: at most as \
+                  many bidirectional samples besides, and no more than 200,000, tell how often strategies are tried; \
+                  multi-stage methods: as many again, shared by the stages after the first)",
         methods: &[
             Method::Path,
             Method::Light,
@@ -121,7 +122,8 @@ pub const KEYS: &[Key] = &[
         name: "nextevent",
         default: "on",
         range: "on|off",
-        meaning: "join every vertex to an emitter; off: emitters are found by running into them",
+        meaning: "joins every vertex to an emitter; off: emitters are found by running into them (with builder=unidirectional \
+                  and seeds=path alone)",
         methods: &[
             Method::Path,
             Method::Pssmlt,
@@ -134,16 +136,16 @@ pub const KEYS: &[Key] = &[
         name: "builder",
         default: "unidirectional",
         range: "unidirectional|endpoint|simple|bidirectional",
-        meaning: "how paths are made: a walk joined to emitters at every vertex, or at its end only; \
-                  walks from both sides joined at their ends, or everywhere (Kelemen sec. 2)",
+        meaning: "how a point becomes paths: a walk joined to emitters at every vertex, or at its end only; walks from light \
+                  and camera joined at their ends, or everywhere",
         methods: WALKS,
     },
     Key {
         name: "heuristic",
         default: "power",
         range: "power|balance|maximum",
-        meaning: "how the strategies of bidirectional paths share one path (Veach 1997, 9.2); pssmlt: \
-                  builders simple and bidirectional",
+        meaning: "how the strategies of bidirectional paths share one path; maximum traces the fewest shadow rays (pssmlt: \
+                  builders simple and bidirectional)",
         methods: &[
             Method::Bdpt,
             Method::Pssmlt,
@@ -158,37 +160,37 @@ pub const KEYS: &[Key] = &[
         name: "strategies",
         default: "learned",
         range: "learned|even",
-        meaning: "how often the strategies of a length are tried: by the spread of what each brings to \
-                  a pilot, with a quarter for all alike; or all alike (Hachisuka 2014)",
+        meaning: "how often the strategies of a length are tried: by the spread of what each brings to a pilot, with a quarter \
+                  for all alike; or all alike",
         methods: MULTIPLEXED,
     },
     Key {
         name: "target",
         default: "xyz",
         range: "xyz|luminance",
-        meaning: "the scalar that the chain follows: X+Y+Z, or luminance (which starves dispersion)",
+        meaning: "scalar that the chain follows: X + Y + Z, or luminance, which starves dispersion",
         methods: METROPOLIS,
     },
     Key {
         name: "contribution",
         default: "sum",
         range: "sum|maximum",
-        meaning: "how what one point contributes makes one scalar: the sum, or the largest single path",
+        meaning: "how what one point contributes makes one scalar: all of it, or the largest single path",
         methods: SINGLE,
     },
     Key {
         name: "plarge",
         default: "0.3",
         range: "0 < p <= 1",
-        meaning: "probability of a large step (Kelemen reports about 0.5 as best)",
+        meaning: "probability of a large step; the paper reports about 0.5 as best",
         methods: LARGE_STEPS,
     },
     Key {
         name: "mutation",
         default: "kelemen",
         range: "kelemen|kelemen:S1:S2|uniform:FRACTION",
-        meaning: "small steps: exponential between S1 and S2 (1/1024 and 1/64), or uniform within a \
-                  fraction of the domain",
+        meaning: "small steps: exponential between S1 and S2 (1/1024 and 1/64; 0 < S1 < S2 <= 0.5), or uniform within a \
+                  fraction of the domain (above 0, at most 1)",
         methods: SMALL_STEPS,
     },
     Key {
@@ -203,39 +205,43 @@ pub const KEYS: &[Key] = &[
         name: "normaliser",
         default: "running",
         range: "running|initial",
-        meaning: "the scale of the image: from the pilot and all large steps (mlt: and samples between its mutations); from the pilot alone (exactly unbiased)",
+        meaning: "scale of the image. running: from the pilot and all large steps (mlt: one more bidirectional sample for \
+                  every 64 mutations; where a meter runs, its passes take the pilot's place); initial: from the pilot alone \
+                  (exactly unbiased; what mis=printed always does, as its weights have that constant in them)",
         methods: NORMALISED,
     },
     Key {
         name: "meter",
         default: "on",
         range: "on|off",
-        meaning: "where light comes by way of smooth glass, mirrors or water, the scale of the image (relt: of the specific replica's part) \
-                  is measured by samples beside the chains as well, if they know it better (normaliser=running; not with contribution=maximum or mis=printed)",
+        meaning: "where light comes by way of smooth glass, mirrors or water, the scale of the image (relt: of the specific \
+                  replica's part) is measured by samples beside the chains as well, if they know it better (with \
+                  normaliser=running; not with contribution=maximum or mis=printed)",
         methods: METERED,
     },
     Key {
         name: "direct",
         default: "lamps",
         range: "lamps|together|apart",
-        meaning: "what independent samples beside the chains see to. lamps: emitters and surroundings seen directly \
-                  (mlt, erpt: also by mirrors and smooth glass alone; erpt-pss: nothing); together: nothing; apart: all \
-                  paths of at most two edges",
+        meaning: "what independent samples beside the chains see to. lamps: emitters and surroundings seen directly (mlt, \
+                  erpt: also by mirrors and smooth glass alone; erpt-pss: nothing); together: nothing, as in the papers; \
+                  apart: all paths of at most two edges",
         methods: DIRECT,
     },
     Key {
         name: "direct",
         default: "lamps",
         range: "lamps|together",
-        meaning: "what independent samples beside the stages see to: emitters and surroundings seen directly, or nothing",
+        meaning: "what independent samples beside the stages see to. lamps: emitters and surroundings seen directly \
+                  (mlt-multistage: also by mirrors and smooth glass alone); together: nothing",
         methods: STAGED,
     },
     Key {
         name: "stages",
         default: "widths",
         range: "widths|two",
-        meaning: "the maps that stages go by: of widths 1, 2, 4, ... for a quarter of the budget, then of ten widths from half of the \
-                  image's to all of it; or one of a quarter of its width, after a sixteenth of the budget (Veach 1997)",
+        meaning: "maps that the stages go by. widths: of widths 1, 2, 4, ... for a quarter of the budget, then of ten widths \
+                  from half of the image's to all of it; two: one of a quarter of its width, after a sixteenth of the budget",
         methods: STAGED,
     },
     Key {
@@ -257,8 +263,8 @@ pub const KEYS: &[Key] = &[
         name: "normaliser",
         default: "running",
         range: "running|exchange|initial",
-        meaning: "what scales the replicas' films: all independent samples so far; what each replica tells \
-                  about the next (RELT eq. 10, which is blind to what no chain has found); the annealing's \
+        meaning: "what scales the replicas' films. running: all independent samples so far; exchange: what each replica tells \
+                  about the next (eq. 10 of the paper, which is blind to what no chain has found); initial: the annealing's \
                   own constants",
         methods: EXCHANGE,
     },
@@ -266,18 +272,18 @@ pub const KEYS: &[Key] = &[
         name: "replicas",
         default: "standard",
         range: "standard|paper|sides|uniform;D0,D1,D2,D3,D4,D5;...",
-        meaning: "what the chains of a ladder follow: the paper's four, with scouts, and tours for the \
-                  specific one, or as printed; path and light tracing side by side; or 2 to 8 of one's own, \
-                  each the weights of the six classes of paths, *N for N steps a sweep, ~T for tours of \
-                  T steps, @B for the replica that it stands on (which leaves out no class of it); uniform+N sends \
-                  N scouts a sweep",
+        meaning: "what the chains of a ladder follow: three sets by name (the paper's four, with scouts, and tours for the \
+                  specific one; the same as printed; path and light tracing side by side), or 2 to 8 of your own: the weights \
+                  of the six classes of paths, *N for N steps a sweep, ~T for tours of T steps, @B for the replica that it \
+                  stands on; uniform+N sends N scouts a sweep",
         methods: REPLICAS,
     },
     Key {
         name: "delta",
         default: "0.05",
         range: "0 < delta <= 1",
-        meaning: "share of joined paths in the last of the standard replicas: lets it exchange",
+        meaning: "share of joined paths in the last of the standard replicas, which lets it exchange; the paper gives no \
+                  number",
         methods: REPLICAS,
     },
     Key {
@@ -291,16 +297,17 @@ pub const KEYS: &[Key] = &[
         name: "exchange",
         default: "full",
         range: "full|pair|alternating|gibbs|none",
-        meaning: "exchanges after each sweep. full: the even pairs, then the odd ones; pair: one random pair (the paper's); alternating: \
-                  even and odd pairs by turns; gibbs: a permutation of all (at most 5 replicas); none",
+        meaning: "exchanges after each sweep. full: the even pairs, then the odd ones; pair: one random pair (the paper's \
+                  own); alternating: even and odd pairs by turns; gibbs: a permutation of all (at most 5 replicas); none",
         methods: EXCHANGE,
     },
     Key {
         name: "even",
         default: "auto",
         range: "auto|0 to 256",
-        meaning: "independent samples a sweep beside the chains, spread evenly over the image (the paper: none): 2 to \
-                  256 by how easily light is found, or so many",
+        meaning: "independent samples a sweep beside the chains, spread evenly over the image: 2 to 256, the more the easier \
+                  light is to find, and the fewer the more of it the specific replica alone shows; or so many (the paper has \
+                  none)",
         methods: EXCHANGE,
     },
     Key {
@@ -308,62 +315,62 @@ pub const KEYS: &[Key] = &[
         default: "fine",
         range: "fine|kelemen|paper|adapted",
         meaning: "small steps. fine: 1/1024 to 16/61, of the specific replica 1/1024 to 1/64; kelemen: 1/1024 to 1/64 for all; \
-                  paper: 1/61 to 16/61, of the specific replica 1/96 to 16/96 (RELT 5.1.3); adapted: those of paper times \
-                  factors that every ladder of relt adapts to an acceptance of 0.234",
+                  paper: 1/61 to 16/61, of the specific replica 1/96 to 16/96; adapted: those of paper times factors that \
+                  every ladder of relt adapts to an acceptance of 0.234",
         methods: REPLICAS,
     },
     Key {
         name: "particles",
         default: "10000",
         range: "1000 to 1000000",
-        meaning: "particles of the population annealing at the start (first states and constants of \
-                  the weights), and of each round of annealing",
+        meaning: "particles of the population annealing at the start: they choose the first states and fix the constants of \
+                  the weights and the film's quantum; and of each round of annealing",
         methods: REPLICAS,
     },
     Key {
         name: "length",
         default: "300",
         range: "1 to 100000",
-        meaning: "steps of each chain that spreads the light of a sample (Batty: 100 to 1000)",
+        meaning: "steps of each chain that spreads the light of a sample; the report tries 100 to 1000",
         methods: REDISTRIBUTION,
     },
     Key {
         name: "chains",
         default: "0.01",
         range: "0.01 <= mean <= 100",
-        meaning: "chains a sample in the mean (Batty: 1); how many a sample has goes with the light that it brings",
+        meaning: "mean number of chains per sample (the report: 1, of 100 steps); brighter samples have more",
         methods: REDISTRIBUTION,
     },
     Key {
         name: "consecutive",
         default: "off",
         range: "off|1 to 100000",
-        meaning: "Cline's filter: a chain that stayed in one place for more proposals than this leaves \
-                  nothing for its staying. Biased: light is lost (the report uses 10 and 20)",
+        meaning: "Cline's filter: a chain that stayed in one place for more proposals than this leaves nothing for its \
+                  staying; biased, light is lost (the report uses 10 and 20)",
         methods: REDISTRIBUTION,
     },
     Key {
         name: "proposed",
         default: "off",
         range: "off|1 <= kappa <= 1000000",
-        meaning: "Cline's other filter: a pixel holds at most kappa times the light of as many deposits as there \
-                  were proposals into it. Biased: light is lost",
+        meaning: "Cline's other filter, as we read it: a pixel holds at most kappa times the light of as many deposits as \
+                  there were proposals into it; biased, light is lost",
         methods: ENERGY,
     },
     Key {
         name: "seeds",
         default: "path",
         range: "path|bidirectional",
-        meaning: "where chains start: at all the paths of a path tracer's samples in every pixel, or at one path of \
-                  each sample of walks from both sides",
+        meaning: "where chains start: at all the paths of a path tracer's samples in every pixel, each with its own weight; or \
+                  at one path of each sample of walks from both sides",
         methods: ENERGY,
     },
     Key {
         name: "energy",
         default: "pilot",
         range: "pilot|passes",
-        meaning: "what fixes the light of a deposit: a pilot (Batty's Algorithm 1), or for each pass over the image \
-                  the passes of the same ladder before it",
+        meaning: "what fixes the light of a deposit: a pilot (the report's Algorithm 1), or for each pass over the image the \
+                  passes of the same ladder before it",
         methods: ENERGY,
     },
     Key {
@@ -377,15 +384,15 @@ pub const KEYS: &[Key] = &[
         name: "deposit",
         default: "current",
         range: "current|printed",
-        meaning: "the colour of a deposit: that of the path it falls on, or that of the chain's start (Batty's \
-                  Algorithm 2 as printed: wrong, for comparison)",
+        meaning: "colour of a deposit: that of the path it falls on, or that of the chain's start (the report's Algorithm 2 as \
+                  printed: wrong, for comparison)",
         methods: ENERGY,
     },
     Key {
         name: "caustic",
         default: "exact",
         range: "exact|printed",
-        meaning: "the density change of caustic perturbations: Cline's rules 2 and 5, or 5 alone (Batty 4.2 as \
+        meaning: "density change of caustic perturbations: Cline's rules 2 and 5, or 5 alone (the report's section 4.2 as \
                   printed: wrong, for comparison)",
         methods: ENERGY,
     },
@@ -393,25 +400,25 @@ pub const KEYS: &[Key] = &[
         name: "mutations",
         default: "bidirectional,lens,multichain,caustic,subpath,wavelengths,time",
         range: "a list of bidirectional|lens|multichain|caustic|subpath|wavelengths|time|every[:FRACTION]",
-        meaning: "what may change a path; bidirectional alone reaches every path. time has a say where something \
-                  moves. every moves all variables of a path by up to FRACTION (0.2) of their domains, \
-                  0 < FRACTION <= 1",
+        meaning: "what may change a path; bidirectional alone reaches every path, the others alone do not. time has a say \
+                  where something moves. every moves all variables of a path by up to FRACTION (0.2; above 0, at most 1) of \
+                  their domains",
         methods: VEACH,
     },
     Key {
         name: "jitter",
         default: "standard",
         range: "standard|veach|local|R1:R2",
-        meaning: "pixels by which lens, multichain and caustic move what is seen: a tenth up to the radius of a \
-                  twentieth of the image (veach; standard of mlt), up to a twentieth of the shorter side (local; \
-                  standard of erpt), or 0 < R1 < R2",
+        meaning: "pixels by which lens, multichain and caustic move what is seen: a tenth up to the radius of a twentieth of \
+                  the image (veach; standard of mlt), up to a twentieth of the shorter side (local; standard of erpt), or R1 \
+                  up to R2",
         methods: PATHS,
     },
     Key {
         name: "angles",
         default: "0.0001:0.1",
         range: "T1:T2",
-        meaning: "radians by which multichain turns directions within the path, 0 < T1 < T2 <= 3",
+        meaning: "radians by which multichain turns directions within the path, at most 3",
         methods: PATHS,
     },
     photon_options::LIGHT_PATHS,

@@ -136,8 +136,8 @@ pub(crate) const LIGHT_PATHS: Key = Key {
     name: "photons",
     default: "250000",
     range: "1000 to 100000000",
-    meaning: "light paths an iteration: each iteration sees the scene from new points, with new wavelengths \
-              (the paper on the spatial target function takes 10 million)",
+    meaning: "light paths of an iteration; each iteration sees the scene from new points and with new wavelengths (the \
+                  paper on the spatial target function: 10 million)",
     methods: PHOTONS,
 };
 /// Where measurement points stand.
@@ -145,8 +145,8 @@ pub(crate) const ROUGHNESS: Key = Key {
     name: "roughness",
     default: "0.39",
     range: "0 <= alpha <= 1",
-    meaning: "lobes of this GGX roughness or more show the light of photons; narrower ones are followed \
-              further from the camera",
+    meaning: "lobes of this GGX roughness or more show the light of photons; narrower ones are followed further from the \
+                  camera, down to the first that is not (the paper: 0.39, and 0.05)",
     methods: PHOTONS,
 };
 /// Their size.
@@ -154,7 +154,7 @@ pub(crate) const RADIUS: Key = Key {
     name: "radius",
     default: "1",
     range: "0.01 <= widths <= 100",
-    meaning: "radius within which a photon counts, in widths of a pixel on the surface that it shows",
+    meaning: "radius within which a photon counts, in widths of a pixel as it lies on the surface",
     methods: PHOTONS,
 };
 /// How that changes.
@@ -162,8 +162,8 @@ pub(crate) const REDUCTION: Key = Key {
     name: "reduction",
     default: "off",
     range: "off|0 < alpha < 1",
-    meaning: "shrinks the radius from iteration to iteration so that its error vanishes in the end: the square by \
-              (i + alpha) / (i + 1); 0.7 is usual (Hachisuka and Jensen 2009)",
+    meaning: "shrinks the radius from iteration to iteration, so that its error vanishes in the end: its square by (i + \
+                  alpha) / (i + 1); 0.7 is usual; off, the error is that of one radius",
     methods: PHOTONS,
 };
 /// What they cannot carry.
@@ -171,8 +171,8 @@ pub(crate) const REMAINDER: Key = Key {
     name: "remainder",
     default: "on",
     range: "on|off",
-    meaning: "path tracing of what photons cannot carry, light that reaches the camera by mirrors, glass and \
-              narrow lobes alone; off: emitters seen directly are all that is left of it",
+    meaning: "path tracing of what photons cannot carry: light that reaches the camera by mirrors, glass and narrow lobes \
+                  alone, two samples a pixel and iteration; off: emitters seen directly are all that is left of it",
     methods: PHOTONS,
 };
 
@@ -181,8 +181,8 @@ pub(crate) const ACCEPTANCE: Key = Key {
     name: "acceptance",
     default: "0.234",
     range: "0.01 <= rate <= 0.99",
-    meaning: "acceptance that the sizes of small steps are driven to between iterations, for each kind of chain by \
-              itself (the authors' code: 0.5)",
+    meaning: "acceptance of small steps that their sizes are driven to between iterations, for each kind of chain by \
+                  itself (the authors' code: 0.5)",
     methods: CHAINS,
 };
 /// What does not count.
@@ -190,8 +190,8 @@ pub(crate) const BURN_IN: Key = Key {
     name: "burnin",
     default: "64",
     range: "0 to 100000",
-    meaning: "steps of each chain at the start of an iteration that count for nothing, because targets have \
-              changed (the paper: 10000 of 10 million, in one ladder)",
+    meaning: "steps of each chain at the start of an iteration that are discarded, because the targets have just changed \
+                  (the paper: 10,000, of one ladder and 10 million paths)",
     methods: CHAINS,
 };
 /// How chains make one picture.
@@ -199,8 +199,8 @@ pub(crate) const COMBINE: Key = Key {
     name: "combine",
     default: "balance",
     range: "balance|average|samples",
-    meaning: "how the chains of a ladder make one picture: by the balance heuristic, the plain mean, or the mean \
-              weighted by the samples that each took",
+    meaning: "how the chains of a ladder make one picture: by the balance heuristic over all of them, the plain mean, or \
+                  the mean weighted by the samples that each took (the paper's Figure 6)",
     methods: CHAINS,
 };
 /// Which chains.
@@ -208,8 +208,8 @@ pub(crate) const LEVELS: Key = Key {
     name: "levels",
     default: "4",
     range: "2|3|4",
-    meaning: "chains of a ladder: uniform, visibility, inverse kernel size, full target; without visibility; \
-              uniform and full alone",
+    meaning: "chains of a ladder: uniform, visibility, inverse kernel size and the full target; without visibility; \
+                  uniform and full alone",
     methods: REGIONS,
 };
 /// How often they step.
@@ -217,9 +217,10 @@ pub(crate) const PACE: Key = Key {
     name: "pace",
     default: "auto",
     range: "auto|a:b:c:d, 1 to 64 each",
-    meaning: "the uniform chain and those of visibility, inverse kernel size and full target take a step in every a-th, b-th, \
-              c-th, d-th sweep (4:4:4:1: the last takes four to one of each other); auto: 1:64:64:64 where half of the uniform \
-              light paths are seen, else 1:2:2:1 as in the authors' code; without a full target 1:1:1:1",
+    meaning: "the uniform chain and those of visibility, inverse kernel size and full target take a step in every a-th, \
+                  b-th, c-th, d-th sweep; entries for chains that a ladder does not have are ignored. 4:4:4:1: the last takes \
+                  four steps to one of each other. auto: 1:64:64:64 where half of the uniform light paths are seen, else \
+                  1:2:2:1 as in the authors' code; 1:1:1:1 without a full target",
     methods: CHAINS,
 };
 /// What the last one follows.
@@ -227,8 +228,8 @@ pub(crate) const TARGET_FUNCTION: Key = Key {
     name: "tf",
     default: "full",
     range: "full|inverse-kernel|second-moment",
-    meaning: "the target function: inverse density of photons in the region times inverse kernel size; the \
-              second alone; or the first times the spread of fluxes in the region as well",
+    meaning: "the target function: inverse density of photons in the region times inverse kernel size; the second alone; \
+                  the first times the spread of fluxes in the region as well (Eq. 3)",
     methods: REGIONS,
 };
 /// Whose visits tell about regions.
@@ -237,7 +238,7 @@ pub(crate) const PSI: Key = Key {
     default: "all",
     range: "all|authors|visibility",
     meaning: "whose visits tell how dense photons are: those of all chains; of all but the last, as in the authors' code; \
-              of the chain of visibility (with levels=4)",
+                  of the chain of visibility (levels=4; a ladder that has no such chain goes by authors)",
     methods: REGIONS,
 };
 /// When regions are divided.
@@ -245,9 +246,10 @@ pub(crate) const REFINEMENT: Key = Key {
     name: "refinement",
     default: "shrunk",
     range: "shrunk|early|adaptive|iterations|off",
-    meaning: "how regions are divided: all, what is known of each drawn towards the one around it where few light paths have \
-              touched it; or where the halves of the statistics differ by less than 30 % and 200 light paths have touched both \
-              parts; by less than 5 %, and 10,000 (the paper's); every iteration; never",
+    meaning: "how regions are divided. shrunk: every leaf is one, and its density is drawn towards that of the region \
+                  around it until some 20 light paths have touched it. early: a region is divided where the halves of its \
+                  statistics differ by less than 30 % and 200 light paths have touched both parts; adaptive: by less than 5 %, \
+                  and 10,000 (the paper's); iterations: once an iteration; off: never",
     methods: REGIONS,
 };
 
@@ -256,7 +258,7 @@ pub(crate) const ORIENTATION: Key = Key {
     name: "orientation",
     default: "off",
     range: "on|off",
-    meaning: "small regions of photon-spatial also part surfaces that face different ways",
+    meaning: "small regions also part surfaces that face different ways",
     methods: &[Method::PhotonSpatial],
 };
 /// How visibility's integral is found.
@@ -264,9 +266,9 @@ pub(crate) const NORMALISATION: Key = Key {
     name: "normalisation",
     default: "iteration",
     range: "iteration|progressive",
-    meaning: "how visible light paths are scaled: for each iteration by the share of its own uniform ones that are visible \
-              (always so where something moves), or by that of all so far, which is biased where the share goes with the \
-              wavelengths",
+    meaning: "how visible light paths are scaled: for each iteration by the share of its own uniform ones that are \
+                  visible, as in the paper and wherever something moves; or by that of all so far, which is biased where the \
+                  share goes with the wavelengths",
     methods: CHAINS,
 };
 /// Layers.
@@ -274,8 +276,8 @@ pub(crate) const MAPS: Key = Key {
     name: "maps",
     default: "off",
     range: "on|off",
-    meaning: "layers with the target of the last iteration, its factors and regions, and with how often points were \
-              touched",
+    meaning: "layers: the target of the last iteration (target: full, kernel, density, region), and how often points were \
+                  touched (contributions); photon-visibility has these counts alone",
     methods: CHAINS,
 };
 

@@ -8,9 +8,12 @@ use crate::{Metropolis, Point, Power};
 
 /// Fresh states, or a step round the ring.
 #[derive(Clone, Copy)]
-struct Scan {
-    fresh: bool,
+enum Scan {
+    Fresh,
+    Around(Ring),
 }
+
+const AROUND: Scan = Scan::Around(Ring { up: 0.5 });
 
 impl Kernel<()> for Scan {
     type Value = usize;
@@ -22,13 +25,12 @@ impl Kernel<()> for Scan {
         proposed: &mut usize,
         draws: &mut D,
     ) -> Move {
-        if self.fresh {
-            *proposed = draws.index(&[1.0; STATES]);
-            Move::large()
-        } else {
-            let up = draws.index(&[0.5, 0.5]) == 1;
-            *proposed = (current + if up { 1 } else { STATES - 1 }) % STATES;
-            Move::small()
+        match self {
+            Self::Fresh => {
+                *proposed = draws.index(&[1.0; STATES]);
+                Move::large()
+            }
+            Self::Around(ring) => ring.propose(&mut (), current, proposed, draws),
         }
     }
 }
@@ -42,7 +44,7 @@ const TARGETS: Table<4> = [
 
 fn sweeps(exchange: impl Fn(&mut Ladder<(), usize, 4>, &mut Enumerator)) -> TransitionMatrix {
     let family = |s: &usize| TARGETS[*s];
-    let kernels = [true, false, false, false].map(|fresh| Scan { fresh });
+    let kernels = [Scan::Fresh, AROUND, AROUND, AROUND];
     TransitionMatrix::of(STATES.pow(4), 1, |from, draws| {
         let mut ladder = ladder(&TARGETS, digits(from));
         ladder.step(&kernels, &family, draws, &mut Ignore);
@@ -54,7 +56,7 @@ fn sweeps(exchange: impl Fn(&mut Ladder<(), usize, 4>, &mut Enumerator)) -> Tran
 /// All four laws stay what they are, jointly.
 #[test]
 fn the_scan_keeps_the_product() {
-    let kernels = [Scan { fresh: false }; 4];
+    let kernels = [AROUND; 4];
     let matrix = sweeps(|ladder, draws| ladder.exchange(&kernels, draws, &mut Ignore));
     assert!(matrix.stationarity_defect(&joint(&TARGETS)) < TOLERANCE);
 }
@@ -63,7 +65,7 @@ fn the_scan_keeps_the_product() {
 /// level it is a fault, and found.
 #[test]
 fn a_scan_that_exchanges_too_gladly_is_caught() {
-    let kernel = Scan { fresh: false };
+    let kernel = AROUND;
     let matrix = sweeps(|ladder, draws| {
         if ladder.replicas[0].densities[2] > 0.0 {
             ladder.swap(0, 2, &[kernel; 4], draws, &mut Ignore);
