@@ -2,7 +2,8 @@
 
 use kaustik::film::Filter;
 use kaustik::{
-    Budget, Control, Method, RenderError, RenderSettings, State, StateError, resume, whole,
+    Budget, Control, Method, RenderError, RenderSettings, State, StateError, merged_settings,
+    resume,
 };
 
 use crate::state::{Keeper, cases, last_state, resumed};
@@ -98,7 +99,7 @@ fn damaged_states(name: &str, each: usize) {
                 done,
                 Err(RenderError::State(StateError::Other(_)))
             ));
-            if let Ok(settings) = whole(std::slice::from_ref(&state)) {
+            if let Ok(settings) = merged_settings(std::slice::from_ref(&state)) {
                 // Only what the file has room for.
                 assert!(u64::from(settings.width) * u64::from(settings.height) < 1 << 32);
             }

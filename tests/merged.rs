@@ -3,7 +3,8 @@
 use kaustik::film::Image;
 use kaustik::scene::Scene;
 use kaustik::{
-    Control, Method, Options, Progress, RenderSettings, Rendered, State, merge, resume, whole,
+    Control, Method, Options, Progress, RenderSettings, Rendered, State, merge, merged_settings,
+    resume,
 };
 
 use crate::bits::bits;
@@ -34,7 +35,7 @@ fn close(a: f64, b: f64) -> bool {
 fn merged_with_layers(scene: &Scene, states: &[State]) -> Rendered {
     let settings = RenderSettings {
         features: true,
-        ..whole(states).expect("parts of one picture")
+        ..merged_settings(states).expect("parts of one picture")
     };
     merge(scene, &settings, states, &mut Keeper::default()).expect("a picture")
 }

@@ -8,7 +8,7 @@ use kaustik::scene::Scene;
 use kaustik::{
     Budget, Control, Direct, Energy, Method, Mis, Normalisation, Options, Outcome, Progress,
     RenderError, RenderSettings, Rendered, Snapshot, Source, StageLadder, State, StateError, Steps,
-    TargetFunction, Watch, merge, render_watched, resume, whole,
+    TargetFunction, Watch, merge, merged_settings, render_watched, resume,
 };
 
 use crate::bits::bits;
@@ -297,7 +297,7 @@ pub(crate) fn shares(scene: &Scene, settings: &RenderSettings, bounds: &[u32]) -
 pub(crate) fn merged(scene: &Scene, states: &[State], keeper: &mut Keeper) -> Rendered {
     let settings = RenderSettings {
         features: false,
-        ..whole(states).expect("shares of one render")
+        ..merged_settings(states).expect("shares of one render")
     };
     merge(scene, &settings, states, keeper).expect("a picture")
 }
@@ -355,7 +355,7 @@ fn shares_that_do_not_add_up_are_refused() {
     let scene = a_scene();
     let settings = settings(Method::Path, SIDE, 4);
     let states = shares(&scene, &settings, &[0, 8, 20, 64]);
-    let fault = |states: &[State]| whole(states).expect_err("no whole").to_string();
+    let fault = |states: &[State]| merged_settings(states).expect_err("no whole").to_string();
     let pair = |a: usize, b: usize| fault(&[states[a].clone(), states[b].clone()]);
     assert!(pair(0, 2).contains("0..8 and 20..64 leave a gap"));
     assert!(pair(1, 1).contains("8..20 and 8..20 overlap"));
@@ -378,7 +378,7 @@ fn shares_that_do_not_add_up_are_refused() {
     };
     let mut states = shares(&scene, &long, &[0, 8]);
     states.extend(shares(&scene, &short, &[8, 64]));
-    let settings = whole(&states).expect("shares of one render");
+    let settings = merged_settings(&states).expect("shares of one render");
     let uneven = merge(&scene, &settings, &states, &mut Keeper::default());
     let message = uneven.expect_err("no picture").to_string();
     assert!(message.contains("passes"), "{message}");

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use kaustik::film::{WriteError, check_writable};
-use kaustik::{Progress, RenderSettings, Rendered, Snapshot, Source, State, Watch, merge, whole};
+use kaustik::{Progress, RenderSettings, Snapshot, Source, State, Watch, merge, merged_settings};
 
 use crate::arguments::MergeWords;
 use crate::lock::Locks;
@@ -35,7 +35,7 @@ pub(crate) fn run(words: &MergeWords) -> Result<ExitCode, Failure> {
     let settings = RenderSettings {
         threads: words.threads.map_or(0, |threads| threads as usize),
         features: !words.outputs.no_features,
-        ..whole(&states).map_err(Failure::input)?
+        ..merged_settings(&states).map_err(Failure::input)?
     };
     let source = source(words, &states);
     let size = (Some(settings.width), Some(settings.height));
@@ -100,12 +100,6 @@ impl Keeper<'_> {
 }
 
 impl Watch for Keeper<'_> {
-    fn wants_image(&mut self, _: &Progress) -> bool {
-        false
-    }
-
-    fn see_image(&mut self, _: Rendered) {}
-
     fn wants_state(&mut self, _: &Progress, _: bool) -> bool {
         self.path().is_some()
     }

@@ -20,7 +20,31 @@ pub struct Progress {
     pub normalisation: Option<[f64; 2]>,
 }
 
-/// A render's strings: when to stop, whom to tell.
+/// When a render is to stop, and whom it tells how far it is.
+///
+/// ```
+/// use std::sync::atomic::{AtomicBool, Ordering};
+/// use kaustik::scene::{Scene, builtin};
+/// use kaustik::{Budget, Control, Outcome, Progress, RenderSettings, render};
+///
+/// let settings = RenderSettings {
+///     width: 8,
+///     height: 8,
+///     budget: Budget::PerPixel(1_000_000),
+///     ..RenderSettings::default()
+/// };
+/// let scene = Scene::new(&builtin::load("cornell")?, &settings.scene_options())?;
+/// // Raised by a signal, a button or, as here, by what the render itself tells.
+/// let stop = AtomicBool::new(false);
+/// let mut progress = |progress: &Progress| stop.store(progress.steps > 0, Ordering::Relaxed);
+/// let mut control = Control {
+///     stop: Some(&stop),
+///     progress: Some(&mut progress),
+/// };
+/// let done = render(&scene, &settings, &mut control)?;
+/// assert_eq!(done.outcome, Outcome::Stopped);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Default)]
 pub struct Control<'a> {
     /// Becomes true when the render is to stop soon and give what it has.

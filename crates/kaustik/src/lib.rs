@@ -20,6 +20,25 @@
 //! assert_eq!(done.image.width(), 8);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
+//!
+//! A file in place of a built-in scene, and the picture in a file:
+//!
+//! ```no_run
+//! use std::path::Path;
+//! use kaustik::film::{Tone, png};
+//! use kaustik::scene::{Scene, gltf};
+//! use kaustik::{Control, RenderSettings, render};
+//!
+//! let settings = RenderSettings::default();
+//! let loaded = gltf::load(Path::new("scene.glb"), &gltf::LoadOptions::default())?;
+//! for warning in &loaded.warnings {
+//!     eprintln!("{warning}");
+//! }
+//! let scene = Scene::new(&loaded.description, &settings.scene_options())?;
+//! let done = render(&scene, &settings, &mut Control::default())?;
+//! png::write(Path::new("scene.png"), &done.image, &Tone::default())?;
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 mod beside;
 mod carried;
@@ -50,7 +69,7 @@ mod threads;
 
 pub use control::{Control, Progress};
 pub use error::RenderError;
-pub use merge::{merge, whole};
+pub use merge::{merge, merged_settings};
 pub use methods::{StageLadder, StageOptions};
 pub use render::{Outcome, Rendered, Watch, render, render_watched, resume};
 pub use replay::{replay, replay_from};

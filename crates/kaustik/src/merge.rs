@@ -6,7 +6,7 @@ use kaustik_scene::Scene;
 use crate::check::check;
 use crate::engine::Engine;
 use crate::methods::direct;
-use crate::render::{Unwatched, Work, engine};
+use crate::render::{Work, engine};
 use crate::state::take_up;
 use crate::statistics::{MergeStatistics, MergedPart, Parts};
 use crate::threads::pool;
@@ -22,7 +22,7 @@ const ERROR: &str = "error";
 ///
 /// # Errors
 /// No states, states of different pictures, ladders that overlap or leave a gap, renders of different ladders.
-pub fn whole(states: &[State]) -> Result<RenderSettings, StateError> {
+pub fn merged_settings(states: &[State]) -> Result<RenderSettings, StateError> {
     let renders = renders(states)?;
     match renders.first() {
         Some(render) => render.settings(),
@@ -115,8 +115,47 @@ fn shares<'a>(states: &[&'a State]) -> Result<Shares<'a>, StateError> {
 /// the whole image) and have comparably many samples, the layer `error` holds the standard error of each pixel; if
 /// settings ask for features.
 ///
-/// `settings` are those of [`whole`]; threads and features are free. `watch` is asked for the state of the whole alone;
+/// `settings` are those of [`merged_settings`]; threads and features are free. `watch` is asked for the state of the whole alone;
 /// renders of several seeds have none.
+///
+/// ```
+/// use kaustik::scene::{Scene, builtin};
+/// use kaustik::{Budget, Control, Method, RenderSettings, Snapshot, Source, State, Watch};
+///
+/// /// Keeps the last state.
+/// #[derive(Default)]
+/// struct Keeper(Vec<u8>);
+///
+/// impl Watch for Keeper {
+///     fn wants_state(&mut self, _: &kaustik::Progress, last: bool) -> bool {
+///         last
+///     }
+///     fn see_state(&mut self, snapshot: &Snapshot<'_>) {
+///         self.0 = snapshot.bytes(&Source::default()).unwrap_or_default();
+///     }
+/// }
+///
+/// let settings = RenderSettings {
+///     method: Method::Path,
+///     width: 8,
+///     height: 8,
+///     budget: Budget::PerPixel(4),
+///     ..RenderSettings::default()
+/// };
+/// let scene = Scene::new(&builtin::load("cornell")?, &settings.scene_options())?;
+/// // Two processes, perhaps on two machines, half of the 64 ladders each.
+/// let mut states = Vec::new();
+/// for ladders in [0..32, 32..64] {
+///     let share = RenderSettings { ladders: Some(ladders), ..settings.clone() };
+///     let mut keeper = Keeper::default();
+///     kaustik::render_watched(&scene, &share, &mut Control::default(), &mut keeper)?;
+///     states.push(State::from_bytes(keeper.0)?);
+/// }
+/// let both = kaustik::merge(&scene, &kaustik::merged_settings(&states)?, &states, &mut ())?;
+/// let one = kaustik::render(&scene, &settings, &mut Control::default())?;
+/// assert_eq!(both.image.rgb(), one.image.rgb());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 ///
 /// # Errors
 /// As [`crate::resume`]; ladders that have gone different ways, where their samples cannot be weighed against each
@@ -282,7 +321,7 @@ fn average(
             seed: render.seed(),
             ..settings.clone()
         };
-        let rendered = merge_shares(scene, &settings, render, &mut Unwatched)?;
+        let rendered = merge_shares(scene, &settings, render, &mut ())?;
         let steps = rendered.statistics.steps;
         let part = MergedPart::new(render.seed(), &render.ladders, steps, &rendered.image);
         parts.push(part);

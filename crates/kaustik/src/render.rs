@@ -67,16 +67,18 @@ pub fn render(
     settings: &RenderSettings,
     control: &mut Control<'_>,
 ) -> Result<Rendered, RenderError> {
-    render_watched(scene, settings, control, &mut Unwatched)
+    render_watched(scene, settings, control, &mut ())
 }
 
-/// Observes a render: asked after every round whether it wants the image or the state.
+/// Observes a render: asked after every round whether it wants the image or the state. `()` wants neither.
 pub trait Watch {
     /// Asked after every round: is the image wanted as it is now?
-    fn wants_image(&mut self, progress: &Progress) -> bool;
+    fn wants_image(&mut self, _progress: &Progress) -> bool {
+        false
+    }
 
     /// Gets it: without albedo, normal and depth, with a method's parts if the settings ask for features.
-    fn see_image(&mut self, rendered: Rendered);
+    fn see_image(&mut self, _rendered: Rendered) {}
 
     /// The pilot is over: from now on there is a state to be kept.
     fn pilot_done(&mut self) {}
@@ -90,16 +92,7 @@ pub trait Watch {
     fn see_state(&mut self, _snapshot: &Snapshot<'_>) {}
 }
 
-/// Nobody.
-pub(crate) struct Unwatched;
-
-impl Watch for Unwatched {
-    fn wants_image(&mut self, _: &Progress) -> bool {
-        false
-    }
-
-    fn see_image(&mut self, _: Rendered) {}
-}
+impl Watch for () {}
 
 /// As [`render`], showing pictures and states on the way: an error curve takes one render, not one a point.
 ///
@@ -122,17 +115,13 @@ pub fn render_watched(
 ///
 /// ```
 /// use kaustik::scene::{Scene, builtin};
-/// use kaustik::{Budget, Control, Method, Progress, RenderSettings, Rendered, Snapshot, Source, State, Watch};
+/// use kaustik::{Budget, Control, Method, Progress, RenderSettings, Snapshot, Source, State, Watch};
 ///
 /// /// Keeps the last state.
 /// #[derive(Default)]
 /// struct Keeper(Vec<u8>);
 ///
 /// impl Watch for Keeper {
-///     fn wants_image(&mut self, _: &Progress) -> bool {
-///         false
-///     }
-///     fn see_image(&mut self, _: Rendered) {}
 ///     fn wants_state(&mut self, _: &Progress, last: bool) -> bool {
 ///         last
 ///     }
@@ -158,7 +147,7 @@ pub fn render_watched(
 ///     budget: Budget::PerPixel(8),
 ///     ..state.settings()?
 /// };
-/// let done = kaustik::resume(&scene, &more, state, &mut Control::default(), &mut Keeper::default())?;
+/// let done = kaustik::resume(&scene, &more, state, &mut Control::default(), &mut ())?;
 /// assert_eq!(done.statistics.steps, 8 * 64);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```

@@ -192,12 +192,6 @@ fn what_is_broken_off_is_taken_back() {
 struct Keeper(Option<State>);
 
 impl Watch for Keeper {
-    fn wants_image(&mut self, _: &Progress) -> bool {
-        false
-    }
-
-    fn see_image(&mut self, _: crate::Rendered) {}
-
     fn wants_state(&mut self, _: &Progress, last: bool) -> bool {
         last
     }

@@ -48,27 +48,30 @@ const PASSES_AT_ONCE: u64 = 16;
 
 /// Independent samples that the method already makes (of `relt`: its scouts).
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Own {
+pub(crate) struct OwnSamples {
     /// Variance of one sample, as a pilot saw it. Not used for scouts, whose variance the meter
     /// itself estimates.
     pub(crate) variance: f64,
     /// How many there are for each mutation.
-    pub(crate) per_step: f64,
+    pub(crate) per_mutation: f64,
 }
 
-/// How a meter goes with a method.
+/// What makes a meter fit a method.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Terms {
-    /// For each cell of a pass there are so many mutations.
-    pub(crate) each: u64,
+pub(crate) struct Fit {
+    /// Mutations of the chains for each cell of a pass.
+    pub(crate) mutations_a_cell: u64,
     /// The method's `b`, or what is measured in its place, over the mean of the scalar contribution of
     /// samples on the window.
     pub(crate) unit: f64,
 }
 
-impl Terms {
+impl Fit {
     /// One pass for each mutation: for who wants to see a pass.
-    const ANY: Self = Self { each: 1, unit: 1.0 };
+    const ANY: Self = Self {
+        mutations_a_cell: 1,
+        unit: 1.0,
+    };
 }
 
 /// Passes over a coarse grid of the image: in each cell bidirectional samples for all light but the implicit
@@ -79,16 +82,16 @@ pub(crate) struct Meter<'a> {
     joined: u64,
     /// Number of the first sample of each cell in a pass, and of the first of the next pass.
     first: Vec<u64>,
-    terms: Terms,
+    fit: Fit,
     passes: u64,
     /// The method's `b`, by passes.
     light: Mean,
     /// The same of trials.
     trials: Mean,
     /// Variance of a sample of the method's own, by what was known before the first; infinite where it is not known.
-    of_own: f64,
-    /// How many scouts of a single way have the same expected variance as a pass.
-    walks: f64,
+    own_variance: f64,
+    /// A pass knows the light of scouts as well as so many of a method's own would.
+    pass_in_scouts: f64,
     nonfinite: Nonfinite,
 }
 
@@ -126,31 +129,39 @@ impl<'a> Meter<'a> {
     pub(crate) fn new(
         scene: &'a Scene,
         settings: &RenderSettings,
-        own: Own,
-        terms: Terms,
+        own: OwnSamples,
+        fit: Fit,
     ) -> Option<Self> {
-        let (mut meter, look) = Self::prepared(scene, settings, terms)?;
-        let samples = own.per_step * meter.mutations_a_pass() as f64;
-        let say = match look.second_moment {
-            // Scouts alone stand beside others.
-            _ if meter.joined == 0 => meter.walks / (meter.walks + samples),
-            Some(second_moment) => {
-                meter.of_own = own.variance + second_moment * terms.unit * terms.unit;
-                meter.trials = meter.take(TRIALS).0.into_iter().collect();
-                1.0 - meter.weight(samples, 1)
-            }
-            // Who meets light seldom does not know how much he misses.
-            None => 1.0,
-        };
-        if say.is_nan() || say < LEAST_WEIGHT {
+        let (mut meter, look) = Self::prepared(scene, settings, fit)?;
+        if meter.joined > 0
+            && let Some(second_moment) = look.second_moment
+        {
+            meter.own_variance = own.variance + second_moment * fit.unit * fit.unit;
+            meter.trials = meter.take(TRIALS).0.into_iter().collect();
+        }
+        if meter.first_share(own) < LEAST_WEIGHT {
             return None;
         }
         meter.keep_up(0);
         Some(meter)
     }
 
+    /// What share the first pass would have beside the method's own samples of the same time; 0 where variances
+    /// say nothing.
+    fn first_share(&self, own: OwnSamples) -> f64 {
+        let samples = own.per_mutation * self.mutations_a_pass() as f64;
+        let share = match self.joined {
+            // Scouts alone stand beside others.
+            0 => self.pass_in_scouts / (self.pass_in_scouts + samples),
+            // All of it where the variance of the method's own is not known: who meets light seldom does not know
+            // how much he misses.
+            _ => 1.0 - self.weight(samples, 1),
+        };
+        if share.is_nan() { 0.0 } else { share }
+    }
+
     /// Before any pass.
-    fn prepared(scene: &'a Scene, settings: &RenderSettings, terms: Terms) -> Option<(Self, Look)> {
+    fn prepared(scene: &'a Scene, settings: &RenderSettings, fit: Fit) -> Option<(Self, Look)> {
         if !is_wanted(scene, settings) {
             return None;
         }
@@ -166,19 +177,19 @@ impl<'a> Meter<'a> {
             first: first(joined, &scouts),
             samples,
             joined,
-            terms,
+            fit,
             passes: 0,
             light: Mean::new(),
             trials: Mean::new(),
-            of_own: f64::INFINITY,
-            walks: WORTH * look.walks(&scouts),
+            own_variance: f64::INFINITY,
+            pass_in_scouts: WORTH * look.equivalent_walks(&scouts),
             nonfinite: Nonfinite::default(),
         };
         Some((meter, look))
     }
 
     fn mutations_a_pass(&self) -> u64 {
-        self.terms.each * self.samples.grid.count() as u64
+        self.fit.mutations_a_cell * self.samples.grid.count() as u64
     }
 
     fn samples_a_pass(&self) -> u64 {
@@ -200,7 +211,7 @@ impl<'a> Meter<'a> {
             .collect();
         let mean = |pass: &[(f64, Nonfinite)]| {
             let sum: f64 = pass.iter().map(|(light, _)| light).sum();
-            self.terms.unit * sum / cells as f64
+            self.fit.unit * sum / cells as f64
         };
         let faults = all.iter().map(|(_, faults)| *faults);
         (
@@ -247,19 +258,22 @@ impl<'a> Meter<'a> {
         settings: &RenderSettings,
         step: u64,
     ) -> Option<Vec<Event>> {
-        let (meter, _) = Self::prepared(scene, settings, Terms::ANY)?;
+        let (meter, _) = Self::prepared(scene, settings, Fit::ANY)?;
         Some(trace(|| meter.sample(step, &mut Scratch::default())).1)
     }
 
     /// Do samples of the method's own count for nothing beside it?
     pub(crate) fn is_alone(&self) -> bool {
-        self.of_own.is_infinite()
+        self.own_variance.is_infinite()
     }
 
     /// Of the mean of so many samples of the method's own beside so many passes: by variances known before
     /// any of them, so that it does not depend on what they find.
     fn weight(&self, own: f64, passes: u64) -> f64 {
-        let (own, passes) = (own / self.of_own, passes as f64 / self.trials.variance());
+        let (own, passes) = (
+            own / self.own_variance,
+            passes as f64 / self.trials.variance(),
+        );
         if own > 0.0 { own / (own + passes) } else { 0.0 }
     }
 
@@ -288,9 +302,9 @@ impl<'a> Meter<'a> {
         }
     }
 
-    /// The light as the mean of so many walks of a method's own scouts as are to be thought to know it as well.
-    pub(crate) fn as_scouts(&self) -> Mean {
-        let count = (self.walks * self.passes as f64).round() as u64;
+    /// The light as the mean of so many scouts of a method's own as would know it as well.
+    pub(crate) fn in_scouts(&self) -> Mean {
+        let count = (self.pass_in_scouts * self.passes as f64).round() as u64;
         Mean::of(count, self.with(&Mean::new()))
     }
 

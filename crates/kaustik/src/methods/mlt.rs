@@ -23,7 +23,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::beside::Besides;
 use crate::beside::lamps::Lamps;
-use crate::beside::meter::{Meter, Own, Terms};
+use crate::beside::meter::{Fit, Meter, OwnSamples};
 use crate::chains::{self, LadderChain};
 use crate::control::is_stopped;
 use crate::engine::{Engine, Nonfinite, STRIDE, add_counters, add_nonfinite};
@@ -88,15 +88,15 @@ impl<'a> MltEngine<'a> {
         let besides = Besides::of_lamps(Lamps::new(scene, settings)?);
         let mut engine = Self::with_map(scene, settings, RasterMap::even(), besides)?;
         if engine.pool.mean() > 0.0 {
-            let own = Own {
+            let own = OwnSamples {
                 variance: engine.pool.variance(),
-                per_step: 1.0 / EACH as f64,
+                per_mutation: 1.0 / EACH as f64,
             };
-            let terms = Terms {
-                each: METERED,
+            let fit = Fit {
+                mutations_a_cell: METERED,
                 unit: engine.space.settings.window_area(),
             };
-            engine.besides.meter = Meter::new(scene, settings, own, terms);
+            engine.besides.meter = Meter::new(scene, settings, own, fit);
         }
         Ok(engine)
     }

@@ -18,7 +18,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::beside::Besides;
 use crate::beside::lamps::Lamps;
-use crate::beside::meter::{Meter, Own, Terms};
+use crate::beside::meter::{Fit, Meter, OwnSamples};
 use crate::chains::{self, LadderChain};
 use crate::control::is_stopped;
 use crate::engine::{Engine, Nonfinite, STRIDE, add_counters, add_nonfinite, add_rays};
@@ -88,15 +88,15 @@ impl<'a> PssmltEngine<'a> {
         let besides = Besides::of_lamps(Lamps::new(scene, settings)?);
         let mut engine = Self::of_family(scene, settings, builder, family, besides)?;
         if engine.b0 > 0.0 {
-            let own = Own {
+            let own = OwnSamples {
                 variance: engine.pool.variance(),
-                per_step: options.p_large,
+                per_mutation: options.p_large,
             };
-            let terms = Terms {
-                each: mutations_a_cell(settings),
+            let fit = Fit {
+                mutations_a_cell: mutations_a_cell(settings),
                 unit: 1.0,
             };
-            engine.besides.meter = Meter::new(scene, settings, own, terms);
+            engine.besides.meter = Meter::new(scene, settings, own, fit);
         }
         Ok(engine)
     }

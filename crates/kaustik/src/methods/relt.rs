@@ -26,7 +26,7 @@ use rayon::prelude::*;
 
 use crate::beside::Besides;
 use crate::beside::lamps::Lamps;
-use crate::beside::meter::{Meter, Own, Terms};
+use crate::beside::meter::{Fit, Meter, OwnSamples};
 use crate::control::is_stopped;
 use crate::engine::{Engine, Nonfinite, STRIDE, add_counters, add_nonfinite};
 use crate::{
@@ -278,7 +278,7 @@ impl<'a, const K: usize> ReltEngine<'a, K> {
     fn known(&self) -> Shares<K> {
         let mut known = self.pool;
         if let Some(meter) = &self.besides.meter {
-            known.sampled(K - 1, &meter.as_scouts());
+            known.sampled(K - 1, &meter.in_scouts());
         }
         known
     }
@@ -402,7 +402,7 @@ impl<const K: usize> Engine for ReltEngine<'_, K> {
         let b = self.brightness();
         let metered = self.besides.meter.as_ref().map(|meter| {
             let all = self.shares().samples(K - 1);
-            meter.as_scouts().count() as f64 / all as f64
+            meter.in_scouts().count() as f64 / all as f64
         });
         Some(ChainStatistics {
             metered: metered.unwrap_or_default(),
@@ -456,15 +456,15 @@ fn films<const K: usize>(layout: &Layout, quantum: Quantum) -> Result<[Film; K],
 
 /// What tells how much light the specific replica has, beside so many scouts for each sample of a sweep.
 fn meter<'a>(scene: &'a Scene, settings: &RenderSettings, scouts: f64) -> Option<Meter<'a>> {
-    let own = Own {
+    let own = OwnSamples {
         variance: 0.0,
-        per_step: scouts,
+        per_mutation: scouts,
     };
-    let terms = Terms {
-        each: METERED,
+    let fit = Fit {
+        mutations_a_cell: METERED,
         unit: 1.0,
     };
-    Meter::new(scene, settings, own, terms)
+    Meter::new(scene, settings, own, fit)
 }
 
 /// A film as a layer.

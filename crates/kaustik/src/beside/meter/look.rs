@@ -60,7 +60,7 @@ impl Look {
 
     /// How many walks from anywhere in the image know as much of what Dirac surfaces scatter first as so many
     /// in each cell.
-    pub(super) fn walks(&self, scouts: &[u64]) -> f64 {
+    pub(super) fn equivalent_walks(&self, scouts: &[u64]) -> f64 {
         let shares = self.dirac.iter().sum::<f64>();
         let variances = self.dirac.iter().zip(scouts);
         let variances: f64 = variances
