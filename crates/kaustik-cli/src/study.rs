@@ -123,9 +123,36 @@ fn scale(words: &StudyWords) -> Scale {
     }
 }
 
+/// `study-NAME`, or where a file is called as a paper's study, `study-NAME-toml`: they are not one study.
 fn folder(words: &StudyWords) -> PathBuf {
+    let named = named::find(&words.study).is_some();
     let stem = Path::new(&words.study).file_stem();
-    let name = stem.map_or_else(|| "study".into(), |stem| stem.to_string_lossy());
+    let mut name = stem.map_or_else(|| "study".into(), |stem| stem.to_string_lossy());
+    if !named && named::find(&name).is_some() {
+        name += "-toml";
+    }
     let default = || PathBuf::from(format!("study-{name}"));
     words.output.clone().unwrap_or_else(default)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_file_has_not_the_folder_of_a_paper() {
+        let folder = |study: &str| {
+            folder(&StudyWords {
+                study: study.to_owned(),
+                quick: false,
+                figure: None,
+                as_published: false,
+                output: None,
+                quiet: true,
+            })
+        };
+        assert_eq!(folder("relt"), Path::new("study-relt"));
+        assert_eq!(folder("a/relt.toml"), Path::new("study-relt-toml"));
+        assert_eq!(folder("a/my.toml"), Path::new("study-my"));
+    }
 }
