@@ -81,9 +81,24 @@ impl Cut {
         whole + DELETION.get(self.edges()).copied().unwrap_or(0.0)
     }
 
-    /// The fewest edges that may stand in its place: an emitter at least, if that went.
-    fn least(self) -> usize {
-        if self.first == 0 { 2 } else { 1 }
+    /// Has the lens of a path with so many edges gone?
+    fn is_without_lens(self, edges: usize) -> bool {
+        self.end == edges + 1
+    }
+
+    /// The fewest edges that may stand in its place: an emitter or a lens at least, if that went.
+    fn least(self, edges: usize) -> usize {
+        if self.first == 0 || self.is_without_lens(edges) {
+            2
+        } else {
+            1
+        }
+    }
+
+    /// In how many ways the vertices that stand in its place in a path of so many edges are shared between a walk
+    /// with the light and one from the eye: the lens is always begun at.
+    fn splits(self, edges: usize) -> usize {
+        self.edges() - usize::from(self.is_without_lens(edges))
     }
 
     /// Are both ends kept vertices that can be joined, or beyond the path?
@@ -93,12 +108,16 @@ impl Cut {
     }
 }
 
-/// All cuts of a path that have a weight.
+/// All cuts of a path that have a weight: those of few edges, and the whole path.
 fn cuts(path: &Path, aperture: bool) -> impl Iterator<Item = (Cut, f64)> {
     let top = Cut::whole(path, aperture).end;
-    let firsts = 0..path.len();
-    firsts
-        .flat_map(move |first| (first.max(1)..=top).map(move |end| Cut { first, end }))
+    let ends = move |first: usize| {
+        let furthest = top.min(first + MOST_DELETED - 1);
+        let whole = (first == 0 && furthest < top).then_some(top);
+        (first.max(1)..=furthest).chain(whole)
+    };
+    (0..path.len())
+        .flat_map(move |first| ends(first).map(move |end| Cut { first, end }))
         .filter(move |cut| cut.is_open(path))
         .map(move |cut| (cut, cut.weight(path, aperture)))
         .filter(|(_, weight)| *weight > 0.0)
@@ -116,7 +135,7 @@ impl Additions {
     /// To a path of so many edges that has lost `cut`, within the lengths that paths may have.
     fn new(edges: usize, cut: Cut, lengths: &RangeInclusive<usize>) -> Self {
         let lost = cut.edges();
-        let from = lost.saturating_sub(MOST_CHANGE).max(cut.least());
+        let from = lost.saturating_sub(MOST_CHANGE).max(cut.least(edges));
         let mut weights = [0.0; MOST_DELETED + MOST_CHANGE + 1];
         // Edges to add so that the path has lengths.start() edges at least and lengths.end() at most.
         let least = (lengths.start() + lost).saturating_sub(edges).max(from);
@@ -168,8 +187,9 @@ impl BidirectionalMutation<'_> {
             first: cut.first,
             end: cut.first + added - 1,
         };
-        let by_light = ((added as f64 * draws.uniform()) as usize).min(added - 1);
         self.keep(x, y, cut, new);
+        let splits = new.splits(y.edges());
+        let by_light = ((splits as f64 * draws.uniform()) as usize).min(splits - 1);
         if cut == Cut::whole(x, aperture) {
             y.wavelength_u = draws.uniform();
             y.wavelengths = Wavelengths::sample(y.wavelength_u, space.settings.wavelengths);
@@ -215,9 +235,8 @@ fn density(
     (y, new): (&Path, Cut),
 ) -> f64 {
     let weight = factor(Factor::CutWeight, cut.weight(x, space.has_aperture()));
-    let added = new.edges();
-    let each = factor(Factor::Addition, additions.probability(added))
-        / factor(Factor::Splits, added as f64);
+    let each = factor(Factor::Addition, additions.probability(new.edges()))
+        / factor(Factor::Splits, new.splits(y.edges()) as f64);
     let ways = space.all_ways(y, new.first, new.end);
     weight / factor(Factor::CutsOfPath, sum) * each * ways
 }
@@ -271,7 +290,8 @@ mod tests {
                 for added in (1..40).filter(|&added| additions.probability(added) > 0.0) {
                     let after = edges + added - lost;
                     assert!(lengths.contains(&after) && (lost, added) != (1, 1));
-                    assert!(first > 0 || added > 1);
+                    // An emitter stands in the place of one that went, and a lens in that of a lens.
+                    assert!((first > 0 && end <= edges) || added > 1);
                 }
             }
         }

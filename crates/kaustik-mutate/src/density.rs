@@ -88,9 +88,13 @@ impl PathSpace<'_> {
         }
     }
 
-    /// The unit of area for the density of a vertex that a walk makes from its neighbour: 1 in a run of Dirac
-    /// scatterings and for what is infinitely far away, where the density is by direction. Light from there comes
-    /// through an area, whatever it meets.
+    /// The unit of area for the density of the vertex `to` that a walk makes from its neighbour `from`, D where that
+    /// does not scatter into a Dirac direction and S where it does:
+    ///
+    /// - D to D: per area, `unit_area`;
+    /// - D to S, S to D, S to S: in a run, whose density is by direction, 1;
+    /// - D or S to what is infinitely far away: by direction, 1;
+    /// - what is infinitely far away to D or S: its light comes through an area, whatever that meets, `unit_area`.
     #[inline]
     pub(crate) fn unit_of(&self, from: &PathVertex, to: &PathVertex) -> f64 {
         let by_direction = self.is_endless(to) || from.specular || to.specular;

@@ -19,7 +19,11 @@
 //! | to `b` from `a`, with the light | `p_w(a) P.. / cos_a` times `s / S` of each vertex passed |
 //!
 //! where `P` are the probabilities of the lobes, `s` is the squared ratio of the indices that radiance
-//! is multiplied by and `S` the factor of shading normals for particles (both: Veach 1997 ch. 5).
+//! is multiplied by and `S` the factor of shading normals for particles (both: Veach 1997 ch. 5). Each step has one
+//! factor more: the share of light that passes what is partly transparent on the way, times the opacity of where it ends.
+//!
+//! The unit of area is the scene's own, or in a scene of millimetres or of kilometres the square of the
+//! length that is usual there: products over long paths stay within the range of `f64`.
 //!
 //! # Time
 //! Where something moves, a path has a [time](Path::time): its vertices lie where surfaces are then, and all

@@ -22,7 +22,7 @@ pub struct Path {
     /// From 0, when the shutter opens, to 1: vertices lie where surfaces are then. 0 where nothing moves.
     pub(crate) time: f64,
     pub(crate) raster: DVec2,
-    /// `We` at the lens, the Dirac parts of the camera left out.
+    /// `We` at the lens, the Dirac parts of the camera left out; where the lens has an area, per unit of area.
     pub(crate) importance: f64,
     pub(crate) density: f64,
     pub(crate) colour: Xyz,

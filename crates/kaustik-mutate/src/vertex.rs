@@ -44,7 +44,7 @@ pub(crate) struct PathVertex {
     pub(crate) value: Spectrum,
     /// Scatters into a Dirac direction.
     pub(crate) specular: bool,
-    /// If so: it passes the surface.
+    /// It passes the surface.
     pub(crate) transmitted: bool,
     /// Refracts so that the hero counts alone.
     pub(crate) dispersive: bool,

@@ -103,7 +103,7 @@ impl<'a> Lamps<'a> {
     ) -> Result<Self, RenderError> {
         let layout = settings.layout();
         let cells = Cells::new(settings);
-        let mut direct = Self {
+        let mut lamps = Self {
             scene,
             builder,
             // until a first look tells the quantum: two large films would be one too many
@@ -121,16 +121,16 @@ impl<'a> Lamps<'a> {
             rays: Rays::default(),
             nonfinite: Nonfinite::default(),
         };
-        let seen = direct.look();
+        let seen = lamps.look();
         let mean = seen.iter().map(|look| look.light).sum::<f64>() / (cells.count() * LOOK) as f64;
         if seen.iter().any(|look| look.specular) {
-            direct.each = EACH_SPECULAR;
+            lamps.each = EACH_SPECULAR;
         }
-        direct.film = Film::with_layout(&layout, Quantum::from_sum_of_xyz(mean))?;
-        direct.often = direct.closely(&seen);
-        direct.keep_up(0);
-        direct.lit = direct.film.sums().any(|sum| sum != 0);
-        Ok(direct)
+        lamps.film = Film::with_layout(&layout, Quantum::from_sum_of_xyz(mean))?;
+        lamps.often = lamps.closely(&seen);
+        lamps.keep_up(0);
+        lamps.lit = lamps.film.sums().any(|sum| sum != 0);
+        Ok(lamps)
     }
 
     /// A few samples in each cell.

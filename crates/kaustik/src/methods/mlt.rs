@@ -3,7 +3,8 @@
 //! A pool of independent samples, each a pair of walks joined in every way, estimates b, the integral of the
 //! paths' density; each chain starts at a path chosen from the pool in proportion to its weight, so
 //! that b / M times the visits of M mutations are an unbiased picture from the first step on. Between
-//! mutations further samples are made, so that b becomes better while the picture does.
+//! mutations further samples are made, so that b becomes better while the picture does: with them the picture is
+//! consistent; `normaliser=initial` does without them and is unbiased.
 
 mod keep;
 mod mixture;
@@ -36,7 +37,7 @@ use mixture::mixture;
 
 /// A sample for so many mutations: it takes the time of a few.
 const EACH: u64 = 64;
-/// Mutations for each cell of a pass of a [`Meter`]: a tenth to a fifth of the time.
+/// Mutations for each cell of a pass of a [`Meter`]: a fifth of the time or so.
 const METERED: u64 = 320;
 
 /// Chains on a film.
@@ -335,7 +336,9 @@ impl Engine for MltEngine<'_> {
     }
 
     fn is_lit(&self) -> bool {
-        self.pool.mean() > 0.0 || self.besides.is_lit()
+        // without chains lamps go on looking for what their first pass has not met
+        let may_find = self.besides.lamps.is_some() && self.space.scene.has_light();
+        self.pool.mean() > 0.0 || may_find
     }
 }
 

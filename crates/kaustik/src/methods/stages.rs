@@ -3,8 +3,9 @@
 //! A chain that follows the light of the image is mostly where the image is bright, and leaves its dark parts
 //! noisy. Here a render is made in stages. Each follows the light times a weight on the image, inverse to the
 //! picture of the stages before it, so that every part is visited alike. Within a stage nothing learns: it is
-//! ordinary Metropolis light transport, with a pool and a normaliser of its own, and unbiased whatever the
-//! weights are. The picture is the mean of the stages' pictures, each weighted by its number of mutations.
+//! ordinary Metropolis light transport, with a pool and a normaliser of its own, whatever the weights are. The
+//! picture is the mean of the stages' pictures, each weighted by its number of mutations. Stages whose pools saw no
+//! light are passed over: where that happens, those that remain are too bright in the mean.
 
 mod keep;
 mod options;

@@ -7,7 +7,9 @@ pub enum MutationKind {
     Lens,
     /// As [`Lens`](Self::Lens), and moves the direction at the diffuse vertices on the way.
     Multichain,
-    /// Moves the direction from the last diffuse vertex before the glass, towards the eye.
+    /// Moves the direction in which light leaves the last but one of the vertices before the lens that do not scatter into
+    /// Dirac directions, and follows the same scatterings to the last of them. `erpt` makes it only where a mirror or
+    /// glass lies between the two: a caustic.
     Caustic,
     /// A fresh subpath from the lens, somewhere else in the image (Veach 1997, 11.4.4).
     Subpath,

@@ -19,7 +19,8 @@ impl Mutations {
         MutationKind::Wavelengths,
         MutationKind::Time,
     ]);
-    /// Those that keep the string of scatterings, and the wavelengths: what `erpt` makes.
+    /// Those that keep the string of scatterings: what `erpt` makes. Its chains are short, and each stays at the time of the
+    /// sample that it begins with.
     pub const PERTURBATIONS: Self = Self::of(&[
         MutationKind::Lens,
         MutationKind::Multichain,

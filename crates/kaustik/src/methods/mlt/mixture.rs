@@ -11,8 +11,9 @@ use crate::{Jitter, MutationKind, Options};
 
 const _: () = assert!(MutationKind::COUNT <= Move::KINDS);
 
-/// How often a kind is made where it suits, for once of the others: those that trace no part that a
-/// perturbation keeps, and the one that traces nothing, need to come by only now and then.
+/// How often a kind is made where it suits, for once of the others. A fresh subpath from the lens takes a path to where no
+/// perturbation does, but is seldom accepted, and fresh wavelengths change little: they come by now and then.
+/// A fresh time costs a whole path and is accepted less than a perturbation: half as often.
 const fn share(kind: MutationKind) -> f64 {
     match kind {
         MutationKind::Subpath | MutationKind::Wavelengths => 0.25,
