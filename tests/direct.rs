@@ -2,14 +2,19 @@
 
 use std::time::{Duration, Instant};
 
+use glam::Vec3;
 use kaustik::film::Image;
-use kaustik::scene::Scene;
+use kaustik::geometry::Mesh;
+use kaustik::scene::description::{EnvironmentDescription, Lens, MaterialDescription};
+use kaustik::scene::{Scene, builtin};
 use kaustik::{
     Budget, Builder, Control, Direct, EvenSamples, Method, RenderSettings, Rendered, Strategies,
     render,
 };
 
-use crate::support::{Tile, Verdict, agree, means, scene, settings, tiles_of, tiles_of_seeds};
+use crate::support::{
+    Tile, Verdict, agree, compile, describe, means, scene, settings, tiles_of, tiles_of_seeds,
+};
 
 const SIDE: u32 = 16;
 const SEEDS: std::ops::Range<u64> = 0..8;
@@ -146,6 +151,52 @@ fn what_is_seen_through_glass_is_there_once() {
         for method in methods {
             let sum = tiles_of_seeds(&scene, &settings(method, SIDE, 256), SEEDS);
             assert_agree(&format!("{words}, {method}"), &path, &sum, 0.1);
+        }
+    }
+}
+
+/// A lamp of a seventh of a pixel, also before a bright sky and out of focus, is as bright as camera rays see it, after few
+/// samples; and so is a large one.
+#[test]
+fn lamps_of_any_size_are_seen() {
+    let corner = |x: f32, y: f32| Vec3::new(0.13 + 0.01 * x, 0.17 + 0.01 * y, 0.0);
+    let quad = Mesh {
+        positions: vec![
+            corner(-1.0, -1.0),
+            corner(1.0, -1.0),
+            corner(1.0, 1.0),
+            corner(-1.0, 1.0),
+        ],
+        indices: vec![[0, 1, 2], [0, 2, 3]],
+        ..Mesh::default()
+    };
+    let bright = MaterialDescription {
+        emissive: [1e3; 3],
+        ..MaterialDescription::default()
+    };
+    let mut before_sky = describe(Vec3::new(0.0, 0.0, 2.0), 0.4, [(bright, quad)]);
+    before_sky.environment = Some(EnvironmentDescription::Constant([0.5; 3]));
+    let mut blurred = builtin::load("ring-and-sphere?light=0.1").expect("a built-in scene");
+    blurred.cameras[0].lens = Some(Lens {
+        aperture: 0.4,
+        focus: 2.0,
+        blades: None,
+    });
+    let scenes = [
+        ("small", scene("ring-and-sphere?light=0.1", SIDE)),
+        ("before the sky", compile(&before_sky, SIDE)),
+        ("out of focus", compile(&blurred, SIDE)),
+        ("large", scene("cornell", SIDE)),
+    ];
+    let seen = |method, spp| RenderSettings {
+        max_depth: 1,
+        ..settings(method, SIDE, spp)
+    };
+    for (name, scene) in &scenes {
+        let path = tiles_of_seeds(scene, &seen(Method::Path, 4096), SEEDS);
+        for method in [Method::Mlt, Method::Relt] {
+            let lamps = tiles_of_seeds(scene, &seen(method, 64), SEEDS);
+            assert_agree(&format!("{name}, {method}"), &path, &lamps, 0.1);
         }
     }
 }

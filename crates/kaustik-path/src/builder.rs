@@ -24,6 +24,9 @@ pub struct BuilderSettings {
     /// What becomes of purely specular paths. [`Alone`](PureSpecular::Alone) is for
     /// [`Unidirectional`](crate::Unidirectional) without next event: other strategies make none of them.
     pub pure_specular: PureSpecular,
+    /// Are surfaces that emit kept where they are seen directly? `false` is for
+    /// [`Unidirectional`](crate::Unidirectional), beside samples that see to these: others keep them.
+    pub emitters_seen: bool,
     /// Keep the largest single `C_{s,t}` ([`Contributions::largest`]), for Kelemen's maximum: it costs
     /// a colour for each.
     pub largest: bool,
@@ -42,6 +45,7 @@ impl Default for BuilderSettings {
             min_edges: 1,
             max_edges: 64,
             pure_specular: PureSpecular::Kept,
+            emitters_seen: true,
             largest: false,
             wavelengths: WavelengthSampling::Hero,
             window_min: DVec2::ZERO,
@@ -62,6 +66,12 @@ impl BuilderSettings {
     #[inline]
     pub fn raster(&self, u: DVec2) -> DVec2 {
         self.window_min + u * (self.window_max - self.window_min)
+    }
+
+    /// Where in the window a raster point lies, the unit square over all of it: inverse of [`raster`](Self::raster).
+    #[inline]
+    pub fn window(&self, raster: DVec2) -> DVec2 {
+        (raster - self.window_min) / (self.window_max - self.window_min)
     }
 
     /// Does the window hold this raster point?

@@ -58,7 +58,8 @@ impl Unidirectional {
         let (mut vertex, mut bsdf) = (Vertex::default(), Bsdf::black());
         while walk.advance(scene, u, &mut vertex).is_some() {
             let Self { settings, .. } = self;
-            if settings.makes(walk.edges, walk.pure) {
+            let shown = walk.edges > 1 || settings.emitters_seen;
+            if shown && settings.makes(walk.edges, walk.pure) {
                 emission(scene, walk, &vertex, origin, 1.0, gathered);
             }
             if walk.edges == settings.max_edges {

@@ -292,7 +292,7 @@ fn a_replay_finds_the_fault_where_it_was_reported() {
 /// counted, and the first of them are found where they were reported, and only there.
 #[test]
 fn faults_of_lamps_are_found() {
-    const MUTATIONS: u64 = 16 * 200 * (SIDE * SIDE) as u64;
+    const MUTATIONS: u64 = 16 * 400 * (SIDE * SIDE) as u64;
     let scene = a_scene();
     let settings = settings(Method::Pssmlt);
     let lamps = |threads: usize, cuts: &[u64]| {
@@ -312,7 +312,7 @@ fn faults_of_lamps_are_found() {
         });
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
         pool.expect("threads").install(|| {
-            let mut lamps = Lamps::with_builder(&scene, &settings, faulty).expect("lamps");
+            let mut lamps = Lamps::with_builder(&scene, &settings, paths, faulty).expect("lamps");
             for &mutations in cuts {
                 lamps.keep_up(mutations);
             }

@@ -15,6 +15,7 @@ const PATH: Unidirectional = Unidirectional {
         largest: false,
         min_edges: 1,
         pure_specular: PureSpecular::Kept,
+        emitters_seen: true,
         max_edges: 64,
         wavelengths: WavelengthSampling::Hero,
         window_min: glam::DVec2::ZERO,

@@ -5,7 +5,12 @@
 //! the constant that scales its picture is an integral over all pixels, to which such a lamp brings nearly
 //! all of the noise: in `ring-and-sphere` 70 times that of all other light of `relt`. A few camera rays know it
 //! better than a million paths. Behind glass it is worse: what a ball shows of the lamp fills four of 65,000 pixels
-//! there, which in two minutes no chain of `mlt` has met once.
+//! there, which in two minutes no chain of `mlt` has met once. A lamp that fills a small part of a pixel is found
+//! [from its own side](by_light).
+
+mod by_light;
+#[cfg(test)]
+mod tests;
 
 use std::io;
 
@@ -19,6 +24,7 @@ use kaustik_path::{
 use kaustik_scene::Scene;
 use rayon::prelude::*;
 
+use self::by_light::ByLight;
 use crate::beside::Beside;
 use crate::engine::Nonfinite;
 use crate::methods::direct;
@@ -32,6 +38,11 @@ use crate::{Place, RenderError, RenderSettings};
 /// Samples a cell that tell where there is something to see. They are used for nothing else, so that
 /// where one looks more closely does not depend on what is found there.
 const LOOK: u64 = 4;
+/// Numbers of the samples of that look: from here on, far from those that passes will have.
+const FIRST_LOOK: u64 = u64::MAX / 2;
+/// The same of samples from the emitters' own side, and of the look from there.
+const FROM_LIGHT: u64 = u64::MAX / 4;
+const FROM_LIGHT_LOOK: u64 = u64::MAX / 8;
 /// The most samples in a cell that is looked at more closely, for each in another.
 const CLOSELY: u64 = 1024;
 /// Mutations a pixel for each pass but the first.
@@ -43,6 +54,9 @@ const EACH_SPECULAR: u64 = 4;
 pub(crate) struct Lamps<'a> {
     scene: &'a Scene,
     builder: Box<dyn PathBuilder + 'a>,
+    /// The same without emitters seen directly.
+    others: Unidirectional,
+    by_light: ByLight,
     film: Film,
     scale: Scale,
     seed: u64,
@@ -92,25 +106,31 @@ impl<'a> Lamps<'a> {
             },
             next_event: false,
         };
-        Self::with_builder(scene, settings, Box::new(paths)).map(Some)
+        Self::with_builder(scene, settings, paths, Box::new(paths)).map(Some)
     }
 
-    /// The same with any builder.
+    /// The same with any builder in place of one of these paths.
     pub(crate) fn with_builder(
         scene: &'a Scene,
         settings: &RenderSettings,
+        paths: Unidirectional,
         builder: Box<dyn PathBuilder + 'a>,
     ) -> Result<Self, RenderError> {
         let layout = settings.layout();
         let cells = Cells::new(settings);
+        let generators = SampleGenerators::new(settings.seed, streams::LAMPS);
+        let mut others = paths;
+        others.settings.emitters_seen = false;
         let mut lamps = Self {
             scene,
             builder,
+            others,
+            by_light: ByLight::new(paths.settings, cells, generators),
             // until a first look tells the quantum: two large films would be one too many
             film: Film::new(1, 1, Quantum::FALLBACK)?,
             scale: settings.scale(),
             seed: settings.seed,
-            generators: SampleGenerators::new(settings.seed, streams::LAMPS),
+            generators,
             cells,
             often: Vec::new(),
             each: EACH,
@@ -122,12 +142,17 @@ impl<'a> Lamps<'a> {
             nonfinite: Nonfinite::default(),
         };
         let seen = lamps.look();
-        let mean = seen.iter().map(|look| look.light).sum::<f64>() / (cells.count() * LOOK) as f64;
+        let found = lamps.by_light.look(scene, FROM_LIGHT_LOOK);
+        let seen_mean =
+            seen.iter().map(|look| look.light).sum::<f64>() / (cells.count() * LOOK) as f64;
+        // of a lamp that is small one of the two is far too low
+        let mean = seen_mean.max(found.mean);
         if seen.iter().any(|look| look.specular) {
             lamps.each = EACH_SPECULAR;
         }
         lamps.film = Film::with_layout(&layout, Quantum::from_sum_of_xyz(mean))?;
         lamps.often = lamps.closely(&seen);
+        lamps.by_light.take(lamps.cells_by_light(&found.often));
         lamps.keep_up(0);
         lamps.lit = lamps.film.sums().any(|sum| sum != 0);
         Ok(lamps)
@@ -138,9 +163,7 @@ impl<'a> Lamps<'a> {
         let cells = 0..self.cells.count() as usize;
         let look = |value: &mut Contributions, cell| {
             let (mut sum, mut squares, mut specular, mut onward) = (0.0, 0.0, false, false);
-            for index in 0..LOOK {
-                // far from the indices that passes will have
-                let index = u64::MAX / self.cells.count() / 2 + index;
+            for index in self.first_look() {
                 self.build(cell as u64, index, value);
                 let splats = value.splats();
                 let light: f64 = splats.iter().map(|s| f64::from(s.xyz.sum())).sum();
@@ -197,11 +220,64 @@ impl<'a> Lamps<'a> {
         near.into_iter().zip(seen).map(often).collect()
     }
 
+    /// Which cells show emitters by samples from their own side: those of which more are seen there than would give
+    /// camera rays the same error. `found` is how many a pass has in each.
+    fn cells_by_light(&self, found: &[u32]) -> Vec<bool> {
+        let mut value = Contributions::default();
+        let by_light = |(cell, (&found, &often)): (u64, (&u32, &u64))| {
+            if found == 0 {
+                return false;
+            }
+            // of n rays that meet a lamp with probability p, the squared error is that of n p / (1 - p) samples of it
+            let met = self.met(cell, &mut value) as f64;
+            let missed = LOOK as f64 - met;
+            f64::from(found) * missed > often as f64 * (met + 0.5)
+        };
+        (0..)
+            .zip(found.iter().zip(&self.often))
+            .map(by_light)
+            .collect()
+    }
+
+    /// How many samples of a first look have met an emitter directly in a cell.
+    fn met(&self, cell: u64, value: &mut Contributions) -> usize {
+        let mut light = |paths: &dyn PathBuilder, index| {
+            self.build_with(paths, cell, index, value);
+            value.splats().iter().map(|s| s.xyz.sum()).sum::<f32>()
+        };
+        self.first_look()
+            .filter(|&index| light(&*self.builder, index) > light(&self.others, index))
+            .count()
+    }
+
+    /// Indices of a first look in a cell.
+    fn first_look(&self) -> std::ops::Range<u64> {
+        let first = FIRST_LOOK / self.cells.count();
+        first..first + LOOK
+    }
+
     /// The sample of this index in a cell.
     fn build(&self, cell: u64, index: u64, value: &mut Contributions) {
+        let by_light = self.by_light.has(cell);
+        let paths: &dyn PathBuilder = if by_light {
+            &self.others
+        } else {
+            &*self.builder
+        };
+        self.build_with(paths, cell, index, value);
+    }
+
+    /// The same by a builder.
+    fn build_with(
+        &self,
+        paths: &dyn PathBuilder,
+        cell: u64,
+        index: u64,
+        value: &mut Contributions,
+    ) {
         let inner = Independent::new(self.generators.at(self.step(cell, index)));
         let mut coordinates = (self.cells).confine((cell, index), mix(self.seed), inner);
-        self.builder.build(self.scene, &mut coordinates, value);
+        paths.build(self.scene, &mut coordinates, value);
     }
 
     /// The number of a sample among all: that of its generator.
@@ -213,7 +289,15 @@ impl<'a> Lamps<'a> {
     pub(crate) fn replay(&self, step: u64) -> Vec<Event> {
         let (index, cell) = (step / self.cells.count(), step % self.cells.count());
         let mut value = Contributions::default();
-        trace(|| self.build(cell, index, &mut value)).1
+        let from_light = FROM_LIGHT..FIRST_LOOK;
+        trace(|| {
+            if from_light.contains(&step) {
+                self.by_light.build(self.scene, step, &mut value);
+            } else {
+                self.build(cell, index, &mut value);
+            }
+        })
+        .1
     }
 
     /// Writes the passes so far.
@@ -270,13 +354,34 @@ impl Beside for Lamps<'_> {
             }
             (faults, rays)
         };
+        let from_light = |value: &mut Contributions, number: u64| {
+            let number = FROM_LIGHT + number;
+            this.by_light.build(this.scene, number, value);
+            let mut faults = Nonfinite::default();
+            faults.count(u64::from(value.nonfinite()), number);
+            if this.by_light.counts(value) {
+                this.scale.splat(&this.film, value, 1.0);
+            }
+            (faults, value.rays())
+        };
         let both = |(faults, mut rays): (Nonfinite, Rays), (others, more): (Nonfinite, Rays)| {
             rays += more;
             (faults.and(others), rays)
         };
-        let (found, rays) = (this.often.par_iter().enumerate().with_min_len(256))
+        let of_cells = (this.often.par_iter().enumerate().with_min_len(256))
             .map_init(Contributions::default, sample)
             .reduce(Default::default, both);
+        let each = this.by_light.each();
+        let of_light = passes.map(|pass| {
+            (0..each as usize)
+                .into_par_iter()
+                .with_min_len(256)
+                .map_init(Contributions::default, |value, i| {
+                    from_light(value, pass * each + i as u64)
+                })
+                .reduce(Default::default, both)
+        });
+        let (found, rays) = of_light.fold(of_cells, both);
         self.nonfinite = self.nonfinite.and(found);
         self.rays += rays;
     }

@@ -1,5 +1,6 @@
 //! The grid over the image whose cells samples visit in turn.
 
+use glam::DVec2;
 use kaustik_pss::Coordinates;
 
 use crate::sampling::stratified::Stratified;
@@ -34,6 +35,12 @@ impl Cells {
 
     pub(crate) fn rows(&self) -> u64 {
         self.rows
+    }
+
+    /// The cell at a point of the window, which is the unit square.
+    pub(crate) fn at(&self, point: DVec2) -> u64 {
+        let along = |at: f64, side: u64| ((at * side as f64) as u64).min(side - 1);
+        along(point.y, self.rows) * self.columns + along(point.x, self.columns)
     }
 
     /// First cell of a ladder and the one after its last: ladders own bands of the image.

@@ -1,0 +1,63 @@
+//! Of a lamp that fills a small part of a pixel each cell shows one of two estimates, and shows it once.
+
+use super::*;
+use crate::Method;
+use crate::small;
+
+const SIDE: u32 = 16;
+const SEEDS: u64 = 8;
+
+/// The brightness of what is seen directly after so many passes and one, `change` made to the lamps before them: mean over
+/// several seeds, and its standard error.
+fn brightness(words: &str, passes: u64, change: fn(&mut Lamps<'_>)) -> [f64; 2] {
+    let scene = small::scene(words, [SIDE; 2]);
+    let mut mean = kaustik_mcmc::Mean::new();
+    for seed in 0..SEEDS {
+        let settings = RenderSettings {
+            seed,
+            ..small::settings(Method::Relt, [SIDE; 2])
+        };
+        let lamps = Lamps::new(&scene, &settings).expect("lamps");
+        let mut lamps = lamps.expect("of this method");
+        change(&mut lamps);
+        lamps.film.clear();
+        lamps.passes = 0;
+        lamps.keep_up(passes * lamps.each * lamps.pixels);
+        let (film, scale) = lamps.part();
+        let sum: f64 = film.sums().map(|sum| sum as f64).sum();
+        mean.push(sum * film.quantum().value() * scale);
+    }
+    [mean.mean(), mean.standard_error()]
+}
+
+#[test]
+fn a_small_lamp_is_shown_once() {
+    let small = "ring-and-sphere?light=0.1";
+    let [mean, error] = brightness(small, 8, |lamps| assert!(lamps.by_light.each() > 0));
+    assert!(error < 0.01 * mean, "{error} of {mean}");
+    let rays = |lamps: &mut Lamps<'_>| lamps.by_light.take(Vec::new());
+    let [by_rays, error] = brightness(small, 1024, rays);
+    assert!(error < 0.15 * mean, "{error} of {mean}");
+    assert!(
+        (by_rays - mean).abs() < 4.0 * error,
+        "{by_rays} {mean} +- {error}"
+    );
+    // the planted fault: cells that show emitters from their own side show what rays meet as well
+    let both = |lamps: &mut Lamps<'_>| lamps.others.settings.emitters_seen = true;
+    let [twice, _] = brightness(small, 1024, both);
+    assert!((twice - mean).abs() > 5.0 * error, "{twice} {mean}");
+}
+
+/// What rays meet always they show without noise.
+#[test]
+fn inside_a_large_lamp_rays_see_to_it() {
+    let scene = small::scene("cornell-direct", [64; 2]);
+    let settings = small::settings(Method::Relt, [64; 2]);
+    let lamps = Lamps::new(&scene, &settings).expect("lamps").expect("some");
+    let mut value = Contributions::default();
+    let always: Vec<u64> = (0..lamps.cells.count())
+        .filter(|&cell| lamps.met(cell, &mut value) == LOOK as usize)
+        .collect();
+    assert!(always.len() > 4);
+    assert!(!always.iter().any(|&cell| lamps.by_light.has(cell)));
+}
