@@ -61,3 +61,27 @@ fn inside_a_large_lamp_rays_see_to_it() {
     assert!(always.len() > 4);
     assert!(!always.iter().any(|&cell| lamps.by_light.has(cell)));
 }
+
+/// A replay of a sample from an emitter's own side tells the splat that a pass has made of it.
+#[test]
+fn samples_from_the_light_are_told() {
+    let scene = small::scene("ring-and-sphere?light=0.1", [SIDE; 2]);
+    let settings = small::settings(Method::Relt, [SIDE; 2]);
+    let lamps = Lamps::new(&scene, &settings).expect("lamps").expect("some");
+    let mut value = Contributions::default();
+    let mut count = 0;
+    for number in FROM_LIGHT..FROM_LIGHT + lamps.by_light.each() {
+        lamps.by_light.build(&scene, number, &mut value);
+        let made: Vec<_> = value.splats().iter().map(|s| (s.raster, s.xyz)).collect();
+        let told = lamps.replay(number).into_iter().filter_map(|event| {
+            if let Event::Splat { raster, xyz, .. } = event {
+                Some((raster, xyz))
+            } else {
+                None
+            }
+        });
+        assert_eq!(told.collect::<Vec<_>>(), made);
+        count += made.len();
+    }
+    assert!(count > 0);
+}
