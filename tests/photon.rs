@@ -285,6 +285,65 @@ fn veils_are_as_bright_as_they_are() {
     }
 }
 
+/// The camera looks down on a wall with a lamp on one side of it: on the other it is dark, however near the wall a pixel lies, and
+/// the floor at the foot of the wall is as bright as it is, but for what a disc makes even.
+#[test]
+fn walls_keep_photons_out() {
+    let quad = |corners: [[f32; 3]; 4]| Mesh {
+        positions: corners.map(Vec3::from).to_vec(),
+        indices: vec![[0, 1, 2], [0, 2, 3]],
+        ..Mesh::default()
+    };
+    let wall = [[-9.0, -1.5], [9.0, -1.5], [9.0, 1.0], [-9.0, 1.0]];
+    let lamp = [[1.0, -1.0], [1.0, 1.0], [2.0, 1.0], [2.0, -1.0]];
+    let light = MaterialDescription {
+        emissive: [10.0; 3],
+        ..paper()
+    };
+    let black = MaterialDescription {
+        base_color: [0.0, 0.0, 0.0, 1.0],
+        ..paper()
+    };
+    let things = [
+        (paper(), screen(-1.0, 2.0)),
+        (black, quad(wall.map(|[y, z]| [0.0, y, z]))),
+        (light, quad(lamp.map(|[x, y]| [x, y, 0.5]))),
+    ];
+    let scene = compile(&describe(Vec3::new(0.0, 0.0, 3.0), 0.5, things), SIDE);
+    // on the left of the wall, and in two columns at its right
+    let sides = |image: &Image| {
+        let [_, green, _] = image.rgb();
+        let columns = |from: usize, to: usize| -> f64 {
+            let rows = green.chunks(SIDE as usize);
+            rows.flat_map(|row| &row[from..to])
+                .map(|&v| f64::from(v))
+                .sum()
+        };
+        let foot = SIDE as usize / 2;
+        [columns(0, foot), columns(foot, foot + 2)]
+    };
+    let [dark, bright] = sides(&reference(&scene, 64));
+    assert!(dark.to_bits() == 0 && bright > 0.0);
+    for method in [
+        Method::Sppm,
+        Method::PhotonVisibility,
+        Method::PhotonSpatial,
+    ] {
+        for radius in [1.0, 4.0] {
+            let mut settings = photons(method, 8, 60_000);
+            settings.options.photon.radius = radius;
+            let [light, found] = sides(&picture(&scene, &settings));
+            assert_eq!(light.to_bits(), 0, "{method} {radius}: {light}");
+            // the longer ladder needs longer chains to know its normalisers
+            let known = method != Method::PhotonSpatial;
+            assert!(
+                (found / bright - 1.0).abs() < 0.04 * radius || !known,
+                "{method} {radius}: {found} {bright}"
+            );
+        }
+    }
+}
+
 /// One in ten thousand of a bright lamp's photons lands anywhere: no pilot of a thousand says how bright it is, and yet it is not
 /// too bright for the film.
 #[test]

@@ -20,13 +20,12 @@ pub struct PhotonMap<'a> {
 }
 
 impl PhotonMap<'_> {
-    /// Calls `meet` with every point that a photon counts at: within the radius, on a surface that looks the same
-    /// way, at the end of a path that is not too long.
+    /// Calls `meet` with every point that a photon counts at: within the radius, nothing between them, on a surface that looks the
+    /// same way, at the end of a path that is not too long.
     #[inline]
     pub fn meetings(&self, photon: &Photon, mut meet: impl FnMut(usize)) {
-        let points = self.points.points();
         (self.lookup).holding(self.points.discs(), photon.position, |index| {
-            if points[index as usize].accepts(photon, self.max_edges) {
+            if (self.points).accepts(index as usize, photon, self.max_edges) {
                 meet(index as usize);
             }
         });

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::{DVec3, Vec2, Vec3, Vec4};
 
 use crate::assembly::Assembly;
-use crate::bvh::{Any, Bvh, Closest, Goal, InstructionSet, Level, Places, STILL, build};
+use crate::bvh::{Any, Bvh, Closest, Goal, InstructionSet, Level, Near, Places, STILL, build};
 use crate::standing::{Pose, Standing};
 use crate::{Aabb, Hit, Instance, Mesh, Motion, Ray, Surface, Unwrapping, WorldError};
 
@@ -208,6 +208,36 @@ impl World {
             high: ray.t_max,
         };
         self.walk(ray, &mut goal)
+    }
+
+    /// Whether `counts` is true of a triangle near a ball. All that reach into the ball are offered (up to rounding), and
+    /// some that only pass by; each at most once, in no particular order, until one counts: its corners in world space,
+    /// counter-clockwise seen from the front.
+    pub fn any_near(
+        &self,
+        center: Vec3,
+        radius: f32,
+        mut counts: impl FnMut([Vec3; 3]) -> bool,
+    ) -> bool {
+        let stock = &*self.stock;
+        let bounds = Aabb {
+            min: center - Vec3::splat(radius),
+            max: center + Vec3::splat(radius),
+        };
+        let near = Near {
+            places: &stock.places,
+            time: self.time,
+        };
+        near.any(&stock.tree, &bounds, &mut |instance, [a, b, c]| {
+            let moved;
+            let standing = &stock.standing[instance as usize];
+            let pose = pose!(self, standing, moved);
+            counts(if pose.handedness < 0.0 {
+                [a, c, b]
+            } else {
+                [a, b, c]
+            })
+        })
     }
 
     /// The surface that `ray` met at `hit`.

@@ -52,6 +52,16 @@ pub(crate) struct Place {
 }
 
 impl Places {
+    /// Where a place is at a time; `None` where it is flat just then.
+    pub(super) fn at(&self, index: u32, time: f32) -> Option<Place> {
+        let place = &self.list[index as usize];
+        if place.motion == STILL {
+            Some(*place)
+        } else {
+            self.moved(place, time)
+        }
+    }
+
     /// A moving place at a time; `None` where it is flat just then, and no ray meets it.
     #[inline(never)]
     fn moved(&self, place: &Place, time: f32) -> Option<Place> {

@@ -16,6 +16,8 @@ mod layers;
 mod limits;
 /// What moves, against worlds that stand still.
 mod motion;
+/// What lies near a ball, without a ray.
+mod near;
 /// Rays that leave surfaces, and rays between two.
 mod spawning;
 /// Surfaces: normals, tangents, mirrored instances.

@@ -8,6 +8,7 @@ use kaustik_spectrum::Wavelengths;
 
 use super::MeasurementPoints;
 use super::narrow::{Part, take};
+use super::outline::Outline;
 use super::point::Seen;
 use crate::walk::Scatter;
 use crate::{BuilderSettings, camera_walk};
@@ -52,7 +53,12 @@ impl MeasurementWalk {
                     let density =
                         (scene.camera()).raster_density(origin, origin + direction * length);
                     let width = 1.0 / (density * self.pixels.element_product()).sqrt();
-                    let cosine = scatter.wo.dot(scatter.ng).abs().max(LEAST_COSINE);
+                    let cosine = scatter.wo.dot(scatter.ng);
+                    let radius = self.radius * width / cosine.abs().max(LEAST_COSINE);
+                    let (surface, normal) = (&vertex.surface, vertex.normal.as_vec3());
+                    let above = cosine > 0.0;
+                    let outline =
+                        Outline::look(scene.world(), surface, normal, above, radius as f32);
                     out.push(Seen {
                         vertex: &vertex,
                         bsdf,
@@ -61,7 +67,8 @@ impl MeasurementWalk {
                         dispersive: walk.dispersive,
                         edges: walk.edges,
                         raster,
-                        radius: self.radius * width / cosine,
+                        radius,
+                        outline,
                     });
                     return;
                 }

@@ -12,6 +12,7 @@ mod crowd;
 mod light;
 mod lookup;
 mod narrow;
+mod outline;
 mod point;
 mod remainder;
 

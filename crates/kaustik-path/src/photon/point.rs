@@ -8,10 +8,17 @@ use kaustik_scene::Vertex;
 use kaustik_spectrum::{Spectrum, Wavelengths, Xyz};
 
 use super::Photon;
+use super::outline::Outline;
 use crate::contributions::colour;
 
 /// Normals that differ by more (about 84 degrees) belong to different surfaces.
 const LEAST_AGREEMENT: f32 = 0.1;
+
+/// Do two geometric normals belong to one surface?
+#[inline]
+pub(super) fn agree(a: Vec3, b: Vec3) -> bool {
+    a.dot(b) >= LEAST_AGREEMENT
+}
 
 /// Where photons count: around a point that the camera sees.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -61,14 +68,13 @@ impl Manner {
     const FRONT: u32 = 1 << 30;
     /// Light from the other side does not come through.
     const OPAQUE: u32 = 1 << 29;
+    /// Something stands in the disc: the number is that of its outline, which has the scattering's.
+    const OUTLINED: u32 = 1 << 28;
     /// All bits below.
-    const DIFFUSE: u32 = Self::OPAQUE - 1;
+    const DIFFUSE: u32 = Self::OUTLINED - 1;
 
     fn of(seen: &Seen<'_>, scattering: Scattering) -> Self {
-        let number = match scattering {
-            Scattering::Diffuse => Self::DIFFUSE,
-            Scattering::Listed(index) => index,
-        };
+        let number = scattering.number();
         let flag = |flag: u32, holds: bool| if holds { flag } else { 0 };
         Self(
             number
@@ -78,23 +84,58 @@ impl Manner {
         )
     }
 
-    /// The same with another number in the list.
-    fn listed(self, index: u32) -> Self {
-        Self((self.0 & !Self::DIFFUSE) | index)
+    /// The same with another number.
+    fn numbered(self, number: u32) -> Self {
+        Self((self.0 & !Self::DIFFUSE) | number)
     }
 
+    /// The same with something in the disc.
+    fn outlined(self, number: u32) -> Self {
+        Self(self.numbered(number).0 | Self::OUTLINED)
+    }
+
+    /// Of the scattering, or, where something stands in the disc, of the outline.
     #[inline]
-    fn scattering(self) -> Scattering {
-        match self.0 & Self::DIFFUSE {
-            Self::DIFFUSE => Scattering::Diffuse,
-            index => Scattering::Listed(index),
-        }
+    fn number(self) -> u32 {
+        self.0 & Self::DIFFUSE
     }
 
     #[inline]
     fn is(self, flag: u32) -> bool {
         self.0 & flag != 0
     }
+}
+
+impl Scattering {
+    fn number(self) -> u32 {
+        match self {
+            Self::Diffuse => Manner::DIFFUSE,
+            Self::Listed(index) => index,
+        }
+    }
+
+    #[inline]
+    fn of_number(number: u32) -> Self {
+        match number {
+            Manner::DIFFUSE => Self::Diffuse,
+            index => Self::Listed(index),
+        }
+    }
+
+    /// The same behind so many others in a list.
+    fn after(self, others: u32) -> Self {
+        match self {
+            Self::Diffuse => Self::Diffuse,
+            Self::Listed(index) => Self::Listed(others + index),
+        }
+    }
+}
+
+/// What stands in a disc, and how its point scatters.
+#[derive(Clone, Copy, Debug)]
+struct Outlined {
+    outline: Outline,
+    scattering: Scattering,
 }
 
 /// A scattering function and the direction that it is seen from.
@@ -121,6 +162,8 @@ pub(super) struct Seen<'a> {
     pub(super) edges: u32,
     pub(super) raster: DVec2,
     pub(super) radius: f64,
+    /// What stands within the radius.
+    pub(super) outline: Option<Outline>,
 }
 
 /// The points of one iteration. Memory is reused.
@@ -131,6 +174,7 @@ pub struct MeasurementPoints {
     points: Vec<MeasurementPoint>,
     listed: Vec<Listed>,
     functions: BsdfList,
+    outlined: Vec<Outlined>,
 }
 
 impl MeasurementPoints {
@@ -140,6 +184,7 @@ impl MeasurementPoints {
         self.points.clear();
         self.listed.clear();
         self.functions.clear();
+        self.outlined.clear();
     }
 
     /// Makes room for so many points in all, and no more than that.
@@ -166,19 +211,29 @@ impl MeasurementPoints {
 
     /// Takes all points of another list, after its own.
     pub fn append(&mut self, other: &Self) {
-        let first = self.listed.len() as u32;
+        let (listed, outlined) = (self.listed.len() as u32, self.outlined.len() as u32);
         let function = self.functions.append(&other.functions);
         self.listed.extend(other.listed.iter().map(|listed| Listed {
             bsdf: function + listed.bsdf,
             ..*listed
         }));
+        self.outlined
+            .extend(other.outlined.iter().map(|outlined| Outlined {
+                scattering: outlined.scattering.after(listed),
+                ..*outlined
+            }));
         self.discs.extend_from_slice(&other.discs);
         self.points.extend(other.points.iter().map(|point| {
-            let mut point = *point;
-            if let Scattering::Listed(index) = point.manner.scattering() {
-                point.manner = point.manner.listed(first + index);
+            let number = point.manner.number();
+            let number = if point.manner.is(Manner::OUTLINED) {
+                outlined + number
+            } else {
+                Scattering::of_number(number).after(listed).number()
+            };
+            MeasurementPoint {
+                manner: point.manner.numbered(number),
+                ..*point
             }
-            point
         }));
     }
 
@@ -209,6 +264,14 @@ impl MeasurementPoints {
             });
             Scattering::Listed(self.listed.len() as u32 - 1)
         };
+        let mut manner = Manner::of(&seen, scattering);
+        if let Some(outline) = seen.outline {
+            manner = manner.outlined(self.outlined.len() as u32);
+            self.outlined.push(Outlined {
+                outline,
+                scattering,
+            });
+        }
         self.discs.push(Disc {
             center: vertex.surface.position,
             radius,
@@ -219,17 +282,46 @@ impl MeasurementPoints {
             normal: vertex.normal.as_vec3(),
             shading: vertex.frame.z.as_vec3(),
             edges: seen.edges,
-            manner: Manner::of(&seen, scattering),
+            manner,
         });
     }
 
-    /// What a photon brings to a point, if it is within its disc (G Eq. 2): flux times scattering function times what
-    /// the camera walk carries, over the disc's area, for a photon path that is drawn with density 1. Negative or not
+    /// May a photon that lies within the radius of a point count there: is nothing between them, does the point's
+    /// surface look the same way, is the whole path of at most `max_edges` edges, and does the light of an opaque surface
+    /// land on the side that is seen? What lands behind is not to be taken for a visible path: under a sheet of land
+    /// there may be more of it than on top.
+    #[inline]
+    pub fn accepts(&self, index: usize, photon: &Photon, max_edges: u32) -> bool {
+        let point = &self.points[index];
+        point.accepts(photon, max_edges)
+            && self.outline(point).is_none_or(|outline| {
+                let disc = &self.discs[index];
+                outline.holds(point.normal, disc.radius, photon.position - disc.center)
+            })
+    }
+
+    /// Of what stands in the disc of a point.
+    #[inline]
+    fn outline(&self, point: &MeasurementPoint) -> Option<&Outline> {
+        let outlined = point.manner.is(Manner::OUTLINED);
+        outlined.then(|| &self.outlined[point.manner.number() as usize].outline)
+    }
+
+    /// The part of a point's disc in which photons count, in square scene units.
+    #[inline]
+    fn area(&self, index: usize) -> f64 {
+        let disc = &self.discs[index];
+        let outline = self.outline(&self.points[index]);
+        outline.map_or_else(|| disc.area(), |outline| outline.area(disc.radius))
+    }
+
+    /// What a photon brings to a point, if it is within its disc and accepted (G Eq. 2): flux times scattering function times what
+    /// the camera walk carries, over the area of the disc's part, for a photon path that is drawn with density 1. Negative or not
     /// finite is a fault for the caller to count.
     #[inline]
     pub fn contribution(&self, index: usize, photon: &Photon, wavelengths: &Wavelengths) -> Xyz {
         let point = &self.points[index];
-        let kernel = 1.0 / self.discs[index].area();
+        let kernel = 1.0 / self.area(index);
         let (f, dispersive) = self.scattered(point, photon);
         let value = point.throughput * photon.power * f * (kernel as f32);
         colour(
@@ -252,7 +344,13 @@ impl MeasurementPoints {
     /// The scattering function toward the eye; has it told wavelengths apart?
     #[inline]
     fn scattered(&self, point: &MeasurementPoint, photon: &Photon) -> (Spectrum, bool) {
-        match point.manner.scattering() {
+        let number = point.manner.number();
+        let scattering = if point.manner.is(Manner::OUTLINED) {
+            self.outlined[number as usize].scattering
+        } else {
+            Scattering::of_number(number)
+        };
+        match scattering {
             Scattering::Diffuse => (point.diffuse(photon), false),
             Scattering::Listed(listed) => {
                 let listed = &self.listed[listed as usize];
@@ -271,12 +369,10 @@ impl Disc {
 }
 
 impl MeasurementPoint {
-    /// May a photon that lies within the radius count here: does its surface look the same way, is the whole path
-    /// of at most `max_edges` edges, and does the light of an opaque surface land on the side that is seen? What lands
-    /// behind is not to be taken for a visible path: under a sheet of land there may be more of it than on top.
+    /// By all but the place.
     #[inline]
-    pub fn accepts(&self, photon: &Photon, max_edges: u32) -> bool {
-        self.normal.dot(photon.normal) >= LEAST_AGREEMENT
+    fn accepts(&self, photon: &Photon, max_edges: u32) -> bool {
+        agree(self.normal, photon.normal)
             && self.edges + photon.edges <= max_edges
             && (!self.manner.is(Manner::OPAQUE) || self.lands_on_seen_side(photon))
     }
@@ -360,12 +456,66 @@ mod tests {
         }
         assert_eq!((all.points.len(), all.functions.len()), (20, 4));
         for (at, point) in all.points.iter().enumerate() {
-            let Scattering::Listed(listed) = point.manner.scattering() else {
+            let Scattering::Listed(listed) = Scattering::of_number(point.manner.number()) else {
                 panic!("point {at} has no function");
             };
             let function = all.listed[listed as usize].bsdf;
             assert_eq!(all.functions.get(function), kinds[at % 2], "{at}");
             assert_eq!(point.manner.is(Manner::DISPERSIVE), at % 10 % 3 == at / 10);
+        }
+    }
+
+    /// Where something stands in a disc, photons behind it do not count and those before it count for more, whatever scatters
+    /// there and whichever list the point comes from.
+    #[test]
+    fn what_stands_in_a_disc_parts_it() {
+        let metal = Bsdf::conductor(Spectrum::splat(1.5), Spectrum::splat(3.0), 0.5, false);
+        let kinds = [Bsdf::lambertian(Spectrum::splat(0.5)), metal];
+        let wavelengths = Wavelengths::sample(0.3, Default::default());
+        let (vertex, wo) = (Vertex::default(), DVec3::new(0.6, 0.0, 0.8));
+        let (outline, mut all) = (Outline::mostly_blocked(), MeasurementPoints::default());
+        for _ in 0..2 {
+            let mut points = MeasurementPoints::default();
+            for (bsdf, outline) in [
+                (kinds[1], None),
+                (kinds[0], Some(outline)),
+                (kinds[1], Some(outline)),
+                (kinds[0], None),
+            ] {
+                points.push(Seen {
+                    outline,
+                    ..seen(&vertex, bsdf, wo)
+                });
+            }
+            all.append(&points);
+        }
+        let [x, y] = {
+            let (x, y) = vertex.normal.as_vec3().any_orthonormal_pair();
+            [x, y].map(|axis| axis * 0.5)
+        };
+        let photon = |position| Photon {
+            position: vertex.surface.position + position,
+            normal: vertex.normal.as_vec3(),
+            wi: DVec3::new(0.3, 0.2, 0.8).normalize(),
+            power: Spectrum::splat(1.0),
+            edges: 1,
+            dispersive: false,
+        };
+        let brought = |index, photon| all.contribution(index, photon, &wavelengths).sum();
+        let part = (PI / outline.area(1.0)) as f32;
+        assert!(part > 2.0 && part < 3.0, "{part}");
+        let (before, behind) = (photon(-x - y), photon(x + y));
+        for list in [0, 4] {
+            for (parted, whole) in [(1, 3), (2, 0)] {
+                let ([parted, whole], [near, far]) =
+                    ([list + parted, list + whole], [&before, &behind]);
+                assert!(all.accepts(parted, near, 8) && !all.accepts(parted, far, 8));
+                assert!(all.accepts(whole, near, 8) && all.accepts(whole, far, 8));
+                let ratio = brought(parted, near) / (brought(whole, near) * part);
+                assert!((ratio - 1.0).abs() < 1e-5, "{parted}: {ratio}");
+                let responses = [parted, whole].map(|index| all.response(index, near).to_bits());
+                assert_eq!(responses[0], responses[1]);
+            }
         }
     }
 
@@ -379,6 +529,7 @@ mod tests {
             edges: 1,
             raster: DVec2::splat(0.5),
             radius: 1.0,
+            outline: None,
         }
     }
 
@@ -396,12 +547,12 @@ mod tests {
                     ..seen(&vertex, bsdf, wo)
                 };
                 let manner = Manner::of(&seen, scattering);
-                assert_eq!(manner.scattering(), scattering);
+                assert_eq!(Scattering::of_number(manner.number()), scattering);
                 assert_eq!(manner.is(Manner::DISPERSIVE), dispersive);
                 assert_eq!(manner.is(Manner::FRONT), front);
                 assert_eq!(manner.is(Manner::OPAQUE), opaque);
-                let moved = manner.listed(5);
-                assert_eq!(moved.scattering(), Scattering::Listed(5));
+                let moved = manner.numbered(5);
+                assert_eq!(moved.number(), 5);
                 assert_eq!(moved.0 & !Manner::DIFFUSE, manner.0 & !Manner::DIFFUSE);
             }
         }
@@ -450,7 +601,7 @@ mod tests {
                         edges: 1,
                         dispersive: false,
                     };
-                    let accepted = points.points[0].accepts(&photon, 8);
+                    let accepted = points.accepts(0, &photon, 8);
                     let lit = points.contribution(0, &photon, &wavelengths).sum() > 0.0;
                     assert!(accepted || !lit, "{bsdf:?} {}", photon.wi);
                     assert!(!opaque || lit == accepted, "{bsdf:?} {}", photon.wi);

@@ -1,0 +1,110 @@
+//! The triangles about a place, without a ray.
+
+use glam::Vec3;
+
+use super::node::{Bvh, Child, Kind, Node, WIDTH};
+use super::walk::{Place, Places};
+use crate::Aabb;
+
+/// A look for what is near, at an instant.
+pub(crate) struct Near<'a> {
+    /// What the world's tree leads to.
+    pub(crate) places: &'a Places,
+    /// In [0, 1]: where what moves stands.
+    pub(crate) time: f32,
+}
+
+impl Near<'_> {
+    /// Offers instance and corners (world space, in the mesh's order) of every triangle of a tree whose box touches the
+    /// given one, until one counts; whether one did.
+    pub(crate) fn any(
+        &self,
+        bvh: &Bvh,
+        bounds: &Aabb,
+        counts: &mut impl FnMut(u32, [Vec3; 3]) -> bool,
+    ) -> bool {
+        (bvh.root).is_some_and(|root| self.below(bvh, root, None, bounds, counts))
+    }
+
+    /// The same of what lies below a child; no deeper than the tree.
+    fn below(
+        &self,
+        bvh: &Bvh,
+        child: Child,
+        place: Option<&Place>,
+        bounds: &Aabb,
+        counts: &mut impl FnMut(u32, [Vec3; 3]) -> bool,
+    ) -> bool {
+        match child.kind() {
+            Kind::Node { index } => {
+                let node = &bvh.nodes[index];
+                let mut mask = touched(node, bounds);
+                while mask != 0 {
+                    let slot = mask.trailing_zeros() as usize;
+                    mask &= mask - 1;
+                    if self.below(bvh, node.children[slot], place, bounds, counts) {
+                        return true;
+                    }
+                }
+                false
+            }
+            Kind::Block { index, count } => {
+                let block = &bvh.blocks[index];
+                (0..count as usize).any(|lane| {
+                    let corners = block.corners(lane);
+                    touch(&Aabb::from_points(corners), bounds)
+                        && match place {
+                            None => counts(block.instances[lane], corners),
+                            Some(place) => {
+                                let to_world = |p| place.to_world.transform_point3(p);
+                                counts(place.instance, corners.map(to_world))
+                            }
+                        }
+                })
+            }
+            Kind::Instance { index } => self.inside(index, bounds, counts),
+        }
+    }
+
+    /// The same of an instance's own tree.
+    fn inside(
+        &self,
+        index: u32,
+        bounds: &Aabb,
+        counts: &mut impl FnMut(u32, [Vec3; 3]) -> bool,
+    ) -> bool {
+        let Some(place) = self.places.at(index, self.time) else {
+            return false;
+        };
+        let bvh = &self.places.trees[place.tree as usize];
+        // the box around the turned box
+        let center = place.to_object.transform_point3(bounds.center());
+        let (half, m) = (bounds.extent() * 0.5, place.to_object.matrix3);
+        let (x, y, z) = (m.x_axis.abs(), m.y_axis.abs(), m.z_axis.abs());
+        let half = Vec3::from(x * half.x + y * half.y + z * half.z);
+        let turned = Aabb {
+            min: center - half,
+            max: center + half,
+        };
+        (bvh.root).is_some_and(|root| self.below(bvh, root, Some(&place), &turned, counts))
+    }
+}
+
+/// The children whose boxes touch another, one bit each.
+#[inline]
+fn touched(node: &Node, bounds: &Aabb) -> u32 {
+    let mut apart = [false; WIDTH];
+    for axis in 0..3 {
+        let (low, high) = (bounds.min[axis], bounds.max[axis]);
+        let [least, greatest] = &node.planes[axis];
+        for slot in 0..WIDTH {
+            apart[slot] |= (least[slot] > high) | (greatest[slot] < low);
+        }
+    }
+    (0..WIDTH).fold(0, |mask, slot| mask | u32::from(!apart[slot]) << slot)
+}
+
+#[inline]
+fn touch(a: &Aabb, b: &Aabb) -> bool {
+    a.min.cmple(b.max).all() && b.min.cmple(a.max).all()
+}
