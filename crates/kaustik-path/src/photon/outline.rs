@@ -36,13 +36,21 @@ const MOST_NEAR: u32 = 64;
 /// Of a disc in a crack less than this part is free. That few photons are not all its light, its sides are made as long as
 /// [`LEAST_SIDE`] of the radius at least.
 const LEAST_FREE: f64 = 1.0 / 32.0;
-const LEAST_SIDE: f32 = 1.0 / 8.0;
+const LEAST_SIDE: u8 = FREE / 8;
+/// The length of a side that nothing ends; lengths are in parts of that.
+const FREE: u8 = u8::MAX;
 
 /// A polygon around a point, in its tangent plane, by the distances of its corners. Those that are not within a disc's
 /// radius leave the disc round.
+///
+/// One in ten pixels may have one: lengths are rounded down to what a byte tells. The area is that of the polygon
+/// as it is then.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Outline {
-    reach: [f32; SIDES],
+    /// Of the disc that it was made for, in scene units. The disc may have shrunk since.
+    radius: f32,
+    /// Lengths in parts of that.
+    sides: [u8; SIDES],
 }
 
 impl Outline {
@@ -60,7 +68,7 @@ impl Outline {
         }
         let [x, y] = plane(normal);
         let up = if above { normal } else { -normal };
-        let reach = std::array::from_fn(|side| {
+        let sides = std::array::from_fn(|side| {
             let [along, across] = DIRECTIONS[side].to_array();
             let free = |up: Vec3| {
                 let direction = x * along + y * across + up * RISE;
@@ -71,23 +79,23 @@ impl Outline {
                 let other = world.intersect_filtered(&ray, |hit| {
                     !agree(normal, world.surface(&ray, hit).geometric_normal)
                 });
-                other.map_or(f32::INFINITY, |hit| hit.t)
+                other.map_or(FREE, |hit| (hit.t / radius * f32::from(FREE)) as u8)
             };
             free(up).min(free(-up))
         });
-        let outline = Self { reach };
-        let broken = reach.iter().any(|side| side.is_finite());
-        broken.then(|| outline.widened(radius))
+        let outline = Self { radius, sides };
+        (sides != [FREE; SIDES]).then(|| outline.widened())
     }
 
     /// Not as narrow as a crack may be.
-    fn widened(self, radius: f32) -> Self {
-        let disc = PI * f64::from(radius) * f64::from(radius);
-        if self.area(radius) >= LEAST_FREE * disc {
+    fn widened(self) -> Self {
+        let disc = PI * f64::from(self.radius) * f64::from(self.radius);
+        if self.area(self.radius) >= LEAST_FREE * disc {
             return self;
         }
         Self {
-            reach: self.reach.map(|side| side.max(LEAST_SIDE * radius)),
+            sides: self.sides.map(|side| side.max(LEAST_SIDE)),
+            ..self
         }
     }
 
@@ -120,13 +128,17 @@ impl Outline {
     /// Both ends of a sector, within the disc.
     #[inline]
     fn ends(&self, side: usize, radius: f32) -> [f32; 2] {
-        [side, (side + 1) % SIDES].map(|end| self.reach[end].min(radius))
+        let scale = self.radius / f32::from(FREE);
+        [side, (side + 1) % SIDES].map(|end| match self.sides[end] {
+            FREE => radius,
+            part => (f32::from(part) * scale).min(radius),
+        })
     }
 
     /// Is a sector the whole disc's?
     #[inline]
     fn is_round(&self, side: usize, radius: f32) -> bool {
-        self.reach[side] >= radius && self.reach[(side + 1) % SIDES] >= radius
+        self.ends(side, radius).iter().all(|&end| end >= radius)
     }
 }
 
@@ -167,9 +179,9 @@ fn sector(at: Vec2) -> usize {
 impl Outline {
     /// A quarter and half an eighth on either side of it are free, from the fourth to the seventh ray.
     pub(super) fn mostly_blocked() -> Self {
-        let reach = |side| if side < 4 { 1e-3 } else { f32::INFINITY };
         Self {
-            reach: std::array::from_fn(reach),
+            radius: 1.0,
+            sides: [0, 0, 0, 0, FREE, FREE, FREE, FREE],
         }
     }
 }
@@ -326,16 +338,12 @@ mod tests {
     /// Between two walls that nearly touch, a disc is small but not nothing.
     #[test]
     fn a_disc_in_a_crack_has_an_area() {
-        let crack = Outline {
-            reach: std::array::from_fn(|side| if side % 4 == 0 { 1e-4 } else { 1e-3 }),
-        };
-        let wide = crack.widened(1.0);
-        let disc = Outline {
-            reach: [f32::INFINITY; SIDES],
-        };
+        let [crack, disc] =
+            [[0, 1, 1, 1, 0, 1, 1, 1], [FREE; SIDES]].map(|sides| Outline { radius: 1.0, sides });
+        let wide = crack.widened();
         assert!((0.01..0.1).contains(&wide.area(1.0)), "{}", wide.area(1.0));
         assert!((disc.area(2.0) - 4.0 * PI).abs() < 1e-12);
         let part = Outline::mostly_blocked();
-        assert_eq!(part.widened(1.0), part);
+        assert_eq!(part.widened(), part);
     }
 }

@@ -135,7 +135,8 @@ impl Scattering {
 #[derive(Clone, Copy, Debug)]
 struct Outlined {
     outline: Outline,
-    scattering: Scattering,
+    /// [`Scattering::number`].
+    scattering: u32,
 }
 
 /// A scattering function and the direction that it is seen from.
@@ -219,7 +220,7 @@ impl MeasurementPoints {
         }));
         self.outlined
             .extend(other.outlined.iter().map(|outlined| Outlined {
-                scattering: outlined.scattering.after(listed),
+                scattering: (Scattering::of_number(outlined.scattering).after(listed)).number(),
                 ..*outlined
             }));
         self.discs.extend_from_slice(&other.discs);
@@ -269,7 +270,7 @@ impl MeasurementPoints {
             manner = manner.outlined(self.outlined.len() as u32);
             self.outlined.push(Outlined {
                 outline,
-                scattering,
+                scattering: scattering.number(),
             });
         }
         self.discs.push(Disc {
@@ -344,13 +345,11 @@ impl MeasurementPoints {
     /// The scattering function toward the eye; has it told wavelengths apart?
     #[inline]
     fn scattered(&self, point: &MeasurementPoint, photon: &Photon) -> (Spectrum, bool) {
-        let number = point.manner.number();
-        let scattering = if point.manner.is(Manner::OUTLINED) {
-            self.outlined[number as usize].scattering
-        } else {
-            Scattering::of_number(number)
-        };
-        match scattering {
+        let mut number = point.manner.number();
+        if point.manner.is(Manner::OUTLINED) {
+            number = self.outlined[number as usize].scattering;
+        }
+        match Scattering::of_number(number) {
             Scattering::Diffuse => (point.diffuse(photon), false),
             Scattering::Listed(listed) => {
                 let listed = &self.listed[listed as usize];
@@ -434,6 +433,7 @@ mod tests {
         assert_eq!(size_of::<MeasurementPoint>(), 64);
         assert_eq!(size_of::<Disc>(), 16);
         assert_eq!(size_of::<Listed>(), 52);
+        assert_eq!(size_of::<Outlined>(), 16);
     }
 
     /// Two materials by turns, put together from two lists: every point has its own function, and there are few.
