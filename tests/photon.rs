@@ -329,15 +329,17 @@ fn walls_keep_photons_out() {
         Method::PhotonVisibility,
         Method::PhotonSpatial,
     ] {
-        for radius in [1.0, 4.0] {
-            let mut settings = photons(method, 8, 60_000);
+        // A small disc has few photons: by seed a picture of eight iterations differs by 2.4 % there. In a large one what is
+        // beside the foot counts too, 10 %.
+        for (radius, iterations, tolerance) in [(1.0, 32, 0.05), (4.0, 8, 0.16)] {
+            let mut settings = photons(method, iterations, 60_000);
             settings.options.photon.radius = radius;
             let [light, found] = sides(&picture(&scene, &settings));
             assert_eq!(light.to_bits(), 0, "{method} {radius}: {light}");
             // the longer ladder needs longer chains to know its normalisers
             let known = method != Method::PhotonSpatial;
             assert!(
-                (found / bright - 1.0).abs() < 0.04 * radius || !known,
+                (found / bright - 1.0).abs() < tolerance || !known,
                 "{method} {radius}: {found} {bright}"
             );
         }

@@ -9,7 +9,7 @@ use kaustik_spectrum::Wavelengths;
 use super::MeasurementPoints;
 use super::narrow::{Part, take};
 use super::outline::Outline;
-use super::point::Seen;
+use super::points::Seen;
 use crate::walk::Scatter;
 use crate::{BuilderSettings, camera_walk};
 /// A pixel's footprint grows as one over the cosine under which a surface is seen, up to this one.

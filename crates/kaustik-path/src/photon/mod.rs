@@ -11,9 +11,11 @@ mod camera;
 mod crowd;
 mod light;
 mod lookup;
+mod manner;
 mod narrow;
 mod outline;
 mod point;
+mod points;
 mod remainder;
 
 #[cfg(test)]
@@ -22,5 +24,6 @@ mod tests;
 pub use camera::MeasurementWalk;
 pub use light::{Photon, PhotonPath, PhotonTracing};
 pub use lookup::Lookup;
-pub use point::{Disc, MeasurementPoint, MeasurementPoints};
+pub use point::{Disc, MeasurementPoint};
+pub use points::MeasurementPoints;
 pub use remainder::Remainder;

@@ -43,7 +43,7 @@ const FREE: u8 = u8::MAX;
 /// A polygon around a point, in its tangent plane, by the distances of its corners. Those that are not within a disc's
 /// radius leave the disc round.
 ///
-/// One in ten pixels may have one: lengths are rounded down to what a byte tells. The area is that of the polygon
+/// Many pixels may have one: lengths are rounded down to what a byte tells. The area is that of the polygon
 /// as it is then.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Outline {
