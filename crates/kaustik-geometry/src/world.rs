@@ -212,7 +212,7 @@ impl World {
 
     /// Whether `counts` is true of a triangle near a ball. All that reach into the ball are offered (up to rounding), and
     /// some that only pass by; each at most once, in no particular order, until one counts: its corners in world space,
-    /// counter-clockwise seen from the front.
+    /// counter-clockwise seen from the front. Near a place or within a radius that is no number, nothing is.
     pub fn any_near(
         &self,
         center: Vec3,
@@ -224,6 +224,9 @@ impl World {
             min: center - Vec3::splat(radius),
             max: center + Vec3::splat(radius),
         };
+        if bounds.min.is_nan() || bounds.max.is_nan() {
+            return false;
+        }
         let near = Near {
             places: &stock.places,
             time: self.time,

@@ -1,10 +1,13 @@
 //! The triangles about a place, without a ray.
 
-use glam::Vec3;
+use glam::{Affine3A, Vec3};
 
 use super::node::{Bvh, Child, Kind, Node, WIDTH};
 use super::walk::{Place, Places};
 use crate::Aabb;
+
+/// Of the sizes that go into a coordinate: more than the rounding of a point that is moved.
+const ROUNDING: f32 = 1.0 / (1 << 20) as f32;
 
 /// A look for what is near, at an instant.
 pub(crate) struct Near<'a> {
@@ -77,16 +80,28 @@ impl Near<'_> {
             return false;
         };
         let bvh = &self.places.trees[place.tree as usize];
-        // the box around the turned box
-        let center = place.to_object.transform_point3(bounds.center());
-        let (half, m) = (bounds.extent() * 0.5, place.to_object.matrix3);
-        let (x, y, z) = (m.x_axis.abs(), m.y_axis.abs(), m.z_axis.abs());
-        let half = Vec3::from(x * half.x + y * half.y + z * half.z);
-        let turned = Aabb {
-            min: center - half,
-            max: center + half,
-        };
+        let turned = around(&place.to_object, bounds);
         (bvh.root).is_some_and(|root| self.below(bvh, root, Some(&place), &turned, counts))
+    }
+}
+
+/// The box around a box that is turned, and what rounding may have moved it by; everything where numbers end.
+fn around(to_object: &Affine3A, bounds: &Aabb) -> Aabb {
+    let (center, half) = (bounds.center(), bounds.extent() * 0.5);
+    let m = to_object.matrix3;
+    let (x, y, z) = (m.x_axis.abs(), m.y_axis.abs(), m.z_axis.abs());
+    let size = |v: Vec3| Vec3::from(x * v.x + y * v.y + z * v.z);
+    let rounding = (size(center.abs()) + Vec3::from(to_object.translation.abs())) * ROUNDING;
+    let (center, half) = (to_object.transform_point3(center), size(half) + rounding);
+    if !(center.is_finite() && half.is_finite()) {
+        return Aabb {
+            min: Vec3::NEG_INFINITY,
+            max: Vec3::INFINITY,
+        };
+    }
+    Aabb {
+        min: center - half,
+        max: center + half,
     }
 }
 
@@ -98,7 +113,9 @@ fn touched(node: &Node, bounds: &Aabb) -> u32 {
         let (low, high) = (bounds.min[axis], bounds.max[axis]);
         let [least, greatest] = &node.planes[axis];
         for slot in 0..WIDTH {
-            apart[slot] |= (least[slot] > high) | (greatest[slot] < low);
+            // a slot that holds nothing touches nothing, not even a box without end
+            apart[slot] |=
+                (least[slot] > high) | (greatest[slot] < low) | (least[slot] > greatest[slot]);
         }
     }
     (0..WIDTH).fold(0, |mask, slot| mask | u32::from(!apart[slot]) << slot)

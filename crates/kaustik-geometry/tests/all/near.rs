@@ -1,7 +1,9 @@
 //! Triangles near a ball.
 
+use std::sync::Arc;
+
 use glam::{Affine3A, Vec3};
-use kaustik_geometry::World;
+use kaustik_geometry::{Instance, Motion, World};
 
 use crate::support::{Random, instanced, placed, single};
 
@@ -51,6 +53,66 @@ fn all_that_reach_into_a_ball_are_offered() {
             assert!(offered.len() < 200, "{}", offered.len());
         }
         assert!(near(&world, Vec3::splat(50.0), 1.0).is_empty());
+    }
+}
+
+/// The same of what moves, for the instant.
+#[test]
+fn what_moves_is_near_where_it_stands() {
+    let mut random = Random(10);
+    for _ in 0..10 {
+        let mesh = Arc::new(random.soup(200));
+        let keys = [0.0, 1.0].map(|time| (time, random.transform()));
+        let motion = Motion::new(keys.to_vec()).unwrap();
+        let transform = Affine3A::IDENTITY;
+        let instance = Instance { mesh: 0, transform };
+        let moving = World::moving(
+            vec![mesh.clone()],
+            vec![instance],
+            vec![(0, motion.clone())],
+        );
+        let moving = moving.unwrap();
+        for time in [0.0, 0.4, 1.0] {
+            let (world, transform) = (moving.at(time), motion.at(time));
+            let mirrored = transform.matrix3.determinant() < 0.0;
+            for primitive in 0..200 {
+                let [a, b, c] = mesh
+                    .corners(primitive)
+                    .map(|p| transform.transform_point3(p));
+                let radius = 0.05 * random.unit() + 1e-3;
+                let center = (a + b + c) / 3.0 + random.direction() * (0.9 * radius);
+                let front = if mirrored { [a, c, b] } else { [a, b, c] };
+                let offered = near(&world, center, radius);
+                let times = offered.iter().filter(|other| same(other, &front)).count();
+                assert_eq!(times, 1, "{time} {primitive}");
+            }
+        }
+    }
+}
+
+/// Balls that reach everywhere, or nowhere that there is.
+#[test]
+fn balls_without_end_are_looked_into() {
+    let mut random = Random(12);
+    let transform = random.transform();
+    let motion = Motion::new(vec![(0.0, transform), (1.0, Affine3A::IDENTITY)]).unwrap();
+    let instance = Instance { mesh: 0, transform };
+    let mesh = Arc::new(random.soup(50));
+    let moving = World::moving(vec![mesh], vec![instance], vec![(0, motion)]).unwrap();
+    for world in [moving, instanced(random.soup(50), transform)] {
+        for radius in [f32::INFINITY, 2e38, f32::MAX] {
+            for center in [Vec3::ZERO, Vec3::splat(1e38)] {
+                let count = near(&world, center, radius).len();
+                assert!(count >= 50, "{center} {radius}: {count}");
+            }
+        }
+        for (center, radius) in [
+            (Vec3::ZERO, f32::NAN),
+            (Vec3::NAN, 1.0),
+            (Vec3::INFINITY, f32::INFINITY),
+        ] {
+            assert!(near(&world, center, radius).is_empty());
+        }
     }
 }
 

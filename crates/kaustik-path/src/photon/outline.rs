@@ -8,9 +8,12 @@
 use std::f64::consts::{FRAC_1_SQRT_2, FRAC_PI_4, PI};
 
 use glam::{Vec2, Vec3};
-use kaustik_geometry::{Ray, Surface, World};
+use kaustik_geometry::{Hit, Ray, Surface, World};
 
-use super::point::agree;
+use super::point::{LEAST_AGREEMENT, agree};
+
+/// Normals whose cosine is less (within about 6 degrees of opposite ones) belong to two faces of a plate.
+const OPPOSITE: f32 = -0.995;
 
 /// Rays around a point, at equal angles.
 const SIDES: usize = 8;
@@ -29,7 +32,7 @@ const DIRECTIONS: [Vec2; SIDES + 1] = {
         Vec2::new(1.0, 0.0),
     ]
 };
-/// Rays rise from the surface by so much of their length: what is as flat as that does not stop them.
+/// Rays rise from the surface by so much of their length.
 const RISE: f32 = 1.0 / 64.0;
 /// Where more triangles than these are near, rays look without asking all of them.
 const MOST_NEAR: u32 = 64;
@@ -54,8 +57,11 @@ pub(super) struct Outline {
 }
 
 impl Outline {
-    /// Looks around on one side of a surface, that of `above`, as far as `radius`. What faces as the surface does, by
-    /// its `normal`, is more of the same. `None` where nothing stands in the way.
+    /// Looks around as far as `radius`, in scene units. On the seen side of a surface, that of its `normal` if it is seen
+    /// from `above`, whatever stands there ends it. On the other side it ends where a ray comes out of the solid that it
+    /// bounds; what a ray goes into there stands behind a sheet, and is none of its affair. What faces as the surface does is more
+    /// of the same, and what faces the opposite way, as the back of a thin plate, ends nothing. `None` where nothing is in the
+    /// way, or for a radius that no disc can have.
     pub(super) fn look(
         world: &World,
         surface: &Surface,
@@ -63,25 +69,32 @@ impl Outline {
         above: bool,
         radius: f32,
     ) -> Option<Self> {
-        if !is_broken(world, surface.position, normal, radius) {
+        if !radius.is_normal() || !is_broken(world, surface.position, normal, radius) {
             return None;
         }
         let [x, y] = plane(normal);
-        let up = if above { normal } else { -normal };
+        let seen = if above { normal } else { -normal };
         let sides = std::array::from_fn(|side| {
             let [along, across] = DIRECTIONS[side].to_array();
-            let free = |up: Vec3| {
+            let free = |up: Vec3, sheet: bool| {
                 let direction = x * along + y * across + up * RISE;
                 let ray = Ray {
                     t_max: radius,
                     ..Ray::spawn(surface, direction)
                 };
+                let facing = |hit: &Hit| world.surface(&ray, hit).geometric_normal;
                 let other = world.intersect_filtered(&ray, |hit| {
-                    !agree(normal, world.surface(&ray, hit).geometric_normal)
+                    let cosine = normal.dot(facing(hit));
+                    cosine < LEAST_AGREEMENT && cosine > OPPOSITE
                 });
-                other.map_or(FREE, |hit| (hit.t / radius * f32::from(FREE)) as u8)
+                match other {
+                    Some(hit) if !sheet || direction.dot(facing(&hit)) > 0.0 => {
+                        (hit.t / radius * f32::from(FREE)) as u8
+                    }
+                    _ => FREE,
+                }
             };
-            free(up).min(free(-up))
+            free(seen, false).min(free(-seen, true))
         });
         let outline = Self { radius, sides };
         (sides != [FREE; SIDES]).then(|| outline.widened())
@@ -145,13 +158,15 @@ impl Outline {
 /// Does something face otherwise within the radius? Most discs lie on surfaces that go on beyond them: they need no ray.
 fn is_broken(world: &World, center: Vec3, normal: Vec3, radius: f32) -> bool {
     let mut offered = 0;
-    world.any_near(center, radius, |[a, b, c]| {
+    let (center_f64, reach) = (center.as_dvec3(), f64::from(radius));
+    world.any_near(center, radius, |corners| {
         offered += 1;
+        let [a, b, c] = corners.map(|corner| corner.as_dvec3());
         let across = (b - a).cross(c - a);
         let size = across.length();
         // one without an area reaches nowhere
-        let reaches = across.dot(center - a).abs() < radius * size;
-        offered > MOST_NEAR || (reaches && !agree(normal, across / size))
+        let reaches = across.dot(center_f64 - a).abs() < reach * size;
+        offered > MOST_NEAR || (reaches && !agree(normal, (across / size).as_vec3()))
     })
 }
 
@@ -269,6 +284,10 @@ mod tests {
             for from in [0.9_f32, 0.5, 0.2, 0.02, -0.12, -0.5] {
                 let center = Vec3::new(-from, 0.3, 0.0);
                 let outline = look(&world, turn, center, 1.0).expect("a wall");
+                // discs shrink, and keep their outline
+                for radius in [0.7, 0.3] {
+                    held(&outline, turn * Vec3::Z, radius, turn);
+                }
                 let mut lost = 0;
                 for (at, holds) in held(&outline, turn * Vec3::Z, 1.0, turn) {
                     let x = center.x + at.x;
@@ -300,6 +319,40 @@ mod tests {
             }
             assert_eq!(look(&world, turn, Vec3::new(-2.0, 0.0, 0.0), 1.0), None);
         }
+    }
+
+    /// Neither the back of a thin plate ends the disc of its front, nor does what stands under a sheet; where the
+    /// sheet is seen from there, that does.
+    #[test]
+    fn a_disc_ends_on_its_own_side() {
+        for turn in rotations().take(20) {
+            for thickness in [1e-4_f32, 1e-3, 1e-2] {
+                let (low, high) = (Vec3::new(-9.0, -9.0, -thickness), Vec3::new(9.0, 9.0, 0.0));
+                let plate = solid(low, high, turn, false);
+                assert_eq!(look(&plate, turn, Vec3::ZERO, 1.0), None, "{thickness}");
+            }
+            // under a sheet at the height of the points
+            let (low, high) = (Vec3::new(0.3, -9.0, -3.0), Vec3::new(0.4, 9.0, -1e-3));
+            let wall = solid(low, high, turn, false);
+            assert_eq!(look(&wall, turn, Vec3::ZERO, 1.0), None);
+            let surface = Surface::bare(Vec3::ZERO, turn * Vec3::Z);
+            let below = Outline::look(&wall, &surface, turn * Vec3::Z, false, 1.0);
+            for (at, holds) in held(&below.expect("a wall"), turn * Vec3::Z, 1.0, turn) {
+                assert!(at.x < 0.3 + 1e-4 || !holds, "{at}");
+            }
+        }
+    }
+
+    /// A disc that cannot be, or that is as large as numbers go, is no reason to fail.
+    #[test]
+    fn a_disc_of_any_radius_is_looked_at() {
+        let (low, high) = (Vec3::new(0.3, -9.0, -1.0), Vec3::new(0.4, 9.0, 3.0));
+        let world = solid(low, high, Quat::IDENTITY, false);
+        for radius in [f32::INFINITY, f32::NAN, 0.0, -1.0, 1e-42] {
+            assert_eq!(look(&world, Quat::IDENTITY, Vec3::ZERO, radius), None);
+        }
+        let outline = look(&world, Quat::IDENTITY, Vec3::ZERO, 2e38);
+        assert!(outline.is_some_and(|outline| outline.area(2e38).is_finite()));
     }
 
     /// What bends, faces otherwise little by little: neither a bowl nor a ball has an outline.

@@ -9,7 +9,7 @@ use super::Photon;
 use super::manner::Manner;
 
 /// Normals that differ by more (about 84 degrees) belong to different surfaces.
-const LEAST_AGREEMENT: f32 = 0.1;
+pub(super) const LEAST_AGREEMENT: f32 = 0.1;
 
 /// Do two geometric normals belong to one surface?
 #[inline]
@@ -46,9 +46,10 @@ pub struct MeasurementPoint {
 }
 
 impl Disc {
-    /// `s_k`.
+    /// In square scene units, whatever stands in it: photons count in
+    /// [`MeasurementPoints::area`](super::MeasurementPoints::area).
     #[inline]
-    pub fn area(&self) -> f64 {
+    pub fn whole_area(&self) -> f64 {
         PI * f64::from(self.radius) * f64::from(self.radius)
     }
 }

@@ -188,12 +188,12 @@ impl MeasurementPoints {
         outlined.then(|| &self.outlined[point.manner.number() as usize].outline)
     }
 
-    /// The part of a point's disc in which photons count, in square scene units.
+    /// `s_k` of G: the part of a point's disc in which photons count, in square scene units.
     #[inline]
-    fn area(&self, index: usize) -> f64 {
+    pub fn area(&self, index: usize) -> f64 {
         let disc = &self.discs[index];
         let outline = self.outline(&self.points[index]);
-        outline.map_or_else(|| disc.area(), |outline| outline.area(disc.radius))
+        outline.map_or_else(|| disc.whole_area(), |outline| outline.area(disc.radius))
     }
 
     /// What a photon brings to a point, if it is within its disc and accepted (G Eq. 2): flux times scattering function times what

@@ -45,8 +45,8 @@ pub(super) fn pilot(scene: &Scene, settings: &RenderSettings) -> DensityTarget {
             let row = at(raster.y, settings.height, window.y0, rows);
             row * columns + at(raster.x, settings.width, window.x0, columns)
         };
-        for (index, disc) in map.points.discs().iter().enumerate() {
-            areas[pixel(index)] += disc.area();
+        for index in 0..points.len() {
+            areas[pixel(index)] += map.points.area(index);
         }
         let chunk = |path: &mut PhotonPath, chunk: u64| {
             for number in chunk * CHUNK..((chunk + 1) * CHUNK).min(paths) {

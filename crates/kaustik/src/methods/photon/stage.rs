@@ -348,7 +348,7 @@ impl<'a> Stage<'a> {
     /// of discs, which are known even where the two never meet. The geometric mean: one disc before the lens, as small as
     /// a grain, is to make no other's light too little to count.
     pub(super) fn quantum(&self) -> Quantum {
-        let of = |disc: &Disc| disc.area().ln();
+        let of = |disc: &Disc| disc.whole_area().ln();
         let areas: Mean = if self.scene.moves() {
             self.pilot(1, |disc, _| of(disc)).into_iter().collect()
         } else {

@@ -105,8 +105,10 @@ impl<const K: usize> Targets<K> {
         if self.plain {
             return [1.0; PhotonTargetKind::COUNT];
         }
-        let (discs, points) = (stage.map().points.discs(), stage.map().points.points());
-        let largest = discs.iter().map(Disc::area).fold(0.0, f64::max);
+        let all = stage.map().points;
+        let points = all.points();
+        let areas = || (0..points.len()).map(|index| all.area(index));
+        let largest = areas().fold(0.0, f64::max);
         let kernel = |area: f64| inverse(area / largest);
         let leaves = self.leaves(stage);
         // No more than that: there is one a pixel.
@@ -114,26 +116,26 @@ impl<const K: usize> Targets<K> {
         match &mut self.regions {
             None => {
                 let space = &self.space;
-                let of = |(disc, point): (&Disc, &MeasurementPoint)| match space {
+                let of = |(area, point): (f64, &MeasurementPoint)| match space {
                     Space::Densities(map) => map.at(point.raster.x, point.raster.y),
-                    _ => kernel(disc.area()) as f32,
+                    _ => kernel(area) as f32,
                 };
-                let of = discs.iter().zip(points).map(|both| [of(both); 2]);
+                let of = areas().zip(points).map(|both| [of(both); 2]);
                 self.of_points.extend(of);
             }
             Some(regions) => {
-                let mut areas = vec![0.0; regions.leaves()];
-                for (disc, &leaf) in discs.iter().zip(&leaves) {
-                    areas[leaf as usize] += disc.area();
+                let mut of_leaves = vec![0.0; regions.leaves()];
+                for (area, &leaf) in areas().zip(&leaves) {
+                    of_leaves[leaf as usize] += area;
                 }
-                regions.set_areas(&areas);
+                regions.set_areas(&of_leaves);
                 let densities = match self.refinement {
                     Refinement::Shrunk { paths } => regions.shrunk_densities(paths),
                     _ => regions.densities(),
                 };
                 self.of_points
-                    .extend(discs.iter().zip(&leaves).map(|(disc, &leaf)| {
-                        let kernel = kernel(disc.area());
+                    .extend(areas().zip(&leaves).map(|(area, &leaf)| {
+                        let kernel = kernel(area);
                         let full = kernel * inverse(densities[leaf as usize]);
                         [kernel as f32, full as f32]
                     }));
