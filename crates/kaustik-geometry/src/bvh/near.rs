@@ -3,11 +3,9 @@
 use glam::{Affine3A, Vec3};
 
 use super::node::{Bvh, Child, Kind, Node, WIDTH};
+use super::prepared::{WIDEN, reach};
 use super::walk::{Place, Places};
 use crate::Aabb;
-
-/// Of the sizes that go into a coordinate: more than the rounding of a point that is moved.
-const ROUNDING: f32 = 1.0 / (1 << 20) as f32;
 
 /// A look for what is near, at an instant.
 pub(crate) struct Near<'a> {
@@ -88,11 +86,9 @@ impl Near<'_> {
 /// The box around a box that is turned, and what rounding may have moved it by; everything where numbers end.
 fn around(to_object: &Affine3A, bounds: &Aabb) -> Aabb {
     let (center, half) = (bounds.center(), bounds.extent() * 0.5);
-    let m = to_object.matrix3;
-    let (x, y, z) = (m.x_axis.abs(), m.y_axis.abs(), m.z_axis.abs());
-    let size = |v: Vec3| Vec3::from(x * v.x + y * v.y + z * v.z);
-    let rounding = (size(center.abs()) + Vec3::from(to_object.translation.abs())) * ROUNDING;
-    let (center, half) = (to_object.transform_point3(center), size(half) + rounding);
+    let rounding = (reach(to_object, center) + to_object.translation.abs()) * (WIDEN - 1.0);
+    let half = Vec3::from(reach(to_object, half) + rounding);
+    let center = to_object.transform_point3(center);
     if !(center.is_finite() && half.is_finite()) {
         return Aabb {
             min: Vec3::NEG_INFINITY,

@@ -1,6 +1,6 @@
 //! What a walk precomputes of a ray.
 
-use glam::{Affine3A, Vec3};
+use glam::{Affine3A, Vec3, Vec3A};
 
 use crate::Ray;
 
@@ -84,15 +84,18 @@ impl Prepared {
             ..*ray
         };
         let mut prepared = Prepared::new(&object)?;
-        let m = &to_object.matrix3;
-        let reach = m.x_axis.abs() * ray.origin.x.abs()
-            + m.y_axis.abs() * ray.origin.y.abs()
-            + m.z_axis.abs() * ray.origin.z.abs()
-            + to_object.translation.abs();
-        prepared.blur = reach.max_element();
+        let sizes = reach(to_object, ray.origin) + to_object.translation.abs();
+        prepared.blur = sizes.max_element();
         prepared.slack = prepared.blur * (WIDEN - 1.0) / direction.abs().max_element();
         Some(prepared)
     }
+}
+
+/// How large the coordinates of a turned vector can be, whatever the signs of its own.
+#[inline(always)]
+pub(crate) fn reach(turn: &Affine3A, v: Vec3) -> Vec3A {
+    let m = &turn.matrix3;
+    m.x_axis.abs() * v.x.abs() + m.y_axis.abs() * v.y.abs() + m.z_axis.abs() * v.z.abs()
 }
 
 /// The smallest usable size of a direction.

@@ -10,7 +10,7 @@ use std::f64::consts::{FRAC_1_SQRT_2, FRAC_PI_4, PI};
 use glam::{Vec2, Vec3};
 use kaustik_geometry::{Hit, Ray, Surface, World};
 
-use super::point::{LEAST_AGREEMENT, agree};
+use super::point::agree;
 
 /// Normals whose cosine is less (within about 6 degrees of opposite ones) belong to two faces of a plate.
 const OPPOSITE: f32 = -0.995;
@@ -76,19 +76,16 @@ impl Outline {
         let seen = if above { normal } else { -normal };
         let sides = std::array::from_fn(|side| {
             let [along, across] = DIRECTIONS[side].to_array();
-            let free = |up: Vec3, sheet: bool| {
+            let free = |up: Vec3, behind: bool| {
                 let direction = x * along + y * across + up * RISE;
                 let ray = Ray {
                     t_max: radius,
                     ..Ray::spawn(surface, direction)
                 };
                 let facing = |hit: &Hit| world.surface(&ray, hit).geometric_normal;
-                let other = world.intersect_filtered(&ray, |hit| {
-                    let cosine = normal.dot(facing(hit));
-                    cosine < LEAST_AGREEMENT && cosine > OPPOSITE
-                });
+                let other = world.intersect_filtered(&ray, |hit| ends(normal, facing(hit)));
                 match other {
-                    Some(hit) if !sheet || direction.dot(facing(&hit)) > 0.0 => {
+                    Some(hit) if !behind || direction.dot(facing(&hit)) > 0.0 => {
                         (hit.t / radius * f32::from(FREE)) as u8
                     }
                     _ => FREE,
@@ -155,18 +152,24 @@ impl Outline {
     }
 }
 
+/// Does a face that faces so end a surface of this normal: neither more of it nor the back of a plate?
+#[inline]
+fn ends(normal: Vec3, facing: Vec3) -> bool {
+    !agree(normal, facing) && normal.dot(facing) > OPPOSITE
+}
+
 /// Does something face otherwise within the radius? Most discs lie on surfaces that go on beyond them: they need no ray.
 fn is_broken(world: &World, center: Vec3, normal: Vec3, radius: f32) -> bool {
     let mut offered = 0;
-    let (center_f64, reach) = (center.as_dvec3(), f64::from(radius));
+    let (at, reach) = (center.as_dvec3(), f64::from(radius));
     world.any_near(center, radius, |corners| {
         offered += 1;
         let [a, b, c] = corners.map(|corner| corner.as_dvec3());
         let across = (b - a).cross(c - a);
         let size = across.length();
         // one without an area reaches nowhere
-        let reaches = across.dot(center_f64 - a).abs() < reach * size;
-        offered > MOST_NEAR || (reaches && !agree(normal, (across / size).as_vec3()))
+        let reaches = across.dot(at - a).abs() < reach * size;
+        offered > MOST_NEAR || (reaches && ends(normal, (across / size).as_vec3()))
     })
 }
 

@@ -9,7 +9,7 @@ use super::Photon;
 use super::manner::Manner;
 
 /// Normals that differ by more (about 84 degrees) belong to different surfaces.
-pub(super) const LEAST_AGREEMENT: f32 = 0.1;
+const LEAST_AGREEMENT: f32 = 0.1;
 
 /// Do two geometric normals belong to one surface?
 #[inline]
