@@ -1,7 +1,7 @@
 use kaustik_film::{DevelopError, FilmError, ImageError};
 use kaustik_mcmc::StartError;
 
-use crate::StateError;
+use crate::{Method, StateError};
 
 /// A render that cannot begin or end.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -25,6 +25,18 @@ pub enum RenderError {
     /// A state that cannot be taken up, or is not kept.
     #[error(transparent)]
     State(#[from] StateError),
+    /// More pixels than there is memory for.
+    #[error(
+        "{pixels} pixels by {method} need about {bytes} bytes, which cannot be had: expected fewer, or one crop window at a time"
+    )]
+    Memory {
+        /// The method.
+        method: Method,
+        /// Pixels of the crop window.
+        pixels: u64,
+        /// Bytes that they would take.
+        bytes: u64,
+    },
     /// A setting out of range.
     #[error("{what} is {found}, expected {expected}")]
     Setting {

@@ -94,13 +94,7 @@ fn cases() -> Vec<(String, RenderSettings)> {
     case("filter", Method::ErptPss, &|s| {
         s.options.consecutive = Some(2);
     });
-    for method in [
-        Method::Sppm,
-        Method::PhotonVisibility,
-        Method::PhotonDensity,
-        Method::PhotonSpatial,
-        Method::PhotonImage,
-    ] {
+    for method in (Method::ALL.into_iter()).filter(|method| method.traces_photons()) {
         case("", method, plain);
         case("shrinking discs, maps", method, &|s| {
             s.options.photon.reduction = Some(0.7);

@@ -13,7 +13,7 @@ pub(super) struct Manner(u32);
 pub(super) enum Scattering {
     /// Evenly: the value is in the throughput.
     Diffuse,
-    /// As the entry of a list says; it is not as long as to reach the number that stands for the other.
+    /// As the entry of a list says, which is below [`MeasurementPoints::MOST`](super::MeasurementPoints::MOST).
     Listed(u32),
 }
 
@@ -26,8 +26,10 @@ impl Manner {
     pub(super) const OPAQUE: u32 = 1 << 29;
     /// Something stands in the disc: the number is that of its outline, which has the scattering's.
     pub(super) const OUTLINED: u32 = 1 << 28;
-    /// All bits below.
-    pub(super) const DIFFUSE: u32 = Self::OUTLINED - 1;
+    /// All bits below: the number of an entry of a list.
+    pub(super) const NUMBER: u32 = Self::OUTLINED - 1;
+    /// The number that no entry has.
+    const DIFFUSE: u32 = Self::NUMBER;
 
     pub(super) fn of(seen: &Seen<'_>, scattering: Scattering) -> Self {
         let number = scattering.number();
@@ -42,7 +44,7 @@ impl Manner {
 
     /// The same with another number.
     pub(super) fn numbered(self, number: u32) -> Self {
-        Self((self.0 & !Self::DIFFUSE) | number)
+        Self((self.0 & !Self::NUMBER) | number)
     }
 
     /// The same with something in the disc.
@@ -53,7 +55,7 @@ impl Manner {
     /// Of the scattering, or, where something stands in the disc, of the outline.
     #[inline]
     pub(super) fn number(self) -> u32 {
-        self.0 & Self::DIFFUSE
+        self.0 & Self::NUMBER
     }
 
     #[inline]
@@ -117,7 +119,7 @@ mod tests {
                 assert_eq!(manner.is(Manner::OPAQUE), opaque);
                 let moved = manner.numbered(5);
                 assert_eq!(moved.number(), 5);
-                assert_eq!(moved.0 & !Manner::DIFFUSE, manner.0 & !Manner::DIFFUSE);
+                assert_eq!(moved.0 & !Manner::NUMBER, manner.0 & !Manner::NUMBER);
             }
         }
     }

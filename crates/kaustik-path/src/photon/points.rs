@@ -59,6 +59,9 @@ pub(super) struct Seen<'a> {
 }
 
 impl MeasurementPoints {
+    /// Points that there may be at most, and paths of cameras that may add one each: they are numbered in 28 bits.
+    pub const MOST: u64 = Manner::NUMBER as u64;
+
     /// Forgets everything but the memory.
     pub fn clear(&mut self) {
         self.discs.clear();

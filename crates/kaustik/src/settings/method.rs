@@ -168,19 +168,22 @@ impl Method {
         }
     }
 
-    /// Are its ladders independent, so that processes can each run a share of them? Those of photon methods learn
-    /// from each other in every iteration, those of multi-stage methods in every stage.
-    pub fn has_shares(self) -> bool {
-        !matches!(
+    /// Does it trace light paths toward measurement points?
+    pub fn traces_photons(self) -> bool {
+        matches!(
             self,
             Self::Sppm
                 | Self::PhotonVisibility
                 | Self::PhotonDensity
                 | Self::PhotonSpatial
                 | Self::PhotonImage
-                | Self::MltMultistage
-                | Self::PssmltMultistage
         )
+    }
+
+    /// Are its ladders independent, so that processes can each run a share of them? Those of photon methods learn
+    /// from each other in every iteration, those of multi-stage methods in every stage.
+    pub fn has_shares(self) -> bool {
+        !(self.traces_photons() || matches!(self, Self::MltMultistage | Self::PssmltMultistage))
     }
 
     /// The settings that it reads.
