@@ -214,6 +214,11 @@ impl Regions {
         self.sum_up(|node| node.area, |node, area| node.area += area);
     }
 
+    /// Area of all points of the iteration, in the unit of [`set_areas`](Self::set_areas).
+    pub fn area(&self) -> f64 {
+        self.nodes[0].area
+    }
+
     /// What all nodes have learnt, to be kept.
     pub fn learnt(&self) -> Vec<Learnt> {
         let of = |node: &Node| Learnt {

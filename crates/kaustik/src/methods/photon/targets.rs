@@ -297,3 +297,64 @@ fn place(disc: &Disc, point: &MeasurementPoint, normals: f32) -> Place {
     let ([x, y, z], [u, v, w]) = (disc.center.to_array(), (point.normal * normals).to_array());
     [x, y, z, u, v, w]
 }
+
+#[cfg(test)]
+mod tests {
+    use kaustik_scene::{Scene, SceneOptions, builtin};
+
+    use super::*;
+    use crate::{Method, RenderSettings};
+
+    #[test]
+    fn targets_go_by_the_part_of_a_disc_in_which_photons_count() {
+        let size = 24;
+        let settings = RenderSettings {
+            width: size,
+            height: size,
+            method: Method::PhotonSpatial,
+            ..RenderSettings::default()
+        };
+        let options = SceneOptions {
+            width: size,
+            height: size,
+            ..SceneOptions::default()
+        };
+        let description = builtin::load("cornell").expect("a scene");
+        let scene = Scene::new(&description, &options).expect("a sound scene");
+        let mut stage = Stage::new(&scene, &settings);
+        stage.begin(None);
+        let levels = PhotonLevels([
+            PhotonTargetKind::Uniform,
+            PhotonTargetKind::Visibility,
+            PhotonTargetKind::InverseKernel,
+            PhotonTargetKind::Full,
+        ]);
+        let photon = settings.options.photon;
+        let mut targets = Targets::new(&stage, photon, &levels, Space::World);
+        targets.assign(&stage);
+        let points = stage.map().points;
+        let count = points.points().len();
+        let largest = (0..count)
+            .map(|index| points.area(index))
+            .fold(0.0, f64::max);
+        let mut cut = 0;
+        for (index, &[kernel, _]) in targets.of_points().iter().enumerate() {
+            let (area, whole) = (points.area(index), points.discs()[index].whole_area());
+            cut += usize::from(area < 0.7 * whole);
+            let expected = inverse(area / largest) as f32;
+            assert_eq!(kernel.to_bits(), expected.to_bits(), "{area} of {whole}");
+        }
+        // the feet of walls and boxes
+        assert!(cut > count / 50, "{cut} of {count}");
+        // and the areas of regions, from which densities are made
+        let whole: f64 = points.discs().iter().map(Disc::whole_area).sum();
+        let free: f64 = (0..count).map(|index| points.area(index)).sum();
+        let regions = targets.regions.as_ref().expect("a full target");
+        assert!(free < 0.98 * whole, "{free} of {whole}");
+        assert!(
+            (regions.area() / free - 1.0).abs() < 1e-9,
+            "{}",
+            regions.area()
+        );
+    }
+}
