@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use clap::Parser;
-use kaustik_study::named::{self, Scale};
+use kaustik_study::named::{self, FigureScale};
 use kaustik_study::{StudyError, StudyProgress};
 
 /// Renders the figures of a paper and says of each of its claims what was measured.
@@ -28,9 +28,9 @@ struct Words {
 pub(crate) fn run(name: &str) -> Result<(), StudyError> {
     let words = Words::parse();
     let scale = match (words.quick, words.as_published) {
-        (true, _) => Scale::Quick,
-        (_, true) => Scale::AsPublished,
-        _ => Scale::Usual,
+        (true, _) => FigureScale::Quick,
+        (_, true) => FigureScale::AsPublished,
+        _ => FigureScale::Usual,
     };
     let folder = (words.folder).unwrap_or_else(|| format!("study-{name}").into());
     let study = named::find(name).expect("a study of this name");

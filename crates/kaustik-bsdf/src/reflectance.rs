@@ -1,5 +1,5 @@
 use crate::ggx::{FacetLoss, Ggx};
-use crate::{Film, fresnel};
+use crate::{ThinFilm, fresnel};
 use glam::DVec3;
 use kaustik_spectrum::Spectrum;
 
@@ -21,7 +21,7 @@ pub enum Reflectance {
         f90: Spectrum,
     },
     /// A thin film over what Schlick's colours describe.
-    Filmed(Film),
+    Filmed(ThinFilm),
 }
 
 impl Reflectance {

@@ -6,7 +6,7 @@ use std::process::ExitCode;
 use std::sync::atomic::Ordering;
 use std::time::Duration;
 
-use kaustik_study::named::{self, Done, Named, Scale};
+use kaustik_study::named::{self, Done, FigureScale, Named};
 use kaustik_study::{Judged, Listener, Runner, Section, Study, StudyError, StudyProgress, write};
 
 use crate::arguments::StudyWords;
@@ -115,11 +115,11 @@ fn what(words: &StudyWords) -> Result<What, Failure> {
     Ok(What::File(Box::new(study)))
 }
 
-fn scale(words: &StudyWords) -> Scale {
+fn scale(words: &StudyWords) -> FigureScale {
     match (words.quick, words.as_published) {
-        (true, _) => Scale::Quick,
-        (_, true) => Scale::AsPublished,
-        _ => Scale::Usual,
+        (true, _) => FigureScale::Quick,
+        (_, true) => FigureScale::AsPublished,
+        _ => FigureScale::Usual,
     }
 }
 

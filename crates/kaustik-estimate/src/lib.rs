@@ -83,7 +83,7 @@ pub use photon_target::{Meeting, PhotonLevels, PhotonTarget, PhotonValue};
 pub use photon_target_kind::PhotonTargetKind;
 pub use raster_map::RasterMap;
 pub use region_sums::{RegionSums, Witnesses};
-pub use regions::{LeafTally, Learnt, Place, Refinement, Regions, inverse};
+pub use regions::{LeafTally, Learnt, Refinement, RegionPoint, Regions, inverse};
 pub use replica_set::{ClassWeights, ReplicaSet, ReplicaSetError};
 pub use replicas::{ReplicaDeposit, ReplicaFamily, ReplicaWeights, SpecificFamily};
 pub use scalar::{Contribution, MappedContribution, ScalarContribution};

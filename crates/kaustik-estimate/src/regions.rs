@@ -11,7 +11,7 @@ pub use refinement::Refinement;
 /// A position in the world or in the image (the unit square), then the normal times a length:
 /// a tree tells orientations apart where regions are smaller than that length. With length zero
 /// orientations do not count.
-pub type Place = [f32; 6];
+pub type RegionPoint = [f32; 6];
 /// How many of them are the position.
 const POSITION: usize = 3;
 
@@ -83,7 +83,7 @@ impl Regions {
     /// Splits at medians along the longest side; at the middle of it where that is the normal's, whose values
     /// are few. A wall that holds the median at the low end is parted from what is beyond it. Leaves at the
     /// border reach to infinity.
-    pub fn spatial(points: &mut [Place]) -> Self {
+    pub fn spatial(points: &mut [RegionPoint]) -> Self {
         Self::build(points, |points| {
             if points.len() < 2 * Self::LEAST_POINTS {
                 return None;
@@ -93,7 +93,7 @@ impl Regions {
                 return Some((axis as u8, 0.5 * (low + high)));
             }
             let middle = points.len() / 2;
-            let by = |a: &Place, b: &Place| a[axis].total_cmp(&b[axis]);
+            let by = |a: &RegionPoint, b: &RegionPoint| a[axis].total_cmp(&b[axis]);
             points.select_nth_unstable_by(middle, by);
             let median = points[middle][axis];
             let place = match median > low {
@@ -107,8 +107,8 @@ impl Regions {
     }
 
     fn build(
-        points: &mut [Place],
-        mut split: impl FnMut(&mut [Place]) -> Option<(u8, f32)>,
+        points: &mut [RegionPoint],
+        mut split: impl FnMut(&mut [RegionPoint]) -> Option<(u8, f32)>,
     ) -> Self {
         let mut regions = Self {
             nodes: vec![Node::default()],
@@ -154,7 +154,7 @@ impl Regions {
         regions
     }
 
-    fn halve(&mut self, at: u32, [low, high]: [Place; 2], level: u32) {
+    fn halve(&mut self, at: u32, [low, high]: [RegionPoint; 2], level: u32) {
         if level == Self::MOST_LEVELS {
             self.nodes[at as usize].leaf = self.leaves.len() as u32;
             self.leaves.push(at);
@@ -194,7 +194,7 @@ impl Regions {
 
     /// The leaf that holds a point: exactly one does.
     #[inline]
-    pub fn leaf(&self, point: Place) -> u32 {
+    pub fn leaf(&self, point: RegionPoint) -> u32 {
         let mut node = &self.nodes[0];
         while let Some((axis, place, children)) = node.split {
             let side = usize::from(point[usize::from(axis)] >= place);
@@ -443,7 +443,7 @@ pub fn inverse(relative: f64) -> f64 {
 }
 
 /// The axis along which points reach farthest, from where to where.
-fn longest_side(points: &[Place]) -> (usize, [f32; 2]) {
+fn longest_side(points: &[RegionPoint]) -> (usize, [f32; 2]) {
     let side = |axis: usize| {
         let at = points.iter().map(|point| point[axis]);
         [
@@ -463,7 +463,7 @@ fn longest_side(points: &[Place]) -> (usize, [f32; 2]) {
 
 /// A place that parts the points at the low end of an axis from all others, halfway to the next. `None` if there are no
 /// others.
-fn beyond(points: &[Place], axis: usize, low: f32) -> Option<f32> {
+fn beyond(points: &[RegionPoint], axis: usize, low: f32) -> Option<f32> {
     let above = points.iter().map(|point| point[axis]);
     let next = above.filter(|at| *at > low).min_by(f32::total_cmp)?;
     let halfway = low + 0.5 * (next - low);
@@ -471,7 +471,7 @@ fn beyond(points: &[Place], axis: usize, low: f32) -> Option<f32> {
 }
 
 /// Points below a place first; returns how many.
-fn partition(points: &mut [Place], axis: usize, place: f32) -> usize {
+fn partition(points: &mut [RegionPoint], axis: usize, place: f32) -> usize {
     let mut below = 0;
     for at in 0..points.len() {
         if points[at][axis] < place {

@@ -29,7 +29,7 @@ pub struct BuilderSettings {
     pub emitters_seen: bool,
     /// Keep the largest single `C_{s,t}` ([`Contributions::largest`]), for Kelemen's maximum: it costs
     /// a colour for each.
-    pub largest: bool,
+    pub track_largest: bool,
     /// Law of the wavelengths.
     pub wavelengths: WavelengthSampling,
     /// Lower corner of the part of the raster that is drawn from.
@@ -46,7 +46,7 @@ impl Default for BuilderSettings {
             max_edges: 64,
             pure_specular: PureSpecular::Kept,
             emitters_seen: true,
-            largest: false,
+            track_largest: false,
             wavelengths: WavelengthSampling::Hero,
             window_min: DVec2::ZERO,
             window_max: DVec2::ONE,

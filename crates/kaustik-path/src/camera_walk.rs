@@ -24,7 +24,7 @@ pub(crate) fn trace(
     let wavelengths = Wavelengths::sample(u.get(Stream::Wavelength, 0), settings.wavelengths);
     at_its_time(scene, u, |scene, u| {
         let (mut walk, raster) = start(settings, scene, &wavelengths, u);
-        let mut gathered = Gathered::new(&wavelengths, settings.largest);
+        let mut gathered = Gathered::new(&wavelengths, settings.track_largest);
         gather(scene, &mut walk, u, &mut gathered);
         gathered.count_walk(walk.edges);
         out.merge(raster, &gathered);

@@ -159,7 +159,7 @@ impl Contributions {
     }
 
     /// The largest scalar of a single weighted `C_{s,t}` (Kelemen sec. 2): not of a splat, which may hold
-    /// the sum of many. Kept only if [`BuilderSettings::largest`](crate::BuilderSettings::largest)
+    /// the sum of many. Kept only if [`BuilderSettings::track_largest`](crate::BuilderSettings::track_largest)
     /// asks for it.
     #[inline]
     pub fn largest(&self, target: ScalarTarget) -> f64 {

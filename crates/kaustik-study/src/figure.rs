@@ -225,7 +225,7 @@ impl Group {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use kaustik::film::metrics::{Errors, Measured, Shares};
+    use kaustik::film::metrics::{Errors, Measured, PixelShares};
 
     #[test]
     fn quartiles_lie_between_values() {
@@ -248,7 +248,7 @@ mod tests {
         let measured = Measured {
             raw: errors(0.0, 1.0),
             trimmed: errors(2.0, 3.0),
-            shares: Shares {
+            shares: PixelShares {
                 over_5_percent: 5.0,
                 over_10_percent: 6.0,
                 over_20_percent: 7.0,

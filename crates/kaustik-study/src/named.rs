@@ -26,7 +26,7 @@ use crate::{
 
 /// How large a study is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Scale {
+pub enum FigureScale {
     /// Less than a minute in all: shows that everything works, and nothing else.
     Quick,
     /// Small pictures, up to 20 CPU seconds a render: a quarter of an hour to two hours in all, references on top.
@@ -54,7 +54,7 @@ pub struct Named {
     pub name: &'static str,
     /// The page's title.
     pub title: &'static str,
-    figures: fn(Scale) -> Vec<PaperFigure>,
+    figures: fn(FigureScale) -> Vec<PaperFigure>,
 }
 
 /// All of them.
@@ -101,7 +101,7 @@ pub fn find(name: &str) -> Option<&'static Named> {
 impl Named {
     /// Its figures at a scale.
     #[must_use]
-    pub fn figures(&self, scale: Scale) -> Vec<PaperFigure> {
+    pub fn figures(&self, scale: FigureScale) -> Vec<PaperFigure> {
         (self.figures)(scale)
     }
 
@@ -112,7 +112,7 @@ impl Named {
     /// A number that no figure has, or what [`Runner::run`] and [`write`](crate::write()) say.
     pub fn run(
         &self,
-        scale: Scale,
+        scale: FigureScale,
         number: Option<u32>,
         folder: &Path,
         listener: &mut Listener<'_>,
@@ -138,7 +138,7 @@ impl Named {
             };
             let results = Runner::new(&figure.study, folder).run(&mut inner)?;
             let mut judged = judge(figure.claims, &results);
-            if scale == Scale::Quick {
+            if scale == FigureScale::Quick {
                 // a few samples on a few pixels decide nothing
                 for judged in &mut judged {
                     judged.finding.verdict = Verdict::Open;
@@ -190,18 +190,18 @@ fn per_pixel(amounts: &[f64]) -> Budgets {
 }
 
 /// A study of this scale without scenes and methods.
-fn blank(title: &str, about: &str, scale: Scale) -> Study {
+fn blank(title: &str, about: &str, scale: FigureScale) -> Study {
     let (side, seeds, threads, error, most) = match scale {
-        Scale::Quick => (24, 2, 1, 0.5, 2),
-        Scale::Usual => (128, 5, 1, 0.03, 32),
-        Scale::AsPublished => (512, 3, 0, 0.02, 64),
+        FigureScale::Quick => (24, 2, 1, 0.5, 2),
+        FigureScale::Usual => (128, 5, 1, 0.03, 32),
+        FigureScale::AsPublished => (512, 3, 0, 0.02, 64),
     };
     Study {
         title: title.to_owned(),
         about: about.to_owned(),
         width: side,
         height: side,
-        max_depth: if scale == Scale::Quick { 8 } else { 64 },
+        max_depth: if scale == FigureScale::Quick { 8 } else { 64 },
         threads,
         layers: false,
         matched: Vec::new(),
@@ -212,7 +212,7 @@ fn blank(title: &str, about: &str, scale: Scale) -> Study {
         reference: ReferenceEntry {
             method: kaustik::Method::Bdpt,
             settings: Vec::new(),
-            per_pixel: if scale == Scale::Quick { 16 } else { 256 },
+            per_pixel: if scale == FigureScale::Quick { 16 } else { 256 },
             error,
             most,
         },
@@ -220,9 +220,9 @@ fn blank(title: &str, about: &str, scale: Scale) -> Study {
 }
 
 /// Settings, with a small start where the study is to be quick. `start` is the setting that makes it small.
-fn settings(scale: Scale, start: &str, more: &[&str]) -> Vec<String> {
+fn settings(scale: FigureScale, start: &str, more: &[&str]) -> Vec<String> {
     let quick = [start, "ladders=8"];
-    let quick = if scale == Scale::Quick {
+    let quick = if scale == FigureScale::Quick {
         &quick[..]
     } else {
         &[]
@@ -238,7 +238,11 @@ mod tests {
     fn every_figure_is_sound_at_every_scale() {
         for named in &ALL {
             assert_eq!(find(named.name).map(|n| n.title), Some(named.title));
-            for scale in [Scale::Quick, Scale::Usual, Scale::AsPublished] {
+            for scale in [
+                FigureScale::Quick,
+                FigureScale::Usual,
+                FigureScale::AsPublished,
+            ] {
                 let figures = named.figures(scale);
                 assert!(figures.len() >= 5);
                 for figure in &figures {
@@ -261,7 +265,7 @@ mod tests {
     #[test]
     fn published_figures_have_the_published_cost() {
         let of = |name: &str, number: u32| {
-            let figures = find(name).unwrap().figures(Scale::AsPublished);
+            let figures = find(name).unwrap().figures(FigureScale::AsPublished);
             figures
                 .into_iter()
                 .find(|f| f.number == number)
@@ -310,7 +314,7 @@ mod tests {
     /// Renders that two figures share are done once: what a figure adds is what has no equal before it.
     #[test]
     fn figures_of_the_spatial_target_share_renders() {
-        let figures = find("spatial-target").unwrap().figures(Scale::Usual);
+        let figures = find("spatial-target").unwrap().figures(FigureScale::Usual);
         let numbers: Vec<u32> = figures.iter().map(|figure| figure.number).collect();
         assert_eq!(numbers, [1, 3, 4, 5, 6, 7, 8, 9, 10, 11]);
         let of = |number: u32| figures.iter().find(|f| f.number == number).unwrap();
@@ -341,7 +345,7 @@ mod tests {
         let folder = std::env::temp_dir();
         let go = |_: &StudyProgress<'_>| ControlFlow::Break(());
         let error = ALL[1]
-            .run(Scale::Quick, Some(99), &folder, &mut { go })
+            .run(FigureScale::Quick, Some(99), &folder, &mut { go })
             .unwrap_err();
         assert!(error.to_string().contains("4, 5, 6, 7, 8"), "{error}");
     }

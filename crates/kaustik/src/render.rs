@@ -225,7 +225,7 @@ pub(crate) fn builder_settings(settings: &RenderSettings) -> BuilderSettings {
         max_edges: settings.max_depth,
         pure_specular: direct::pure_specular(settings),
         emitters_seen: true,
-        largest: settings.options.contribution == Contribution::Maximum,
+        track_largest: settings.options.contribution == Contribution::Maximum,
         wavelengths: settings.options.wavelengths,
         window_min: DVec2::from(bounds.min) / size,
         window_max: DVec2::from(bounds.max) / size,

@@ -1,6 +1,6 @@
 use crate::ggx::Ggx;
 use crate::local::within;
-use crate::{Film, Reflectance, SMOOTH_ALPHA};
+use crate::{Reflectance, SMOOTH_ALPHA, ThinFilm};
 use kaustik_spectrum::Spectrum;
 
 /// What stands behind a transmitting glTF surface.
@@ -129,7 +129,7 @@ impl PrincipledParameters {
     pub(super) fn reflectance(&self, f0: Spectrum, f90: Spectrum) -> Reflectance {
         match self.film {
             None => Reflectance::Schlick { f0, f90 },
-            Some(film) => Reflectance::Filmed(Film::new(
+            Some(film) => Reflectance::Filmed(ThinFilm::new(
                 film.strength,
                 film.ior,
                 film.thickness,

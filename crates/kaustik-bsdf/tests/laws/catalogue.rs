@@ -2,7 +2,7 @@
 
 use crate::layers::layers;
 use kaustik_bsdf::{
-    Bsdf, Film, FilmParameters, Interface, Principled, PrincipledParameters, Reflectance, Wall,
+    Bsdf, FilmParameters, Interface, Principled, PrincipledParameters, Reflectance, ThinFilm, Wall,
 };
 use kaustik_spectrum::Spectrum;
 
@@ -113,7 +113,7 @@ fn glass(eta: f32) -> Interface {
 pub(crate) fn finishes() -> [(&'static str, Reflectance); 4] {
     let schlick = |f0, f90| Reflectance::Schlick { f0, f90 };
     let wavelengths = Spectrum::new([550.0, 430.0, 490.0, 640.0]);
-    let film = Film::new(0.8, 1.4, 420.0, wavelengths, (grey(0.04), 1.0));
+    let film = ThinFilm::new(0.8, 1.4, 420.0, wavelengths, (grey(0.04), 1.0));
     [
         ("dull", schlick(grey(0.012), grey(0.3))),
         ("dark", schlick(grey(0.0), grey(0.0))),

@@ -4,8 +4,8 @@ use crate::catalogue::{finishes, grey, some};
 use crate::support::{Random, at, spread};
 use glam::DVec3;
 use kaustik_bsdf::{
-    Bsdf, Film, FilmParameters, Interface, LayerParameters, Lobe, Mode, PrincipledParameters,
-    Reflectance, SMOOTH_ALPHA, Wall, fresnel, shading,
+    Bsdf, FilmParameters, Interface, LayerParameters, Lobe, Mode, PrincipledParameters,
+    Reflectance, SMOOTH_ALPHA, ThinFilm, Wall, fresnel, shading,
 };
 use kaustik_spectrum::Spectrum;
 
@@ -124,7 +124,7 @@ fn what_a_finish_does_not_reflect_passes() {
 /// A film without thickness shows what is beneath it, by the same equations from another side.
 #[test]
 fn a_film_without_thickness_is_not_there() {
-    let film = Film::new(1.0, 1.7, 0.0, grey(550.0), (grey(0.04), 1.0));
+    let film = ThinFilm::new(1.0, 1.7, 0.0, grey(550.0), (grey(0.04), 1.0));
     let glass = Interface::clear(grey(1.5));
     let filmed = Bsdf::dielectric(glass.with_finish(Reflectance::Filmed(film)), 0.0, true);
     let plain = Bsdf::dielectric(glass, 0.0, true);

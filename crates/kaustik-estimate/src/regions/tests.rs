@@ -3,7 +3,7 @@ use kaustik_mcmc::{Draws, generator};
 use super::*;
 
 /// Points of a room's floor and of a lump in its corner.
-fn scattered(count: usize) -> Vec<Place> {
+fn scattered(count: usize) -> Vec<RegionPoint> {
     let mut draws = generator(3, 0);
     let mut u = || draws.uniform() as f32;
     (0..count)
@@ -38,7 +38,7 @@ fn a_tree_holds_each_point_once_and_evenly() {
 fn a_wall_is_parted_from_what_is_beyond_it() {
     let mut draws = generator(4, 0);
     let mut u = || draws.uniform() as f32;
-    let mut points: Vec<Place> = (0..9_000)
+    let mut points: Vec<RegionPoint> = (0..9_000)
         .map(|index| match index % 3 {
             0 => [4.0 * u(), 2.0 * u(), 11.0 + 69.0 * u(), 0.0, 0.0, 0.0],
             _ => [4.0 * u(), 2.0 * u(), 11.0, 0.0, 0.0, 0.0],
@@ -176,7 +176,7 @@ fn factors_stay_in_their_range() {
 /// share them where normals have no length.
 #[test]
 fn normals_part_what_places_do_not() {
-    let sheets = |length: f32| -> Vec<Place> {
+    let sheets = |length: f32| -> Vec<RegionPoint> {
         let mut points = scattered(6_000);
         for (index, point) in points.iter_mut().enumerate() {
             let side = if index % 2 == 0 { 1.0 } else { -1.0 };

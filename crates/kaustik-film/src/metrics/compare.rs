@@ -1,6 +1,6 @@
 //! The comparison of one or more pictures with a reference, as one report.
 
-use super::{Errors, Measured, Nsd, Reference, Shares, Tile, measure, nsd, tiles};
+use super::{Errors, Measured, Nsd, PixelShares, Reference, Tile, measure, nsd, tiles};
 use crate::{Image, Window};
 use serde::Serialize;
 use std::fmt;
@@ -35,7 +35,7 @@ pub struct ImageReport {
     /// Without the worst 0.1 %.
     pub trimmed: Errors,
     /// Shares of pixels that are off by more than 5, 10 and 20 %.
-    pub shares: Shares,
+    pub shares: PixelShares,
     /// The tile of 16 x 16 pixels whose mean is farthest off, and how far.
     pub worst_tile: Option<Tile>,
 }

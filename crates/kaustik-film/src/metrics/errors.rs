@@ -26,7 +26,7 @@ pub struct Errors {
 
 /// Shares in [0, 1] of pixels whose luminance is off by more than a part of the reference's.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub struct Shares {
+pub struct PixelShares {
     /// |Y - Y_r| > 5 % of Y_r.
     pub over_5_percent: f64,
     /// More than 10 %.
@@ -43,7 +43,7 @@ pub struct Measured {
     /// Without the 0.1 % of pixels of the largest relative squared error.
     pub trimmed: Errors,
     /// Shares of pixels with a large relative error.
-    pub shares: Shares,
+    pub shares: PixelShares,
     /// Pixels left out because they are not finite, here or in the reference.
     pub non_finite: u64,
 }
@@ -88,7 +88,7 @@ pub fn measure(image: &Image, reference: &Reference<'_>) -> Option<Measured> {
     Some(Measured {
         raw: all.errors(),
         trimmed: kept.errors(),
-        shares: Shares {
+        shares: PixelShares {
             over_5_percent,
             over_10_percent,
             over_20_percent,

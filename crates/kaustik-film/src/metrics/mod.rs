@@ -22,7 +22,7 @@ mod tiles;
 
 pub use compare::{CompareError, ImageReport, Report, compare};
 pub use difference::difference;
-pub use errors::{Errors, Measured, Shares, measure};
+pub use errors::{Errors, Measured, PixelShares, measure};
 pub use matched::{brightness_factor, matched};
 pub use nsd::{Nsd, nsd, nsd_beside, nsd_map};
 pub use reference::Reference;

@@ -122,7 +122,7 @@ impl Job<'_> {
         witness: &mut impl Witness,
     ) {
         light::trace(self, u, &mut workspace.light, true, out, witness);
-        let mut gathered = Gathered::new(self.wavelengths, self.builder.settings.largest);
+        let mut gathered = Gathered::new(self.wavelengths, self.builder.settings.track_largest);
         let other = OtherEnd::Any;
         let raster = eye::trace(self, u, workspace, other, &mut gathered, witness);
         out.merge(raster, &gathered);
@@ -149,7 +149,7 @@ impl Job<'_> {
         if at_lens {
             return;
         }
-        let mut gathered = Gathered::new(self.wavelengths, self.builder.settings.largest);
+        let mut gathered = Gathered::new(self.wavelengths, self.builder.settings.track_largest);
         let raster = eye::trace(self, u, workspace, other, &mut gathered, witness);
         out.merge(raster, &gathered);
     }

@@ -126,7 +126,7 @@ impl Job<'_> {
             }
         }
         if t >= 2 {
-            let mut gathered = Gathered::new(self.wavelengths, self.builder.settings.largest);
+            let mut gathered = Gathered::new(self.wavelengths, self.builder.settings.track_largest);
             let raster = self.walk_from_eye(technique, share, u, workspace, &mut gathered, witness);
             out.merge(raster, &gathered);
         }

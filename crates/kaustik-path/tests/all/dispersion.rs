@@ -12,7 +12,7 @@ use kaustik_spectrum::{Illuminant, Rgb, Spectrum, WavelengthSampling, Wavelength
 
 const PATH: Unidirectional = Unidirectional {
     settings: BuilderSettings {
-        largest: false,
+        track_largest: false,
         min_edges: 1,
         pure_specular: PureSpecular::Kept,
         emitters_seen: true,

@@ -5,10 +5,10 @@ use kaustik::film::Window;
 
 use super::checks::{cost_of_a_step, few_spikes, last, same_tint, statistic_above, tint_differs};
 use super::rivals::{best, lower};
-use super::{PaperFigure, Scale, blank, per_pixel, seconds, settings};
+use super::{FigureScale, PaperFigure, blank, per_pixel, seconds, settings};
 use crate::{Claim, Figure, Finding, MethodEntry, SceneEntry, Study};
 
-pub(super) fn figures(scale: Scale) -> Vec<PaperFigure> {
+pub(super) fn figures(scale: FigureScale) -> Vec<PaperFigure> {
     vec![
         two(scale),
         three(scale),
@@ -24,7 +24,7 @@ const RING: &str = "ring-and-sphere";
 /// The report's own: a chain a sample in the mean, of 100 steps.
 const REPORT: [&str; 2] = ["chains=1", "length=100"];
 
-fn entry(scale: Scale, name: &str, method: Method, more: &[&str]) -> MethodEntry {
+fn entry(scale: FigureScale, name: &str, method: Method, more: &[&str]) -> MethodEntry {
     MethodEntry {
         name: name.to_owned(),
         method,
@@ -33,17 +33,17 @@ fn entry(scale: Scale, name: &str, method: Method, more: &[&str]) -> MethodEntry
     }
 }
 
-fn path(scale: Scale) -> MethodEntry {
+fn path(scale: FigureScale) -> MethodEntry {
     entry(scale, "path", Method::Path, &[])
 }
 
-fn erpt(scale: Scale, name: &str, more: &[&str]) -> MethodEntry {
+fn erpt(scale: FigureScale, name: &str, more: &[&str]) -> MethodEntry {
     let all: Vec<&str> = REPORT.iter().chain(more).copied().collect();
     entry(scale, name, Method::Erpt, &all)
 }
 
 /// The light of many samples in few and long chains that go far: what we found best for the same time.
-fn few_chains(scale: Scale) -> MethodEntry {
+fn few_chains(scale: FigureScale) -> MethodEntry {
     let more = ["length=1000", "chains=0.01", "jitter=veach"];
     erpt(scale, "few chains", &more)
 }
@@ -54,31 +54,31 @@ const SAMPLES: f64 = 24.0;
 /// Path tracing against both kinds of chains. As published path tracing has its own number of samples a
 /// pixel, chains have the report's 24, and few chains so many that there are as many mutations: ten a sample
 /// in place of a hundred.
-fn path_and_chains(scale: Scale) -> Vec<MethodEntry> {
+fn path_and_chains(scale: FigureScale) -> Vec<MethodEntry> {
     let chains = [
         (erpt(scale, "erpt", &[]), SAMPLES),
         (few_chains(scale), 10.0 * SAMPLES),
     ];
     let chains = chains.map(|(method, samples)| match scale {
-        Scale::AsPublished => method.with_amounts(&[samples]),
-        Scale::Quick | Scale::Usual => method,
+        FigureScale::AsPublished => method.with_amounts(&[samples]),
+        FigureScale::Quick | FigureScale::Usual => method,
     });
     [path(scale)].into_iter().chain(chains).collect()
 }
 
 /// A study of one scene at equal times; as published at so many samples a pixel.
-fn study(scale: Scale, title: &str, about: &str, scene: &str, published: f64) -> Study {
+fn study(scale: FigureScale, title: &str, about: &str, scene: &str, published: f64) -> Study {
     let mut study = blank(title, about, scale);
     study.scenes = vec![SceneEntry::builtin(scene)];
     study.budgets = match scale {
-        Scale::Quick => seconds(&[0.1, 0.25]),
-        Scale::Usual => seconds(&[2.0, 4.0, 8.0, 16.0]),
-        Scale::AsPublished => per_pixel(&[published]),
+        FigureScale::Quick => seconds(&[0.1, 0.25]),
+        FigureScale::Usual => seconds(&[2.0, 4.0, 8.0, 16.0]),
+        FigureScale::AsPublished => per_pixel(&[published]),
     };
     study
 }
 
-fn two(scale: Scale) -> PaperFigure {
+fn two(scale: FigureScale) -> PaperFigure {
     let mut study = study(
         scale,
         "Figure 2: indirect light by path tracing",
@@ -112,7 +112,7 @@ fn two(scale: Scale) -> PaperFigure {
 
 const LENGTHS: [&str; 3] = ["100", "300", "1000"];
 
-fn three(scale: Scale) -> PaperFigure {
+fn three(scale: FigureScale) -> PaperFigure {
     let mut study = study(
         scale,
         "Figure 3: indirect light by redistribution",
@@ -148,7 +148,7 @@ fn three(scale: Scale) -> PaperFigure {
     }
 }
 
-fn four(scale: Scale) -> PaperFigure {
+fn four(scale: FigureScale) -> PaperFigure {
     let mut study = study(
         scale,
         "Figure 4: caustics by path tracing",
@@ -187,9 +187,9 @@ fn four(scale: Scale) -> PaperFigure {
 }
 
 /// The reference must have met what uniform samples meet seldom.
-fn caustics(study: &mut Study, scale: Scale) {
+fn caustics(study: &mut Study, scale: FigureScale) {
     study.scenes[0].close_ups = vec![close_up(study)];
-    if scale != Scale::Quick {
+    if scale != FigureScale::Quick {
         study.reference.per_pixel = 1024;
         study.reference.error = 0.05;
     }
@@ -206,7 +206,7 @@ fn close_up(study: &Study) -> Window {
     }
 }
 
-fn five(scale: Scale) -> PaperFigure {
+fn five(scale: FigureScale) -> PaperFigure {
     let mut study = study(
         scale,
         "Figure 5: caustics by redistribution",
@@ -260,7 +260,7 @@ fn five(scale: Scale) -> PaperFigure {
     }
 }
 
-fn six(scale: Scale) -> PaperFigure {
+fn six(scale: FigureScale) -> PaperFigure {
     let mut study = study(
         scale,
         "Figure 6: the filter by consecutive samples",

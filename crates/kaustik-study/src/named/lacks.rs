@@ -41,7 +41,7 @@ pub(super) fn has_again(results: &Results, place: &str, with: &str, without: &st
 
 #[cfg(test)]
 mod tests {
-    use super::super::Scale;
+    use super::super::FigureScale;
     use super::super::fixture::results;
     use super::*;
     use crate::named;
@@ -49,7 +49,9 @@ mod tests {
 
     #[test]
     fn what_is_missing_is_told_from_noise() {
-        let figures = named::find("spatial-target").unwrap().figures(Scale::Quick);
+        let figures = named::find("spatial-target")
+            .unwrap()
+            .figures(FigureScale::Quick);
         let study = figures.into_iter().find(|f| f.number == 11).unwrap().study;
         let [with, without] = ["spatial, 0.39", "no remainder, 0.39"];
         let dark = study

@@ -38,7 +38,7 @@ pub(super) fn falls(results: &Results, place: &str, figure: Figure, name: &str) 
 
 #[cfg(test)]
 mod tests {
-    use super::super::Scale;
+    use super::super::FigureScale;
     use super::super::fixture::results;
     use super::super::rivals::lower_always;
     use super::*;
@@ -49,7 +49,7 @@ mod tests {
     fn of(error: impl Fn(usize, usize) -> f64) -> Results {
         let figures = crate::named::find("spatial-target")
             .unwrap()
-            .figures(Scale::Quick);
+            .figures(FigureScale::Quick);
         let figure = figures.into_iter().find(|figure| figure.number == 8);
         results(figure.unwrap().study, |method, budget, _| Errors {
             rmse_xyz: error(method, budget),

@@ -4,11 +4,11 @@ use kaustik::Method;
 
 use super::checks::{acceptance, fewer_shadow_rays, last, lower_in_the_dark};
 use super::rivals::{best, lower};
-use super::{PaperFigure, Scale, blank, per_pixel, seconds, settings};
+use super::{FigureScale, PaperFigure, blank, per_pixel, seconds, settings};
 use crate::{Claim, Figure, Finding, MethodEntry, SceneEntry, Study};
 
 /// The paper names no size of its pictures: 512 x 512 stands for it.
-pub(super) fn figures(scale: Scale) -> Vec<PaperFigure> {
+pub(super) fn figures(scale: FigureScale) -> Vec<PaperFigure> {
     vec![
         five(scale),
         six(scale),
@@ -23,7 +23,7 @@ const STATUE: &str = "mirror-statue";
 
 /// A variant of `pssmlt` as the paper has it: the contribution that its chains follow is the largest
 /// path's luminance.
-fn pssmlt(scale: Scale, name: &str, builder: &str, more: &[&str]) -> MethodEntry {
+fn pssmlt(scale: FigureScale, name: &str, builder: &str, more: &[&str]) -> MethodEntry {
     let builder = format!("builder={builder}");
     let heuristic = if builder.ends_with("unidirectional") {
         &[][..]
@@ -42,7 +42,7 @@ fn pssmlt(scale: Scale, name: &str, builder: &str, more: &[&str]) -> MethodEntry
 }
 
 /// The paper's rival: variables of paths move, not the numbers that they are made of.
-fn in_path_space(scale: Scale, name: &str, fraction: &str) -> MethodEntry {
+fn in_path_space(scale: FigureScale, name: &str, fraction: &str) -> MethodEntry {
     let mutations = format!("mutations=bidirectional,every:{fraction}");
     let more = [mutations.as_str(), "target=luminance"];
     MethodEntry {
@@ -53,7 +53,7 @@ fn in_path_space(scale: Scale, name: &str, fraction: &str) -> MethodEntry {
     }
 }
 
-fn bdpt(scale: Scale, name: &str, more: &[&str]) -> MethodEntry {
+fn bdpt(scale: FigureScale, name: &str, more: &[&str]) -> MethodEntry {
     MethodEntry {
         name: name.to_owned(),
         method: Method::Bdpt,
@@ -62,9 +62,9 @@ fn bdpt(scale: Scale, name: &str, more: &[&str]) -> MethodEntry {
     }
 }
 
-fn statue(study: &mut Study, scale: Scale) {
+fn statue(study: &mut Study, scale: FigureScale) {
     study.scenes = vec![SceneEntry::builtin(STATUE)];
-    if scale != Scale::Quick {
+    if scale != FigureScale::Quick {
         // The mirrored back, where uniform samples are noisiest: a chain knows it sooner.
         study.reference.method = Method::Pssmlt;
         study.reference.settings =
@@ -124,7 +124,7 @@ const FIVE: &[Claim] = &[
     },
 ];
 
-fn five(scale: Scale) -> PaperFigure {
+fn five(scale: FigureScale) -> PaperFigure {
     let mut study = blank(
         "Figure 5: error curves",
         "A Cornell box with a glossy mirror for a back wall. Simple bidirectional paths (walks from both sides, \
@@ -162,9 +162,9 @@ fn five(scale: Scale) -> PaperFigure {
         ),
     ];
     study.budgets = match scale {
-        Scale::Quick => seconds(&[0.1, 0.25]),
-        Scale::Usual => seconds(&[1.0, 2.0, 4.0, 8.0, 16.0]),
-        Scale::AsPublished => super::minutes(5.0),
+        FigureScale::Quick => seconds(&[0.1, 0.25]),
+        FigureScale::Usual => seconds(&[1.0, 2.0, 4.0, 8.0, 16.0]),
+        FigureScale::AsPublished => super::minutes(5.0),
     };
     PaperFigure {
         number: 5,
@@ -173,7 +173,7 @@ fn five(scale: Scale) -> PaperFigure {
     }
 }
 
-fn six(scale: Scale) -> PaperFigure {
+fn six(scale: FigureScale) -> PaperFigure {
     let mut study = blank(
         "Figure 6: without and with multiple importance sampling",
         "The statue before the mirror, 25 mutations a pixel, large steps with probability 0.5.",
@@ -186,7 +186,11 @@ fn six(scale: Scale) -> PaperFigure {
         full("MIS", "mis=printed"),
         full("unbiased MIS", "mis=split"),
     ];
-    study.budgets = per_pixel(&[if scale == Scale::Quick { 4.0 } else { 25.0 }]);
+    study.budgets = per_pixel(&[if scale == FigureScale::Quick {
+        4.0
+    } else {
+        25.0
+    }]);
     PaperFigure {
         number: 6,
         study,
@@ -197,7 +201,7 @@ fn six(scale: Scale) -> PaperFigure {
     }
 }
 
-fn seven(scale: Scale) -> PaperFigure {
+fn seven(scale: FigureScale) -> PaperFigure {
     let mut study = blank(
         "Figure 7: disco lights",
         "A ball of 80 clear facets under eight coloured lamps, 256 mutations a pixel.",
@@ -208,7 +212,11 @@ fn seven(scale: Scale) -> PaperFigure {
         pssmlt(scale, "pssmlt", "bidirectional", &["plarge=0.5"]),
         bdpt(scale, "bdpt", &[]),
     ];
-    study.budgets = per_pixel(&[if scale == Scale::Quick { 4.0 } else { 256.0 }]);
+    study.budgets = per_pixel(&[if scale == FigureScale::Quick {
+        4.0
+    } else {
+        256.0
+    }]);
     PaperFigure {
         number: 7,
         study,
@@ -234,7 +242,7 @@ fn seven(scale: Scale) -> PaperFigure {
 
 const SHARES: [&str; 5] = ["0.02", "0.1", "0.3", "0.5", "0.9"];
 
-fn eight(scale: Scale) -> PaperFigure {
+fn eight(scale: FigureScale) -> PaperFigure {
     let mut study = blank(
         "Figure 8: probabilities of large steps",
         "The statue before the mirror, 25 mutations a pixel, with multiple importance sampling.",
@@ -246,7 +254,11 @@ fn eight(scale: Scale) -> PaperFigure {
         pssmlt(scale, share, "bidirectional", &[&plarge, "mis=printed"])
     });
     study.methods = shares.to_vec();
-    study.budgets = per_pixel(&[if scale == Scale::Quick { 4.0 } else { 25.0 }]);
+    study.budgets = per_pixel(&[if scale == FigureScale::Quick {
+        4.0
+    } else {
+        25.0
+    }]);
     PaperFigure {
         number: 8,
         study,
@@ -286,7 +298,7 @@ const NINE: &[Claim] = &[
     },
 ];
 
-fn nine(scale: Scale) -> PaperFigure {
+fn nine(scale: FigureScale) -> PaperFigure {
     let mut study = blank(
         "Figure 9: against bidirectional path tracing",
         "The statue before the mirror at equal time (as published: 100 samples a pixel each). Once more \
@@ -305,9 +317,9 @@ fn nine(scale: Scale) -> PaperFigure {
         ),
     ];
     study.budgets = match scale {
-        Scale::Quick => seconds(&[0.1, 0.25]),
-        Scale::Usual => seconds(&[2.0, 4.0, 8.0, 16.0]),
-        Scale::AsPublished => per_pixel(&[100.0]),
+        FigureScale::Quick => seconds(&[0.1, 0.25]),
+        FigureScale::Usual => seconds(&[2.0, 4.0, 8.0, 16.0]),
+        FigureScale::AsPublished => per_pixel(&[100.0]),
     };
     PaperFigure {
         number: 9,

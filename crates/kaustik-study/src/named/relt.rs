@@ -5,10 +5,10 @@ use kaustik::film::Window;
 
 use super::checks::{carries_the_dark, more_effective, starts_within};
 use super::rivals::{lower, lower_always};
-use super::{PaperFigure, Scale, blank, minutes, seconds, settings};
+use super::{FigureScale, PaperFigure, blank, minutes, seconds, settings};
 use crate::{Budgets, Claim, Figure, Finding, MethodEntry, Results, SceneEntry, Study};
 
-pub(super) fn figures(scale: Scale) -> Vec<PaperFigure> {
+pub(super) fn figures(scale: FigureScale) -> Vec<PaperFigure> {
     vec![
         four(scale),
         five(scale),
@@ -22,14 +22,20 @@ const GLASS: &str = "glass-cube";
 const WATER: &str = "water-cornell";
 
 /// The paper's spectra where its figures are made as it made them: one wavelength from 400 to 700 nm.
-fn spectra(scale: Scale) -> &'static [&'static str] {
+fn spectra(scale: FigureScale) -> &'static [&'static str] {
     match scale {
-        Scale::AsPublished => &["wavelengths=uniform"],
-        Scale::Quick | Scale::Usual => &[],
+        FigureScale::AsPublished => &["wavelengths=uniform"],
+        FigureScale::Quick | FigureScale::Usual => &[],
     }
 }
 
-fn entry(scale: Scale, name: &str, method: Method, start: &str, more: &[&str]) -> MethodEntry {
+fn entry(
+    scale: FigureScale,
+    name: &str,
+    method: Method,
+    start: &str,
+    more: &[&str],
+) -> MethodEntry {
     let all: Vec<&str> = spectra(scale).iter().chain(more).copied().collect();
     MethodEntry {
         name: name.to_owned(),
@@ -40,7 +46,7 @@ fn entry(scale: Scale, name: &str, method: Method, start: &str, more: &[&str]) -
 }
 
 /// The methods of every figure.
-fn rivals(scale: Scale) -> Vec<MethodEntry> {
+fn rivals(scale: FigureScale) -> Vec<MethodEntry> {
     let builder = ["builder=bidirectional"];
     vec![
         entry(scale, "bdpt", Method::Bdpt, "pilot=2000", &[]),
@@ -63,33 +69,33 @@ fn rivals(scale: Scale) -> Vec<MethodEntry> {
 }
 
 /// FMLT, the paper's third rival: path-space mutations, direct light left out of what the chains follow.
-fn fmlt(scale: Scale) -> MethodEntry {
+fn fmlt(scale: FigureScale) -> MethodEntry {
     let more = ["mutations=bidirectional,lens,caustic", "direct=apart"];
     entry(scale, "fmlt", Method::Mlt, "pilot=2000", &more)
 }
 
-fn relt(scale: Scale, name: &str, more: &[&str]) -> MethodEntry {
+fn relt(scale: FigureScale, name: &str, more: &[&str]) -> MethodEntry {
     entry(scale, name, Method::Relt, "particles=1000", more)
 }
 
 /// What replica exchange begins with, and nothing after it.
-fn annealing(scale: Scale) -> MethodEntry {
+fn annealing(scale: FigureScale) -> MethodEntry {
     entry(scale, "annealing", Method::Annealing, "particles=1000", &[])
 }
 
-fn budgets(scale: Scale, published: f64) -> Budgets {
+fn budgets(scale: FigureScale, published: f64) -> Budgets {
     match scale {
-        Scale::Quick => seconds(&[0.1, 0.25]),
-        Scale::Usual => seconds(&[1.0, 2.0, 4.0, 8.0, 16.0]),
-        Scale::AsPublished => minutes(published),
+        FigureScale::Quick => seconds(&[0.1, 0.25]),
+        FigureScale::Usual => seconds(&[1.0, 2.0, 4.0, 8.0, 16.0]),
+        FigureScale::AsPublished => minutes(published),
     }
 }
 
 /// A study of one figure, with the paper's size where it is wanted.
-fn study(scale: Scale, title: &str, about: &str, published: (u32, f64)) -> Study {
+fn study(scale: FigureScale, title: &str, about: &str, published: (u32, f64)) -> Study {
     let mut study = blank(title, about, scale);
     study.budgets = budgets(scale, published.1);
-    if scale == Scale::AsPublished {
+    if scale == FigureScale::AsPublished {
         (study.width, study.height) = (published.0, published.0);
     }
     study.reference.settings = spectra(scale).iter().map(|&s| s.to_owned()).collect();
@@ -98,8 +104,8 @@ fn study(scale: Scale, title: &str, about: &str, published: (u32, f64)) -> Study
 }
 
 /// Light that is specular, diffuse, specular: what uniform samples find too seldom for a reference.
-fn caustics(study: &mut Study, scale: Scale) {
-    if scale != Scale::Quick {
+fn caustics(study: &mut Study, scale: FigureScale) {
+    if scale != FigureScale::Quick {
         study.reference.method = Method::Pssmlt;
         study
             .reference
@@ -123,7 +129,7 @@ fn part(study: &Study, [x0, y0, x1, y1]: [f64; 4]) -> Window {
     }
 }
 
-fn four(scale: Scale) -> PaperFigure {
+fn four(scale: FigureScale) -> PaperFigure {
     const SCENE: &str = "cornell-direct";
     let mut study = study(
         scale,
@@ -166,7 +172,7 @@ fn four(scale: Scale) -> PaperFigure {
     }
 }
 
-fn five(scale: Scale) -> PaperFigure {
+fn five(scale: FigureScale) -> PaperFigure {
     const SCENE: &str = "cornell-indirect";
     let mut study = study(
         scale,
@@ -209,7 +215,7 @@ const ANNEALING: &str = "Our expectation (sec. 6 leaves it open): relt is below 
 /// What we want of `relt` on a scene of caustics, besides what the paper says.
 const GOAL: [(&str, f64); 2] = [("bdpt", 0.25), ("pssmlt", 2.0 / 3.0)];
 
-fn six(scale: Scale) -> PaperFigure {
+fn six(scale: FigureScale) -> PaperFigure {
     let mut study = study(
         scale,
         "Figure 6: caustics seen through glass",
@@ -257,7 +263,7 @@ fn six(scale: Scale) -> PaperFigure {
     }
 }
 
-fn seven(scale: Scale) -> PaperFigure {
+fn seven(scale: FigureScale) -> PaperFigure {
     let mut study = study(
         scale,
         "Figure 7: a box filled with water",
@@ -299,7 +305,7 @@ const OURS_APART: &str = "relt without exchange";
 const PAPERS: &str = "paper's replicas";
 const PAPERS_APART: &str = "paper's replicas without exchange";
 
-fn eight(scale: Scale) -> PaperFigure {
+fn eight(scale: FigureScale) -> PaperFigure {
     let mut study = study(
         scale,
         "Figure 8: without exchange",

@@ -7,10 +7,10 @@ use kaustik::Method;
 use super::evenness::evener;
 use super::lacks::{has_again, lacks_more};
 use super::rivals::{lower, lower_nsd};
-use super::{PaperFigure, Scale, blank, minutes, seconds, settings};
+use super::{FigureScale, PaperFigure, blank, minutes, seconds, settings};
 use crate::{Claim, Figure, MethodEntry, SceneEntry, Study};
 
-pub(super) fn figures(scale: Scale) -> Vec<PaperFigure> {
+pub(super) fn figures(scale: FigureScale) -> Vec<PaperFigure> {
     vec![
         one(scale),
         function::three(scale),
@@ -32,12 +32,12 @@ const CANYON: &str = "canyon";
 const BALLS: &str = "mirror-balls";
 const TEA: &str = "tea-time";
 
-fn entry(scale: Scale, name: &str, method: Method, more: &[&str]) -> MethodEntry {
+fn entry(scale: FigureScale, name: &str, method: Method, more: &[&str]) -> MethodEntry {
     let mut settings = settings(scale, "pilot=2000", more);
     settings.push(match scale {
-        Scale::Quick => "photons=2000".to_owned(),
-        Scale::Usual => "photons=100000".to_owned(),
-        Scale::AsPublished => "photons=10000000".to_owned(),
+        FigureScale::Quick => "photons=2000".to_owned(),
+        FigureScale::Usual => "photons=100000".to_owned(),
+        FigureScale::AsPublished => "photons=10000000".to_owned(),
     });
     if method == Method::Sppm {
         // nothing but light paths
@@ -51,48 +51,48 @@ fn entry(scale: Scale, name: &str, method: Method, more: &[&str]) -> MethodEntry
     }
 }
 
-fn sppm(scale: Scale) -> MethodEntry {
+fn sppm(scale: FigureScale) -> MethodEntry {
     entry(scale, "sppm", Method::Sppm, &[])
 }
 
-fn visibility(scale: Scale) -> MethodEntry {
+fn visibility(scale: FigureScale) -> MethodEntry {
     entry(scale, "visibility", Method::PhotonVisibility, &[])
 }
 
-fn image(scale: Scale) -> MethodEntry {
+fn image(scale: FigureScale) -> MethodEntry {
     entry(scale, "image", Method::PhotonImage, &[])
 }
 
-fn spatial(scale: Scale, name: &str, more: &[&str]) -> MethodEntry {
+fn spatial(scale: FigureScale, name: &str, more: &[&str]) -> MethodEntry {
     entry(scale, name, Method::PhotonSpatial, more)
 }
 
 /// A study of some scenes at equal times; as published for so many minutes.
-fn study(scale: Scale, title: &str, about: &str, scenes: &[&str], published: f64) -> Study {
+fn study(scale: FigureScale, title: &str, about: &str, scenes: &[&str], published: f64) -> Study {
     let mut study = blank(title, about, scale);
     study.scenes = scenes
         .iter()
         .map(|scene| SceneEntry::builtin(scene))
         .collect();
     (study.width, study.height) = match scale {
-        Scale::Quick => (32, 18),
-        Scale::Usual => (128, 72),
-        Scale::AsPublished => (960, 540),
+        FigureScale::Quick => (32, 18),
+        FigureScale::Usual => (128, 72),
+        FigureScale::AsPublished => (960, 540),
     };
     study.max_depth = study.max_depth.min(16);
-    if scale == Scale::Quick {
+    if scale == FigureScale::Quick {
         // many textures and triangles: a few paths a pixel show that it works
         study.reference.per_pixel = 4;
     }
     study.budgets = match scale {
-        Scale::Quick => seconds(&[0.1, 0.2]),
-        Scale::Usual => seconds(&[5.0, 10.0, 20.0]),
-        Scale::AsPublished => minutes(published),
+        FigureScale::Quick => seconds(&[0.1, 0.2]),
+        FigureScale::Usual => seconds(&[5.0, 10.0, 20.0]),
+        FigureScale::AsPublished => minutes(published),
     };
     study
 }
 
-fn one(scale: Scale) -> PaperFigure {
+fn one(scale: FigureScale) -> PaperFigure {
     let mut study = study(
         scale,
         "Figure 1: regions of space and regions of the image",
@@ -121,7 +121,7 @@ fn one(scale: Scale) -> PaperFigure {
     }
 }
 
-fn four(scale: Scale) -> PaperFigure {
+fn four(scale: FigureScale) -> PaperFigure {
     let mut study = study(
         scale,
         "Figure 4: relative error, evenly",
@@ -151,7 +151,7 @@ fn four(scale: Scale) -> PaperFigure {
     }
 }
 
-fn five(scale: Scale) -> PaperFigure {
+fn five(scale: FigureScale) -> PaperFigure {
     let mut study = study(
         scale,
         "Figure 5: chains of a ladder",
@@ -194,7 +194,7 @@ fn five(scale: Scale) -> PaperFigure {
     }
 }
 
-fn six(scale: Scale) -> PaperFigure {
+fn six(scale: FigureScale) -> PaperFigure {
     let mut study = study(
         scale,
         "Figure 6: with and without multiple importance sampling",
@@ -231,7 +231,7 @@ fn six(scale: Scale) -> PaperFigure {
     }
 }
 
-fn seven(scale: Scale) -> PaperFigure {
+fn seven(scale: FigureScale) -> PaperFigure {
     let mut study = study(
         scale,
         "Figure 7: four scenes",
@@ -274,7 +274,7 @@ fn seven(scale: Scale) -> PaperFigure {
 }
 
 /// Methods that follow light to the camera.
-fn transport(scale: Scale) -> Vec<MethodEntry> {
+fn transport(scale: FigureScale) -> Vec<MethodEntry> {
     let both = ["builder=bidirectional"];
     let methods: [(Method, &[&str]); 7] = [
         (Method::Pssmlt, &both),
@@ -338,10 +338,10 @@ const NINE: &[Claim] = &[
     },
 ];
 
-fn nine(scale: Scale) -> PaperFigure {
+fn nine(scale: FigureScale) -> PaperFigure {
     let scenes = match scale {
-        Scale::Quick => &[HALL][..],
-        Scale::Usual | Scale::AsPublished => &[HALL, VILLA, UNDERWATER, CANYON],
+        FigureScale::Quick => &[HALL][..],
+        FigureScale::Usual | FigureScale::AsPublished => &[HALL, VILLA, UNDERWATER, CANYON],
     };
     let mut study = study(
         scale,
@@ -363,7 +363,7 @@ fn nine(scale: Scale) -> PaperFigure {
     }
 }
 
-fn ten(scale: Scale) -> PaperFigure {
+fn ten(scale: FigureScale) -> PaperFigure {
     let mut study = study(
         scale,
         "Figure 10: a simple scene",
@@ -382,7 +382,7 @@ fn ten(scale: Scale) -> PaperFigure {
     }
 }
 
-fn eleven(scale: Scale) -> PaperFigure {
+fn eleven(scale: FigureScale) -> PaperFigure {
     let mut study = study(
         scale,
         "Figure 11: glossy surfaces",

@@ -5,7 +5,7 @@ use crate::chart::number;
 use crate::named::checks::{method, scene};
 use crate::named::over_time::{everywhere, falls};
 use crate::named::rivals::lower_always;
-use crate::named::{PaperFigure, Scale};
+use crate::named::{FigureScale, PaperFigure};
 use crate::{Claim, Curve, Figure, Finding, Results};
 use kaustik::Method;
 
@@ -14,7 +14,7 @@ const SCENES: [&str; 4] = [HALL, VILLA, UNDERWATER, CANYON];
 /// With what the chains follow, and how often they come, as layers.
 const MAPS: [&str; 1] = ["maps=on"];
 
-pub(super) fn three(scale: Scale) -> PaperFigure {
+pub(super) fn three(scale: FigureScale) -> PaperFigure {
     let mut study = study(
         scale,
         "Figure 3: the target and its two factors",
@@ -41,7 +41,7 @@ pub(super) fn three(scale: Scale) -> PaperFigure {
     }
 }
 
-pub(super) fn eight(scale: Scale) -> PaperFigure {
+pub(super) fn eight(scale: FigureScale) -> PaperFigure {
     let mut study = study(
         scale,
         "Figure 8: the target, and errors over time",
@@ -142,7 +142,7 @@ mod tests {
 
     /// Figure 3 with this inverse density, the same at all pixels but the first row's.
     fn of(first: f32, others: f32) -> Results {
-        let study = three(Scale::Quick).study;
+        let study = three(FigureScale::Quick).study;
         let (width, pixels) = (study.width as usize, (study.width * study.height) as usize);
         let mut results = results(study, |_, _, _| Errors::default());
         let density = |pixel| if pixel < width { first } else { others };
@@ -164,7 +164,7 @@ mod tests {
         assert_eq!(verdict(1e-4, 1.0), Verdict::Holds);
         assert_eq!(verdict(5e-5, 1.0), Verdict::Fails);
         assert_eq!(verdict(1e-4, 1.5), Verdict::Fails);
-        let bare = results(three(Scale::Quick).study, |_, _, _| Errors::default());
+        let bare = results(three(FigureScale::Quick).study, |_, _, _| Errors::default());
         assert_eq!(within_range(&bare, HALL, "spatial").verdict, Verdict::Open);
     }
 

@@ -1,8 +1,8 @@
 //! What chains follow: the targets of measurement points, and the regions that they go by.
 
 use kaustik_estimate::{
-    DensityTarget, Learnt, PhotonLevels, PhotonTargetKind, Place, Refinement, RegionSums, Regions,
-    inverse,
+    DensityTarget, Learnt, PhotonLevels, PhotonTargetKind, Refinement, RegionPoint, RegionSums,
+    Regions, inverse,
 };
 use kaustik_path::{Disc, MeasurementPoint};
 use rayon::prelude::*;
@@ -208,7 +208,7 @@ impl<const K: usize> Targets<K> {
     }
 
     /// Where a point lies in the tree.
-    fn place(&self, disc: &Disc, point: &MeasurementPoint) -> Place {
+    fn place(&self, disc: &Disc, point: &MeasurementPoint) -> RegionPoint {
         match &self.space {
             Space::Image(low, sides) => {
                 let within = |axis: usize| {
@@ -293,7 +293,7 @@ impl<const K: usize> Targets<K> {
 }
 
 /// Position and normal.
-fn place(disc: &Disc, point: &MeasurementPoint, normals: f32) -> Place {
+fn place(disc: &Disc, point: &MeasurementPoint, normals: f32) -> RegionPoint {
     let ([x, y, z], [u, v, w]) = (disc.center.to_array(), (point.normal * normals).to_array());
     [x, y, z, u, v, w]
 }

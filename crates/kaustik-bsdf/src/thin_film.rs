@@ -8,7 +8,7 @@ use kaustik_spectrum::Spectrum;
 /// beneath is taken as a dielectric that reflects the given colour at normal incidence, as the extension has it; no
 /// phase is added by its extinction.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Film {
+pub struct ThinFilm {
     /// Share of the surface that has the film, in `[0, 1]`.
     strength: f32,
     /// Index of the film relative to the outside.
@@ -28,7 +28,7 @@ struct Beneath {
     f90: f32,
 }
 
-impl Film {
+impl ThinFilm {
     /// From `strength` in `[0, 1]`, the film's `index` relative to the outside, its `thickness` in nanometres, the
     /// path's `wavelengths` outside in nanometres, and what the surface without it reflects at normal incidence and at
     /// grazing, `f0` at most `f90`.
