@@ -13,6 +13,48 @@ use crate::{Draws, Mutation, Point, Step, Target};
 /// unless a kernel says otherwise, as a [`Mixture`](crate::Mixture) does. So a kernel that wraps another
 /// forwards every method that it does not change: these two, `enter` and `exchange` as well. With
 /// `#[deny(clippy::missing_trait_methods)]` on its implementation, clippy names what is not forwarded.
+///
+/// ```
+/// use kaustik_mcmc::{Draws, Kernel, Metropolis, Move, Visit, generator};
+///
+/// /// Gas on a ring of 16 places, a bit each: some place gets its atom or loses it.
+/// struct Flip;
+///
+/// impl Kernel<()> for Flip {
+///     type Value = u16;
+///
+///     fn propose<D: Draws + ?Sized>(
+///         &self, (): &mut (), &gas: &u16, proposed: &mut u16, draws: &mut D,
+///     ) -> Move {
+///         *proposed = gas ^ (1 << draws.index(&[1.0; 16]));
+///         Move::new(Move::OWN, 1.0) // the way back is as likely
+///     }
+/// }
+///
+/// // Neighbours exclude each other; what is allowed has density 2^atoms.
+/// let density = |gas: &u16| {
+///     let apart = gas & gas.rotate_left(1) == 0;
+///     [if apart { f64::from(1 << gas.count_ones()) } else { 0.0 }]
+/// };
+/// let mut chain = Metropolis::at((), 0, &density, 0);
+/// let (steps, mut atoms) = (100_000, 0.0);
+/// let mut count = |visit: Visit<'_, u16, 1>| {
+///     atoms += visit.weight * f64::from(visit.value.count_ones());
+/// };
+/// let mut rng = generator(7, 0);
+/// for _ in 0..steps {
+///     chain.step(&Flip, &density, &mut rng, &mut count);
+/// }
+/// chain.flush(&mut count);
+///
+/// // The partition function is 2^16 + (-1)^16: eigenvalues of the transfer matrix are 2 and -1.
+/// let mean = atoms / f64::from(steps);
+/// # let all = (0..=u16::MAX).map(|gas| (density(&gas)[0], gas.count_ones()));
+/// # let (z, n) = all.fold((0.0, 0.0), |(z, n), (d, c)| (z + d, n + d * f64::from(c)));
+/// # assert_eq!(z, 65537.0);
+/// # let expected = n / z;
+/// assert!((mean - expected).abs() < 0.05, "{mean} for {expected}");
+/// ```
 pub trait Kernel<S> {
     /// What an evaluation yields.
     type Value;
