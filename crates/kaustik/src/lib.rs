@@ -66,6 +66,7 @@ mod statistics;
 #[cfg(test)]
 mod stops;
 mod threads;
+mod work;
 
 pub use control::{Control, Progress};
 pub use error::RenderError;

@@ -6,10 +6,11 @@ use kaustik_scene::Scene;
 use crate::check::check;
 use crate::engine::Engine;
 use crate::methods::direct;
-use crate::render::{Work, engine};
+use crate::methods::engine;
 use crate::state::take_up;
 use crate::statistics::{MergeStatistics, MergedPart, Parts};
 use crate::threads::pool;
+use crate::work::Work;
 use crate::{Method, Outcome, RenderError, RenderSettings, Rendered, State, StateError, Watch};
 
 /// Parts count as comparable if the largest has at most so many times the samples of the smallest.

@@ -6,7 +6,7 @@ use kaustik_scene::Scene;
 use crate::beside::lamps::Lamps;
 use crate::beside::meter::Meter;
 use crate::check::check;
-use crate::render::engine;
+use crate::methods::engine;
 use crate::state::take_up;
 use crate::threads::pool;
 use crate::{Place, RenderError, RenderSettings, State};

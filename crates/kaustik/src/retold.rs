@@ -5,7 +5,7 @@ use kaustik_path::{Event, Role, Side, trace};
 use kaustik_scene::Scene;
 
 use crate::engine::Engine;
-use crate::render::engine;
+use crate::methods::engine;
 use crate::state::{Header, Snapshot};
 use crate::threads::pool;
 use crate::{Budget, Method, Pace, Place, RenderSettings, replay, replay_from, small};

@@ -7,7 +7,7 @@ use kaustik_film::Filter;
 use kaustik_scene::Scene;
 
 use crate::engine::Engine;
-use crate::render::engine;
+use crate::methods::engine;
 use crate::state::{Header, Source};
 use crate::threads::pool;
 use crate::{

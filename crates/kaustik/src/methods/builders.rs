@@ -1,11 +1,28 @@
 //! The path builders of methods on primary samples.
 
-use kaustik_path::{Bidirectional, Endpoint, Form, PathBuilder, Unidirectional};
+use glam::DVec2;
+use kaustik_estimate::Contribution;
+use kaustik_path::{Bidirectional, BuilderSettings, Endpoint, Form, PathBuilder, Unidirectional};
 use kaustik_scene::Scene;
 
-use super::mmlt;
-use crate::render::builder_settings;
+use super::{direct, mmlt};
 use crate::{Builder, Method, RenderError, RenderSettings};
+
+/// What path builders are told by these settings.
+pub(crate) fn builder_settings(settings: &RenderSettings) -> BuilderSettings {
+    let bounds = settings.layout().extended_bounds();
+    let size = DVec2::new(f64::from(settings.width), f64::from(settings.height));
+    BuilderSettings {
+        min_edges: direct::min_edges(settings),
+        max_edges: settings.max_depth,
+        pure_specular: direct::pure_specular(settings),
+        emitters_seen: true,
+        track_largest: settings.options.contribution == Contribution::Maximum,
+        wavelengths: settings.options.wavelengths,
+        window_min: DVec2::from(bounds.min) / size,
+        window_max: DVec2::from(bounds.max) / size,
+    }
+}
 
 /// What makes paths of a point.
 pub(crate) fn builder(

@@ -10,7 +10,7 @@ use kaustik_path::{
 use kaustik_scene::Scene;
 use rayon::prelude::*;
 
-use crate::render::builder_settings;
+use crate::methods::builders::builder_settings;
 use crate::sampling::streams;
 use crate::{RenderError, RenderSettings, Strategies};
 

@@ -2,7 +2,7 @@ use glam::DVec2;
 use kaustik_mutate::PathSpace;
 use kaustik_scene::Scene;
 
-use crate::render::builder_settings;
+use crate::methods::builders::builder_settings;
 use crate::{RenderError, RenderSettings};
 
 /// The light paths of a scene, for the methods that move in them.

@@ -7,7 +7,7 @@ use kaustik_scene::Scene;
 
 use super::grid::Grid;
 use crate::RenderSettings;
-use crate::render::builder_settings;
+use crate::methods::builders::builder_settings;
 use crate::sampling::stratified::{Stratified, mix};
 
 /// Ways that a scout takes from where it meets the first surface that scatters otherwise than into a Dirac

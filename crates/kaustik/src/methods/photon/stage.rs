@@ -14,7 +14,7 @@ use kaustik_spectrum::{WavelengthSampling, Wavelengths};
 use rayon::prelude::*;
 
 use crate::control::is_stopped;
-use crate::render::builder_settings;
+use crate::methods::builders::builder_settings;
 use crate::sampling::cells::Cells;
 use crate::sampling::stratified::mix;
 use crate::sampling::streams;

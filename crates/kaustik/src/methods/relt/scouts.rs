@@ -13,7 +13,7 @@ use super::climb::effective;
 use super::kernels::Mutation;
 use super::start::State;
 use crate::RenderSettings;
-use crate::render::builder_settings;
+use crate::methods::builders::builder_settings;
 
 /// How many scouts a set sends for each independent sample; `None` without a replica to send them for.
 pub(crate) fn scouting(set: &ReplicaSet) -> Option<u32> {

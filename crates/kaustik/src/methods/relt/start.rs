@@ -12,7 +12,7 @@ use super::climb::Climb;
 use super::kernels::Mutation;
 use crate::RenderSettings;
 use crate::control::is_stopped;
-use crate::render::builder_settings;
+use crate::methods::builders::builder_settings;
 
 /// A replica's place and what it brings.
 pub(crate) type State = (Point<Mutation>, Contributions);

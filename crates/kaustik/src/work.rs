@@ -1,0 +1,273 @@
+//! The render loop: rounds of work until the budget is spent.
+
+use std::time::{Duration, Instant};
+
+use kaustik_scene::Scene;
+
+use crate::engine::Engine;
+use crate::state::{Header, take_up};
+use crate::{
+    Budget, Control, Outcome, Progress, RayStatistics, RenderError, RenderSettings,
+    RenderStatistics, Rendered, Snapshot, State, StateError, Watch, features,
+};
+
+/// Rounds aim at this length: short enough for a lively display, long enough that
+/// waiting for the last ladder costs little.
+const ROUND: Duration = Duration::from_millis(250);
+
+/// How long a render that was stopped works on albedo, normal and depth.
+const PATIENCE: Duration = Duration::from_millis(300);
+
+/// A render at work.
+pub(crate) struct Work<'a> {
+    scene: &'a Scene,
+    settings: &'a RenderSettings,
+    start: Instant,
+    pilot: Duration,
+    /// Sampling of the states that were taken up.
+    before: Duration,
+    steps: u64,
+}
+
+impl<'a> Work<'a> {
+    pub(crate) fn new(scene: &'a Scene, settings: &'a RenderSettings) -> Self {
+        Self {
+            scene,
+            settings,
+            start: Instant::now(),
+            pilot: Duration::ZERO,
+            before: Duration::ZERO,
+            steps: 0,
+        }
+    }
+
+    /// Takes up a state; see [`take_up`].
+    pub(crate) fn take_up(
+        &mut self,
+        engine: &mut (dyn Engine + '_),
+        state: &State,
+        first: bool,
+    ) -> Result<(), StateError> {
+        take_up(engine, state, first)?;
+        self.before += Duration::from_secs_f64(state.seconds());
+        self.steps = engine.steps();
+        Ok(())
+    }
+
+    /// Sampling begins now.
+    pub(crate) fn begin(&mut self) {
+        self.pilot = self.start.elapsed();
+    }
+
+    fn elapsed(&self) -> Duration {
+        self.start.elapsed() + self.before
+    }
+
+    fn seconds(&self) -> f64 {
+        (self.elapsed() - self.pilot).as_secs_f64()
+    }
+
+    /// Works until the budget is spent, or it is told to stop.
+    pub(crate) fn run(
+        &mut self,
+        engine: &mut (dyn Engine + '_),
+        pool: &rayon::ThreadPool,
+        control: &mut Control<'_>,
+        watch: &mut dyn Watch,
+    ) -> Result<Outcome, RenderError> {
+        let outcome = if engine.is_lit() {
+            self.rounds(engine, pool, control, watch)?
+        } else {
+            Outcome::Black
+        };
+        // Before the end makes chains deposit what they hold back.
+        if watch.wants_state(&self.progress(engine), true) {
+            self.show_state(engine, watch);
+        }
+        Ok(outcome)
+    }
+
+    fn rounds(
+        &mut self,
+        engine: &mut (dyn Engine + '_),
+        pool: &rayon::ThreadPool,
+        control: &mut Control<'_>,
+        watch: &mut dyn Watch,
+    ) -> Result<Outcome, RenderError> {
+        let ladders = self.settings.ladder_range();
+        let mut done = engine.taken();
+        let mut allowed = self.begun(engine, &done);
+        let mut chunk = 1;
+        loop {
+            // Every ladder may have taken `allowed` grains, but no more than planned.
+            allowed = u64::saturating_add(allowed, chunk);
+            let steps = |(ladder, done): (u32, &u64)| {
+                let planned = engine.planned(ladder, self.settings);
+                let due = engine.grain(ladder).saturating_mul(allowed);
+                planned.min(due).saturating_sub(*done)
+            };
+            let round_start = Instant::now();
+            let plan: Vec<u64> = ladders.clone().zip(&done).map(steps).collect();
+            let taken = pool.install(|| engine.advance(&plan, control.stop));
+            self.steps += taken;
+            done.iter_mut().zip(&plan).for_each(|(done, n)| *done += n);
+            let progress = self.progress(engine);
+            control.tell(&progress);
+            if watch.wants_state(&progress, false) {
+                self.show_state(engine, watch);
+            }
+            if watch.wants_image(&progress) {
+                self.show(engine, pool, watch)?;
+            }
+            if control.stopped() {
+                return Ok(Outcome::Stopped);
+            }
+            if plan.iter().all(|&steps| steps == 0) || self.out_of_time() {
+                return Ok(Outcome::Complete);
+            }
+            // Grow gently toward rounds of the wanted length, never past twice the last.
+            let ratio = ROUND.as_secs_f64() / round_start.elapsed().as_secs_f64().max(1e-6);
+            chunk = ((chunk as f64 * ratio.clamp(0.5, 2.0)) as u64).max(1);
+        }
+    }
+
+    /// Grains that all ladders have taken which have steps left to take. In a merged state some may be far ahead: they wait,
+    /// and the others catch up round by round.
+    fn begun(&self, engine: &dyn Engine, done: &[u64]) -> u64 {
+        let unfinished = (self.settings.ladder_range().zip(done))
+            .filter(|(ladder, done)| engine.planned(*ladder, self.settings) > **done);
+        let grains = |(ladder, done): (u32, &u64)| done / engine.grain(ladder).max(1);
+        unfinished.map(grains).min().unwrap_or(0)
+    }
+
+    /// The state as it is now.
+    pub(crate) fn snapshot<'s>(&self, engine: &'s (dyn Engine + '_)) -> Snapshot<'s> {
+        let header = Header::new(self.scene, self.settings, self.seconds());
+        Snapshot::new(header, engine)
+    }
+
+    pub(crate) fn show_state(&self, engine: &(dyn Engine + '_), watch: &mut dyn Watch) {
+        watch.see_state(&self.snapshot(engine));
+    }
+
+    /// Shows the picture, and puts back what its chains had to deposit for it.
+    fn show(
+        &self,
+        engine: &mut (dyn Engine + '_),
+        pool: &rayon::ThreadPool,
+        watch: &mut dyn Watch,
+    ) -> Result<(), RenderError> {
+        if !engine.holds_back() {
+            watch.see_image(pool.install(|| self.rendered(engine, Outcome::Stopped))?);
+            return Ok(());
+        }
+        let kept = self.snapshot(engine).state()?;
+        watch.see_image(pool.install(|| self.rendered(engine, Outcome::Stopped))?);
+        Ok(pool.install(|| take_up(engine, &kept, true))?)
+    }
+
+    /// The picture at the end, with what does not come from the engine.
+    pub(crate) fn finish(
+        &self,
+        mut engine: Box<dyn Engine + '_>,
+        pool: &rayon::ThreadPool,
+        outcome: Outcome,
+    ) -> Result<Rendered, RenderError> {
+        let mut rendered = self.rendered(engine.as_mut(), outcome)?;
+        // The films are not needed any more, the feature planes are.
+        drop(engine);
+        if self.settings.features {
+            // Whoever stops a render waits for the picture: what is not part of it is left out if it takes long.
+            let patience = match outcome {
+                Outcome::Stopped => PATIENCE,
+                Outcome::Complete | Outcome::Black => Duration::MAX,
+            };
+            let layers = pool.install(|| features::layers(self.scene, self.settings, patience));
+            for layer in layers.into_iter().flatten() {
+                rendered.image.push_layer(layer)?;
+            }
+        }
+        Ok(rendered)
+    }
+
+    /// The picture so far and what is to be said about it.
+    fn rendered(
+        &self,
+        engine: &mut (dyn Engine + '_),
+        outcome: Outcome,
+    ) -> Result<Rendered, RenderError> {
+        let seconds = self.seconds();
+        let mut image = engine.develop()?;
+        let (nonfinite, mut nonfinite_places) = engine.nonfinite();
+        nonfinite_places.truncate(RenderStatistics::MOST_PLACES);
+        let settings = self.settings;
+        let statistics = RenderStatistics {
+            method: settings.method.to_string(),
+            seed: settings.seed,
+            ladders: settings.options.ladders,
+            steps: self.steps,
+            per_pixel: self.steps as f64 / settings.pixels() as f64,
+            seconds,
+            pilot_seconds: self.pilot.as_secs_f64(),
+            nonfinite,
+            nonfinite_places,
+            rays: engine.rays().map(|rays| RayStatistics {
+                closest: rays.closest,
+                any: rays.any,
+            }),
+            film: engine.film_counters(),
+            chain: engine.chain_statistics(),
+            direct: engine.direct_statistics(),
+            replicas: engine.replica_statistics(),
+            mutations: engine.mutation_statistics(),
+            energy: engine.energy_statistics(),
+            photons: engine.photon_statistics(),
+            stages: engine.stage_statistics(),
+            merged: None,
+        };
+        if settings.features {
+            for layer in engine.layers()? {
+                image.push_layer(layer)?;
+            }
+        }
+        Ok(Rendered {
+            image,
+            statistics,
+            outcome,
+        })
+    }
+
+    fn out_of_time(&self) -> bool {
+        matches!(self.settings.budget, Budget::Time(limit) if self.elapsed() >= limit)
+    }
+
+    pub(crate) fn progress(&self, engine: &dyn Engine) -> Progress {
+        let elapsed = self.elapsed();
+        let fraction = match self.settings.budget {
+            Budget::Time(limit) => elapsed.as_secs_f64() / limit.as_secs_f64().max(1e-9),
+            Budget::PerPixel(_) | Budget::Total(_) => {
+                let ladders = self.settings.ladder_range();
+                let planned = ladders.map(|ladder| engine.planned(ladder, self.settings));
+                let planned = planned.fold(0, u64::saturating_add);
+                self.steps as f64 / planned.max(1) as f64
+            }
+        };
+        let fraction = fraction.clamp(0.0, 1.0);
+        let sampling = self.seconds();
+        let chain = engine.chain_statistics();
+        Progress {
+            fraction,
+            elapsed,
+            remaining: match self.settings.budget {
+                Budget::Time(limit) => limit.saturating_sub(elapsed),
+                Budget::PerPixel(_) | Budget::Total(_) => Duration::from_secs_f64(
+                    (sampling * (1.0 - fraction) / fraction.max(1e-9)).min(1e9),
+                ),
+            },
+            steps: self.steps,
+            rate: self.steps as f64 / sampling.max(1e-9),
+            acceptance: chain.map(|c| [c.small_acceptance, c.large_acceptance]),
+            normalisation: chain.map(|c| [c.normalisation, c.normalisation_error]),
+        }
+    }
+}
