@@ -20,8 +20,9 @@ pub struct BidirectionalMutation<'a> {
 const MOST_DELETED: usize = 16;
 /// A part grows or shrinks by no more edges.
 const MOST_CHANGE: usize = 12;
-/// Weight of making the whole path anew, beside the 1 or so of the shorter deletions that begin at one vertex.
-const WHOLE: f64 = 0.25;
+/// Weight of making the whole path anew, beside the 1 or so of the shorter deletions that begin at one vertex: with a path of few
+/// edges that is about every second mutation. Shorter ones go from one room to the next by way of all lengths between, if at all.
+const WHOLE: f64 = 4.0;
 
 /// Veach's `p_d1`, by the number of edges.
 const DELETION: [f64; MOST_DELETED + 1] = {
@@ -46,6 +47,9 @@ const CHANGE: [f64; MOST_CHANGE + 1] = {
     }
     weights
 };
+
+/// A whole path is made anew with one edge more that many times as often.
+const LONGER: f64 = 0.7;
 
 /// What is deleted: vertices `first..end`; those before and behind are kept. `end - first + 1` edges go,
 /// virtual ones beyond the ends of the path included.
@@ -132,20 +136,50 @@ struct Additions {
 }
 
 impl Additions {
-    /// To a path of so many edges that has lost `cut`, within the lengths that paths may have.
-    fn new(edges: usize, cut: Cut, lengths: &RangeInclusive<usize>) -> Self {
+    /// To a path that has lost `cut`, within the lengths that paths may have.
+    fn new(space: &PathSpace<'_>, path: &Path, cut: Cut) -> Self {
+        let whole = cut == Cut::whole(path, space.has_aperture());
+        let choose = if whole { Self::of_whole } else { Self::of_part };
+        choose(path.edges(), cut, &space.lengths())
+    }
+
+    /// About as many edges as there were.
+    fn of_part(edges: usize, cut: Cut, lengths: &RangeInclusive<usize>) -> Self {
         let lost = cut.edges();
         let from = lost.saturating_sub(MOST_CHANGE).max(cut.least(edges));
+        // One edge for one changes nothing.
+        Self::weighted(edges, cut, lengths, from, |added| {
+            let change = CHANGE.get(added.abs_diff(lost));
+            change
+                .filter(|_| (lost, added) != (1, 1))
+                .copied()
+                .unwrap_or(0.0)
+        })
+    }
+
+    /// Of a whole path: whatever it was.
+    fn of_whole(edges: usize, cut: Cut, lengths: &RangeInclusive<usize>) -> Self {
+        let from = cut.least(edges);
+        let mut weight = 1.0 / LONGER;
+        Self::weighted(edges, cut, lengths, from, |_| {
+            weight *= LONGER;
+            weight
+        })
+    }
+
+    /// Weights of `from` edges and more, asked for in that order; those that make the path too short or too long have none.
+    fn weighted(
+        edges: usize,
+        cut: Cut,
+        lengths: &RangeInclusive<usize>,
+        from: usize,
+        mut weight: impl FnMut(usize) -> f64,
+    ) -> Self {
         let mut weights = [0.0; MOST_DELETED + MOST_CHANGE + 1];
-        // Edges to add so that the path has lengths.start() edges at least and lengths.end() at most.
-        let least = (lengths.start() + lost).saturating_sub(edges).max(from);
-        let most = (lengths.end() + lost)
-            .saturating_sub(edges)
-            .min(lost + MOST_CHANGE);
-        for added in least..=most {
-            // One edge for one changes nothing.
-            if (lost, added) != (1, 1) {
-                weights[added - from] = CHANGE[added.abs_diff(lost)];
+        for (added, of_added) in (from..).zip(&mut weights) {
+            let weight = weight(added);
+            if lengths.contains(&(edges + added - cut.edges())) {
+                *of_added = weight;
             }
         }
         let sum = weights.iter().sum();
@@ -178,7 +212,7 @@ impl BidirectionalMutation<'_> {
         let aperture = space.has_aperture();
         let sum = cuts_sum(x, aperture);
         let cut = choose(x, aperture, sum, draws)?;
-        let additions = Additions::new(x.edges(), cut, &space.lengths());
+        let additions = Additions::new(space, x, cut);
         let added = additions.from + draws.index(&additions.weights);
         if additions.probability(added) <= 0.0 {
             return None;
@@ -207,7 +241,7 @@ impl BidirectionalMutation<'_> {
             let lit = space.evaluate(y);
             lit.then(|| density(space, (x, cut, sum), &additions, (y, new)))
         })?;
-        let additions = Additions::new(y.edges(), new, &space.lengths());
+        let additions = Additions::new(space, y, new);
         let from = (&*y, new, cuts_sum(y, aperture));
         Some(density(space, from, &additions, (x, cut)) / there)
     }
@@ -283,7 +317,7 @@ mod tests {
             {
                 let cut = Cut { first, end };
                 let lost = cut.edges();
-                let additions = Additions::new(edges, cut, &lengths);
+                let additions = Additions::of_part(edges, cut, &lengths);
                 let sum: f64 = (1..40).map(|added| additions.probability(added)).sum();
                 let all = if (edges, lost) == (8, 1) { 0.0 } else { 1.0 };
                 assert!((sum - all).abs() < 1e-12, "{edges} {cut:?}: {sum}");
@@ -293,6 +327,28 @@ mod tests {
                     // An emitter stands in the place of one that went, and a lens in that of a lens.
                     assert!((first > 0 && end <= edges) || added > 1);
                 }
+            }
+        }
+    }
+
+    #[test]
+    fn a_whole_path_is_as_long_as_chance_says_whatever_it_was() {
+        for aperture in [0, 1] {
+            let law = |edges: usize| {
+                let (first, end) = (0, edges + aperture);
+                let cut = Cut { first, end };
+                let additions = Additions::of_whole(edges, cut, &(1..=9));
+                [1, 2, 3, 5, 9, 10].map(|after| additions.probability(after + 1 + aperture))
+            };
+            let [one, two, _, five, nine, ten] = law(2);
+            assert!((two / one - LONGER).abs() < 1e-12 && ten <= 0.0);
+            assert!((nine / five - LONGER.powi(4)).abs() < 1e-12);
+            for edges in 1..=9 {
+                let same = law(edges)
+                    .iter()
+                    .zip(law(2))
+                    .all(|(a, b)| (a - b).abs() < 1e-12);
+                assert!(same, "{edges}");
             }
         }
     }
