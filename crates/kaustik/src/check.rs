@@ -3,14 +3,15 @@
 use kaustik_path::MeasurementPoints;
 use kaustik_scene::Scene;
 
+use crate::sampling::cells::Cells;
 use crate::{RenderError, RenderSettings};
 
-/// Bytes a pixel that measurement points, their index and the chains' sums take, measured at 1920x1080
-/// (`docs/performance.md`, Memory).
-const OF_PHOTONS: u64 = 252;
-/// A film's three sums of 8 bytes, and as much again for what other methods know of a pixel: the share of samples
-/// that it gets, the map of a stage.
-const OF_A_FILM: u64 = 48;
+/// Bytes that a photon method has for each camera path at the least: points, their index and a film (`docs/performance.md`).
+const OF_PHOTONS: u64 = 170;
+/// A film's three sums of 8 bytes.
+const OF_A_FILM: u64 = 24;
+/// Albedo, normal and depth.
+const OF_FEATURES: u64 = 28;
 
 /// Refuses settings that do not fit the scene, the method or each other.
 pub(crate) fn check(scene: &Scene, settings: &RenderSettings) -> Result<(), RenderError> {
@@ -64,28 +65,40 @@ pub(crate) fn check(scene: &Scene, settings: &RenderSettings) -> Result<(), Rend
     Ok(())
 }
 
-/// Refuses images of more pixels than there is memory for, where an allocation that fails would end the process.
+/// Refuses images that no system would find the memory for, where an allocation that fails would end the process. What it
+/// asks for is less than what a render takes: one that is just possible is not refused.
 fn check_size(settings: &RenderSettings) -> Result<(), RenderError> {
+    let method = settings.method;
     let pixels = settings.pixels();
-    let photons = settings.method.traces_photons();
-    if photons && pixels > MeasurementPoints::MOST {
-        return Err(RenderError::Setting {
-            what: "the number of pixels",
-            found: pixels.to_string(),
-            expected: format!(
-                "at most {} for {}: render one crop window at a time",
-                MeasurementPoints::MOST,
-                settings.method
-            ),
-        });
+    let mut of_each = OF_A_FILM;
+    if method.traces_photons() {
+        // one camera path a cell, and at most one point each
+        let paths = Cells::new(settings).count();
+        if paths > MeasurementPoints::MOST {
+            return Err(RenderError::Setting {
+                what: "the number of camera paths of an iteration",
+                found: paths.to_string(),
+                expected: format!(
+                    "at most {} for {method}: render one crop window at a time",
+                    MeasurementPoints::MOST
+                ),
+            });
+        }
+        of_each = OF_PHOTONS;
     }
-    let bytes = pixels.saturating_mul(if photons { OF_PHOTONS } else { OF_A_FILM });
-    let had =
-        usize::try_from(bytes).is_ok_and(|bytes| Vec::<u8>::new().try_reserve_exact(bytes).is_ok());
-    if had {
+    if settings.features {
+        of_each += OF_FEATURES;
+    }
+    let bytes = pixels.saturating_mul(of_each);
+    let granted = usize::try_from(bytes).is_ok_and(|bytes| {
+        let mut room = Vec::<u8>::new();
+        std::hint::black_box(&mut room)
+            .try_reserve_exact(bytes)
+            .is_ok()
+    });
+    if granted {
         return Ok(());
     }
-    let method = settings.method;
     Err(RenderError::Memory {
         method,
         pixels,
@@ -107,10 +120,10 @@ mod tests {
                 method,
                 ..RenderSettings::default()
             };
-            (settings.width, settings.height) = (8192, 8192);
+            (settings.width, settings.height) = (512, 512);
             assert!(check_size(&settings).is_ok(), "{method}");
-            // 2^64 pixels less some, of which no machine has room
-            (settings.width, settings.height) = (u32::MAX, u32::MAX);
+            // 2^52 pixels: more bytes than there are addresses, but no more than one may ask for
+            (settings.width, settings.height) = (1 << 31, 1 << 21);
             let error = check_size(&settings).expect_err("too large");
             let told = if method.traces_photons() {
                 matches!(error, RenderError::Setting { .. })

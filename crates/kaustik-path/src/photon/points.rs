@@ -59,7 +59,8 @@ pub(super) struct Seen<'a> {
 }
 
 impl MeasurementPoints {
-    /// Points that there may be at most, and paths of cameras that may add one each: they are numbered in 28 bits.
+    /// Points that there may be at most; a camera path adds one at most. Their numbers have 28 bits, and the last of these stands for
+    /// something else.
     pub const MOST: u64 = Manner::NUMBER as u64;
 
     /// Forgets everything but the memory.
@@ -146,6 +147,7 @@ impl MeasurementPoints {
                 frame: [vertex.frame.x, vertex.frame.y, vertex.frame.z].map(|axis| axis.as_vec3()),
                 wo: wo.as_vec3(),
             });
+            debug_assert!(self.listed.len() as u64 <= Self::MOST);
             Scattering::Listed(self.listed.len() as u32 - 1)
         };
         let mut manner = Manner::of(&seen, scattering);

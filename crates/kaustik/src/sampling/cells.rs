@@ -26,7 +26,7 @@ impl Cells {
     }
 
     pub(crate) fn count(&self) -> u64 {
-        self.columns * self.rows
+        self.columns.saturating_mul(self.rows)
     }
 
     pub(crate) fn columns(&self) -> u64 {
