@@ -34,7 +34,7 @@ pub struct Rendered {
 /// Renders a scene.
 ///
 /// The picture depends on the scene and the settings alone (but for `threads`); with
-/// [`Budget::Time`] also on how many rounds fit.
+/// [`Budget::Time`](crate::Budget::Time) also on how many rounds fit.
 ///
 /// # Errors
 /// Settings out of range or not those that the scene was built for, no memory for the film, no threads,
