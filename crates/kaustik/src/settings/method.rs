@@ -4,6 +4,7 @@ use std::fmt;
 use std::str::FromStr;
 
 use crate::settings::key::{KEYS, Key};
+use crate::settings::photon_options::PHOTONS;
 
 /// A way to compute the picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -170,14 +171,7 @@ impl Method {
 
     /// Does it trace light paths toward measurement points?
     pub fn traces_photons(self) -> bool {
-        matches!(
-            self,
-            Self::Sppm
-                | Self::PhotonVisibility
-                | Self::PhotonDensity
-                | Self::PhotonSpatial
-                | Self::PhotonImage
-        )
+        PHOTONS.contains(&self)
     }
 
     /// Are its ladders independent, so that processes can each run a share of them? Those of photon methods learn

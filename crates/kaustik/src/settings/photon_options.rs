@@ -114,7 +114,7 @@ impl Default for PhotonOptions {
 }
 
 /// Methods that trace photons.
-const PHOTONS: &[Method] = &[
+pub(super) const PHOTONS: &[Method] = &[
     Method::Sppm,
     Method::PhotonVisibility,
     Method::PhotonDensity,

@@ -300,27 +300,14 @@ fn place(disc: &Disc, point: &MeasurementPoint, normals: f32) -> RegionPoint {
 
 #[cfg(test)]
 mod tests {
-    use kaustik_scene::{Scene, SceneOptions, builtin};
-
     use super::*;
-    use crate::{Method, RenderSettings};
+    use crate::{Method, small};
 
     #[test]
     fn targets_go_by_the_part_of_a_disc_in_which_photons_count() {
-        let size = 24;
-        let settings = RenderSettings {
-            width: size,
-            height: size,
-            method: Method::PhotonSpatial,
-            ..RenderSettings::default()
-        };
-        let options = SceneOptions {
-            width: size,
-            height: size,
-            ..SceneOptions::default()
-        };
-        let description = builtin::load("cornell").expect("a scene");
-        let scene = Scene::new(&description, &options).expect("a sound scene");
+        let size = [24; 2];
+        let settings = small::settings(Method::PhotonSpatial, size);
+        let scene = small::scene("cornell", size);
         let mut stage = Stage::new(&scene, &settings);
         stage.begin(None);
         let levels = PhotonLevels([
