@@ -7,7 +7,7 @@ const FEW: usize = 64;
 
 /// Room for the answers of one path after the other.
 #[derive(Debug, Default)]
-pub struct FirstMeetings {
+pub(crate) struct FirstMeetings {
     /// Numbers of the meetings: by point, then as they come.
     order: Vec<u32>,
     /// Where each stands in that order.

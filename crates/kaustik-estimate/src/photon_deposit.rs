@@ -6,7 +6,7 @@ use kaustik_path::{Event, note};
 
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 
-use crate::{FirstMeetings, PhotonMap, PhotonValue, RegionSums, Scale};
+use crate::{PhotonMap, PhotonValue, RegionWitnesses, Scale};
 
 /// How the samples of several chains make one picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -28,7 +28,8 @@ pub struct Sharing<const K: usize> {
     pub combine: Combine,
     /// Rough normalisers, > 0.
     pub rough: [f64; K],
-    /// How many samples each level delivers, relative to the others, > 0.
+    /// How many samples each level delivers, relative to the others, > 0. By the balance heuristic those of a chain, which
+    /// resemble each other, may count for fewer.
     pub samples: [f64; K],
 }
 
@@ -74,12 +75,10 @@ pub struct PhotonDeposit<'a, const K: usize> {
     pub films: [&'a Film; K],
     /// How chains share.
     pub sharing: Sharing<K>,
-    /// Where statistics of regions are gathered, and into which half of them.
-    pub regions: Option<(&'a RegionSums<K>, usize)>,
+    /// Where statistics of regions are gathered.
+    pub regions: Option<RegionWitnesses<'a, K>>,
     /// How often each point was touched, in steps of [`TOUCH`], if anybody asks.
     pub touches: Option<&'a [AtomicU64]>,
-    /// Room for what regions ask of paths that meet many points.
-    pub firsts: FirstMeetings,
     /// Sum of the visits' weights at each level.
     pub counts: [f64; K],
     /// Values of the visits at each level that were not finite.
@@ -118,8 +117,8 @@ impl<const K: usize> Recorder<PhotonValue, K> for PhotonDeposit<'_, K> {
                 touches[meeting.point as usize].fetch_add(steps, Relaxed);
             }
         }
-        if let Some((sums, half)) = self.regions {
-            sums.take(&visit, &self.map, &self.sharing, half, &mut self.firsts);
+        if let Some(regions) = &mut self.regions {
+            regions.take(&visit, &self.map, &self.sharing);
         }
     }
 }

@@ -4,11 +4,8 @@ use std::sync::atomic::{AtomicI64, Ordering::Relaxed};
 
 use kaustik_mcmc::Visit;
 
-use crate::first_meetings::Firsts;
-use crate::{
-    FirstMeetings, LeafTally, Meeting, PhotonLevels, PhotonMap, PhotonTargetKind, PhotonValue,
-    Sharing,
-};
+use crate::first_meetings::{FirstMeetings, Firsts};
+use crate::{LeafTally, Meeting, PhotonLevels, PhotonMap, PhotonTargetKind, PhotonValue, Sharing};
 
 /// Steps of one: weights, in the unit of the iteration, are near one.
 const STEP: f64 = (1u64 << 20) as f64;
@@ -112,10 +109,11 @@ impl<const K: usize> RegionSums<K> {
         self.unit = if looks { visible } else { 1.0 };
     }
 
-    /// Takes a visit of a path that touches points, in a ladder whose chains share so.
+    /// Takes a visit of a path that touches points, in a ladder whose chains share so. It stands for so many like it.
     pub(crate) fn take(
         &self,
         visit: &Visit<'_, PhotonValue, K>,
+        stands_for: f64,
         map: &PhotonMap<'_>,
         sharing: &Sharing<K>,
         half: usize,
@@ -127,7 +125,7 @@ impl<const K: usize> RegionSums<K> {
         }
         let share = self.share(visit, sharing);
         let omega = share * sharing.rough[level] / visit.densities[level];
-        let weight = visit.weight * omega / self.unit;
+        let weight = stands_for * visit.weight * omega / self.unit;
         let meetings = &visit.value.meetings;
         let leaf = |meeting: &Meeting| self.leaves[meeting.point as usize];
         let firsts = room.of(meetings, &self.leaves);
@@ -147,6 +145,7 @@ impl<const K: usize> RegionSums<K> {
             if here != run {
                 self.add_points(run, level, half, weight * f64::from(points));
                 (run, points) = (here, 0);
+                // What is known rests on the paths that were looked at.
                 if firsts.in_leaf(meetings, at, &self.leaves) {
                     add(&self.sums[here as usize][level].paths, visit.weight * share);
                 }
@@ -233,7 +232,7 @@ fn add_steps(sum: &AtomicI64, steps: f64) {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use std::collections::BTreeSet;
 
     use kaustik_mcmc::{Draws, generator};
@@ -244,7 +243,7 @@ mod tests {
     use crate::Combine;
 
     /// A map without points: no sum of weights asks for them.
-    struct Nowhere(MeasurementPoints, Lookup, Wavelengths);
+    pub(crate) struct Nowhere(MeasurementPoints, Lookup, Wavelengths);
 
     impl Default for Nowhere {
         fn default() -> Self {
@@ -254,7 +253,7 @@ mod tests {
     }
 
     impl Nowhere {
-        fn map(&self) -> PhotonMap<'_> {
+        pub(crate) fn map(&self) -> PhotonMap<'_> {
             let Self(points, lookup, wavelengths) = self;
             PhotonMap {
                 points,
@@ -307,6 +306,7 @@ mod tests {
                     weight: 0.25,
                     independent: 0.0,
                 },
+                1.0,
                 &map,
                 &sharing,
                 half,
@@ -369,7 +369,14 @@ mod tests {
                 weight: 1.0,
                 independent: 0.0,
             };
-            sums.take(&visit, &map, &sharing, 0, &mut FirstMeetings::default());
+            sums.take(
+                &visit,
+                1.0,
+                &map,
+                &sharing,
+                0,
+                &mut FirstMeetings::default(),
+            );
         }
         let [tally] = sums.tallies(&[1.0; 3])[..] else {
             panic!("one leaf");

@@ -219,7 +219,7 @@ pub(crate) const PACE: Key = Key {
     range: "auto|a:b:c:d, 1 to 64 each",
     meaning: "the uniform chain and those of visibility, inverse kernel size and full target take a step in every a-th, \
                   b-th, c-th, d-th sweep; entries for chains that a ladder does not have are ignored. 4:4:4:1: the last takes \
-                  four steps to one of each other. auto: 1:64:64:64 where half of the uniform light paths are seen, else \
+                  four steps to one of each other. auto: 1:64:64:64 where two in five uniform light paths are seen, else \
                   1:2:2:1 as in the authors' code; 1:1:1:1 without a full target",
     methods: CHAINS,
 };

@@ -11,7 +11,9 @@ mod sums;
 use std::io;
 use std::sync::atomic::AtomicBool;
 
-use kaustik_estimate::{PhotonLevels, PhotonTarget, PhotonTargetKind, PhotonValue, Sharing};
+use kaustik_estimate::{
+    Combine, PhotonLevels, PhotonTarget, PhotonTargetKind, PhotonValue, Sharing,
+};
 use kaustik_film::{Counters, Film, Image, Layer, Quantum};
 use kaustik_mcmc::{
     Acceptance, AcceptanceAdaptation, Draws, Ignore, Ladder, Mean, Pcg64Dxsm, Point, PointKernel,
@@ -279,13 +281,25 @@ impl<const K: usize> PhotonChains<K> {
             course: self.course(stage, ladders),
             scale: stage.scale,
             films: std::array::from_fn(|level| self.films.get(level).unwrap_or(spare)),
-            sharing: Sharing {
-                combine: self.options.combine,
-                rough: self.rough,
-                samples: self.periods.rates(),
-            },
+            sharing: self.sharing(),
             regions: self.targets.sums(),
+            visits_to_a_witness: self.periods.visits_to_a_witness(),
             touches: self.maps.as_ref().map(Maps::touches),
+        }
+    }
+
+    fn sharing(&self) -> Sharing<K> {
+        let (combine, mut samples) = (self.options.combine, self.periods.rates());
+        // Means of what chains estimate by themselves are printed without any such.
+        if combine == Combine::Balance {
+            for (samples, worth) in samples.iter_mut().zip(self.periods.worths()) {
+                *samples *= worth;
+            }
+        }
+        Sharing {
+            combine,
+            rough: self.rough,
+            samples,
         }
     }
 

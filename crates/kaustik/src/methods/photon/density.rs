@@ -16,6 +16,10 @@ use crate::sampling::streams;
 const PASSES: u64 = 4;
 /// Light paths a pass at most: nothing stops a pilot, and a map that is blurred over pixels has enough of these.
 const MOST_PATHS: u64 = 1 << 18;
+/// Or for each pixel, whose disc is nine times as large here: in a small picture each photon meets many.
+const PATHS_A_PIXEL: u64 = 8;
+/// But so many.
+const LEAST_PATHS: u64 = 1 << 14;
 /// So many times the radius.
 const WIDER: f64 = 3.0;
 /// Light paths that one thread traces at a time.
@@ -31,7 +35,8 @@ pub(super) fn pilot(scene: &Scene, settings: &RenderSettings) -> DensityTarget {
     let counts: Vec<AtomicU64> = (0..columns * rows).map(|_| AtomicU64::new(0)).collect();
     let mut areas = vec![0.0; columns * rows];
     let generators = SampleGenerators::new(settings.seed, streams::DENSITY);
-    let paths = stage.photons.min(MOST_PATHS);
+    let of_pixels = PATHS_A_PIXEL * settings.pixels();
+    let paths = (stage.photons).min(of_pixels.clamp(LEAST_PATHS, MOST_PATHS));
     for pass in 0..PASSES {
         stage.begin(None);
         let map = stage.map();

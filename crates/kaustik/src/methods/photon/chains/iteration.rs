@@ -3,7 +3,7 @@
 use std::sync::atomic::{AtomicBool, AtomicU64};
 
 use kaustik_estimate::{
-    FirstMeetings, PhotonDeposit, PhotonLevels, PhotonTarget, PhotonValue, RegionSums, Scale,
+    PhotonDeposit, PhotonLevels, PhotonTarget, PhotonValue, RegionSums, RegionWitnesses, Scale,
     Sharing,
 };
 use kaustik_film::Film;
@@ -95,6 +95,8 @@ pub(super) struct Iteration<'a, const K: usize> {
     pub(super) films: [&'a Film; K],
     pub(super) sharing: Sharing<K>,
     pub(super) regions: Option<&'a RegionSums<K>>,
+    /// Of so many of the first chain one tells regions.
+    pub(super) visits_to_a_witness: u64,
     pub(super) touches: Option<&'a [AtomicU64]>,
 }
 
@@ -224,9 +226,9 @@ impl<const K: usize> Iteration<'_, K> {
             scale: self.scale,
             films: self.films,
             sharing: self.sharing,
-            regions: self.regions.map(|sums| (sums, half)),
+            regions: (self.regions)
+                .map(|sums| RegionWitnesses::new(sums, half, self.visits_to_a_witness)),
             touches: self.touches,
-            firsts: FirstMeetings::default(),
             counts: [0.0; K],
             faults: [0; K],
         }

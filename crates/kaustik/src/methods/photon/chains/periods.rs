@@ -5,7 +5,14 @@ use kaustik_estimate::{PhotonLevels, PhotonTargetKind};
 use crate::settings::photon_options::Pace;
 
 /// Share of uniform light paths from which on a scene is seen well enough for them to do nearly all of the work.
-const WELL_SEEN: f64 = 0.5;
+const WELL_SEEN: f64 = 0.4;
+/// Chains rest for so many steps of the first at least where it does.
+const SELDOM: u64 = 16;
+/// What a step of such a chain is worth beside an independent light path. It resembles the one before
+/// (decision 030).
+const WORTH: f64 = 0.25;
+/// Of so many steps of the first chain there one tells regions what it touches, as many as that makes of a step of the others.
+const STEPS_TO_A_WITNESS: u64 = 16;
 /// Of the four chains of G sec. 4.4, where it is: each of the others takes a step to so many of the first.
 const OPEN: [u32; 4] = [1, 64, 64, 64];
 /// Where they are not: as in the authors' code.
@@ -49,6 +56,29 @@ impl<const K: usize> Periods<K> {
     /// Steps of a chain in so many sweeps from the first.
     pub(super) fn count(&self, level: usize, sweeps: u64) -> u64 {
         sweeps.div_ceil(self.0[level])
+    }
+
+    /// Does the first chain do nearly all of the work?
+    fn is_open(&self) -> bool {
+        K > 1
+            && self.0[1..]
+                .iter()
+                .all(|&period| period >= SELDOM * self.0[0])
+    }
+
+    /// What a step of each chain is worth beside an independent light path.
+    pub(super) fn worths(&self) -> [f64; K] {
+        let of_others = if self.is_open() { WORTH } else { 1.0 };
+        std::array::from_fn(|level| if level == 0 { 1.0 } else { of_others })
+    }
+
+    /// Of so many visits of the first chain one is a witness of what regions are touched by.
+    pub(super) fn visits_to_a_witness(&self) -> u64 {
+        if self.is_open() {
+            STEPS_TO_A_WITNESS
+        } else {
+            1
+        }
     }
 
     /// Steps of each chain in a sweep, in the mean.
@@ -107,6 +137,19 @@ mod tests {
         assert_eq!(auto(0.01), Periods::of([1, 2, 2, 1]));
         let two = PhotonLevels([Uniform, Visibility]);
         assert_eq!(Periods::new(Pace::Auto, &two, 0.01), Periods::of([1, 1]));
+    }
+
+    /// Where the first chain does nearly all, and nowhere else.
+    #[test]
+    fn independent_paths_count_for_more_where_they_are_most() {
+        let seldom = Periods::of([1, 64, 64]);
+        assert_eq!(seldom.worths(), [1.0, WORTH, WORTH]);
+        assert_eq!(seldom.visits_to_a_witness(), STEPS_TO_A_WITNESS);
+        for often in [[1, 2, 1], [1, 64, 2], [8, 64, 64]].map(Periods::of) {
+            assert_eq!(often.worths(), [1.0; 3]);
+            assert_eq!(often.visits_to_a_witness(), 1);
+        }
+        assert_eq!(Periods::of([1]).worths(), [1.0]);
     }
 
     #[test]
