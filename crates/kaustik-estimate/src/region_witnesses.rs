@@ -75,8 +75,10 @@ mod tests {
         let mut sums = RegionSums::new(1, &levels, Witnesses::All);
         sums.begin(vec![0; 2]);
         sums.expect(0.5);
-        let mut value = PhotonValue::default();
-        value.meetings = [0, 1].map(|point| Meeting { photon: 0, point }).to_vec();
+        let value = PhotonValue {
+            meetings: [0, 1].map(|point| Meeting { photon: 0, point }).to_vec(),
+            ..PhotonValue::default()
+        };
         let mut witnesses = RegionWitnesses::new(&sums, 0, stride);
         for number in 0..2 * VISITS {
             let visit = Visit {
