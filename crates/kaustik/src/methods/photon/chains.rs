@@ -290,7 +290,7 @@ impl<const K: usize> PhotonChains<K> {
 
     fn sharing(&self) -> Sharing<K> {
         let (combine, mut samples) = (self.options.combine, self.periods.rates());
-        // Means of what chains estimate by themselves are printed without any such.
+        // Means of what each chain estimates by itself, as in the paper, go by the samples that there are.
         if combine == Combine::Balance {
             for (samples, worth) in samples.iter_mut().zip(self.periods.worths()) {
                 *samples *= worth;

@@ -11,8 +11,8 @@ const SELDOM: u64 = 16;
 /// What a step of such a chain is worth beside an independent light path. It resembles the one before
 /// (decision 030).
 const WORTH: f64 = 0.25;
-/// Of so many steps of the first chain there one tells regions what it touches, as many as that makes of a step of the others.
-const STEPS_TO_A_WITNESS: u64 = 16;
+/// One visit of the first chain in so many tells regions there what it touches: still four for one step of each other chain.
+const VISITS_TO_A_WITNESS: u64 = 16;
 /// Of the four chains of G sec. 4.4, where it is: each of the others takes a step to so many of the first.
 const OPEN: [u32; 4] = [1, 64, 64, 64];
 /// Where they are not: as in the authors' code.
@@ -75,7 +75,7 @@ impl<const K: usize> Periods<K> {
     /// Of so many visits of the first chain one is a witness of what regions are touched by.
     pub(super) fn visits_to_a_witness(&self) -> u64 {
         if self.is_open() {
-            STEPS_TO_A_WITNESS
+            VISITS_TO_A_WITNESS
         } else {
             1
         }
@@ -145,7 +145,7 @@ mod tests {
         let counts_for_less = |periods: &Periods<3>| periods.worths().map(|worth| worth < 1.0);
         let seldom = Periods::of([1, 64, 64]);
         assert_eq!(counts_for_less(&seldom), [false, true, true]);
-        assert_eq!(seldom.visits_to_a_witness(), STEPS_TO_A_WITNESS);
+        assert_eq!(seldom.visits_to_a_witness(), VISITS_TO_A_WITNESS);
         for often in [[1, 2, 1], [1, 64, 2], [8, 64, 64]].map(Periods::of) {
             assert_eq!(counts_for_less(&often), [false; 3]);
             assert_eq!(often.visits_to_a_witness(), 1);
