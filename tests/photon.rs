@@ -71,11 +71,11 @@ fn the_error_falls_with_the_radius() {
 }
 
 /// Discs are as large as a pixel's footprint, which is long where a surface is seen at a grazing angle: the error falls with the
-/// radius, to 1.4 % in the mean over tiles at 0.15, most of it noise. The smallest radius takes many photons to be seen at all.
+/// radius, to 0.6 % in the mean over tiles at 0.15. The small radii take many photons: with twelve iterations 0.15 has 1.7 % of noise.
 #[test]
 #[ignore = "long"]
 fn the_error_falls_with_the_radius_to_one_percent() {
-    let radii = [(2.0, 12), (0.6, 12), (0.15, 12), (0.05, 96)];
+    let radii = [(2.0, 12), (0.6, 12), (0.15, 96), (0.05, 96)];
     for (words, method) in [
         ("cornell", Method::Sppm),
         ("ring-and-sphere?light=0.8", Method::Sppm),
@@ -86,7 +86,7 @@ fn the_error_falls_with_the_radius_to_one_percent() {
         let errors = errors(words, method, 8_000, 1_000_000, &radii);
         eprintln!("{words}, {method}: {errors:?}");
         assert!(
-            errors[1] < 0.5 * errors[0] && errors[2] < 0.75 * errors[1] && errors[3] < 0.015,
+            errors[1] < 0.5 * errors[0] && errors[2] < 0.5 * errors[1] && errors[3] < 0.015,
             "{words}, {method}: {errors:?}"
         );
     }
