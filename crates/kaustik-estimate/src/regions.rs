@@ -4,17 +4,18 @@
 //! says which regions the target goes by (G sec. 4.2). The cut begins at the root and is refined where the statistics
 //! suffice.
 
+mod build;
+mod node;
 mod refinement;
 
+pub use node::LeafTally;
+use node::Node;
 pub use refinement::Refinement;
 
 /// A position in the world or in the image (the unit square), then the normal times a length:
 /// a tree tells orientations apart where regions are smaller than that length. With length zero
 /// orientations do not count.
 pub type RegionPoint = [f32; 6];
-/// How many of them are the position.
-const POSITION: usize = 3;
-
 /// The compression of both factors of the target (G Eq. 11).
 const EPSILON: f64 = 1e-4;
 
@@ -40,142 +41,9 @@ pub struct Learnt {
     paths: f64,
 }
 
-#[derive(Clone, Debug, Default)]
-struct Node {
-    parent: u32,
-    /// Axis, place, children: lower side first.
-    split: Option<(u8, f32, [u32; 2])>,
-    in_cut: bool,
-    /// Number of the leaf, if it is one.
-    leaf: u32,
-    /// Sums over iterations of psi / s, in two halves: kappa / s of G Eq. 8, defined without points as well.
-    delta: [f64; 2],
-    /// The same of the flux that each of these paths brings, and of its square.
-    flux: [f64; 2],
-    /// Iterations in which it had points.
-    iterations: u64,
-    /// Light paths that touched it, each counted with its share.
-    paths: f64,
-    /// Sum of the areas of this iteration's points (G Eq. 9).
-    area: f64,
-}
-
-/// What an iteration has found out about a leaf.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct LeafTally {
-    /// psi (G Eqs. 6 and 7) in two halves, which sum to it.
-    pub psi: [f64; 2],
-    /// The same sum with the flux that a path brings to the point in the place of 1, and with its square;
-    /// zero where nobody asks.
-    pub flux: [f64; 2],
-    /// Light paths, each with its share.
-    pub paths: f64,
-}
-
 impl Regions {
-    /// Levels of a tree below its root.
-    pub const MOST_LEVELS: u32 = 15;
     /// No render has so many iterations.
     const MOST_ITERATIONS: u64 = 1 << 60;
-    /// Points of a pilot that a leaf holds at least.
-    pub const LEAST_POINTS: usize = 16;
-
-    /// Splits at medians along the longest side; at the middle of it where that is the normal's, whose values
-    /// are few. A wall that holds the median at the low end is parted from what is beyond it. Leaves at the
-    /// border reach to infinity.
-    pub fn spatial(points: &mut [RegionPoint]) -> Self {
-        Self::build(points, |points| {
-            if points.len() < 2 * Self::LEAST_POINTS {
-                return None;
-            }
-            let (axis, [low, high]) = longest_side(points);
-            if axis >= POSITION {
-                return Some((axis as u8, 0.5 * (low + high)));
-            }
-            let middle = points.len() / 2;
-            let by = |a: &RegionPoint, b: &RegionPoint| a[axis].total_cmp(&b[axis]);
-            points.select_nth_unstable_by(middle, by);
-            let median = points[middle][axis];
-            let place = match median > low {
-                true => median,
-                // Below the median there is nothing: without a step up, the same points would be split in
-                // this way again and again.
-                false => beyond(points, axis, low)?,
-            };
-            Some((axis as u8, place))
-        })
-    }
-
-    fn build(
-        points: &mut [RegionPoint],
-        mut split: impl FnMut(&mut [RegionPoint]) -> Option<(u8, f32)>,
-    ) -> Self {
-        let mut regions = Self {
-            nodes: vec![Node::default()],
-            leaves: Vec::new(),
-            cut: Vec::new(),
-        };
-        let mut open = vec![(0_u32, points, 0_u32)];
-        while let Some((at, points, level)) = open.pop() {
-            let found = if level < Self::MOST_LEVELS {
-                split(points)
-            } else {
-                None
-            };
-            let Some((axis, place)) = found else {
-                regions.nodes[at as usize].leaf = regions.leaves.len() as u32;
-                regions.leaves.push(at);
-                continue;
-            };
-            let first = regions.nodes.len() as u32;
-            regions.nodes[at as usize].split = Some((axis, place, [first, first + 1]));
-            for _ in 0..2 {
-                regions.nodes.push(Node {
-                    parent: at,
-                    ..Node::default()
-                });
-            }
-            let below = partition(points, usize::from(axis), place);
-            let (low, high) = points.split_at_mut(below);
-            open.push((first, low, level + 1));
-            open.push((first + 1, high, level + 1));
-        }
-        regions.nodes[0].in_cut = true;
-        regions.map_leaves();
-        regions
-    }
-
-    /// Halves the image along both axes in turn (the unit square over all of it): a quad-tree with the levels between.
-    pub fn image() -> Self {
-        let mut regions = Self::build(&mut [], |_| None);
-        regions.leaves.clear();
-        regions.halve(0, [[0.0; 6], [1.0, 1.0, 0.0, 0.0, 0.0, 0.0]], 0);
-        regions.map_leaves();
-        regions
-    }
-
-    fn halve(&mut self, at: u32, [low, high]: [RegionPoint; 2], level: u32) {
-        if level == Self::MOST_LEVELS {
-            self.nodes[at as usize].leaf = self.leaves.len() as u32;
-            self.leaves.push(at);
-            return;
-        }
-        let axis = (level % 2) as usize;
-        let place = 0.5 * (low[axis] + high[axis]);
-        let first = self.nodes.len() as u32;
-        self.nodes[at as usize].split = Some((axis as u8, place, [first, first + 1]));
-        for _ in 0..2 {
-            self.nodes.push(Node {
-                parent: at,
-                ..Node::default()
-            });
-        }
-        let (mut upper, mut lower) = (low, high);
-        upper[axis] = place;
-        lower[axis] = place;
-        self.halve(first, [low, lower], level + 1);
-        self.halve(first + 1, [upper, high], level + 1);
-    }
 
     /// The number of leaves.
     pub fn leaves(&self) -> usize {
@@ -402,84 +270,10 @@ impl Regions {
     }
 }
 
-impl Node {
-    fn learn(&mut self, tally: &LeafTally) {
-        self.paths += tally.paths;
-        if self.area > 0.0 {
-            self.iterations += 1;
-            self.delta = [0, 1].map(|half| self.delta[half] + tally.psi[half] / self.area);
-            self.flux = [0, 1].map(|power| self.flux[power] + tally.flux[power] / self.area);
-        }
-    }
-
-    /// Photons an area and light path, under uniform sampling; `None` if nothing is known. Where fluxes are
-    /// known, so many photons of one flux as have the same relative variance: the inverse of G Eq. 3, which
-    /// is that of Eq. 5 times the mean square of the flux over the square of its mean.
-    fn density(&self) -> Option<f64> {
-        let [flux, square] = self.flux;
-        let delta = if square > 0.0 {
-            flux * flux / square
-        } else {
-            self.delta[0] + self.delta[1]
-        };
-        (self.iterations > 0 && delta > 0.0).then(|| delta / self.iterations as f64)
-    }
-
-    /// By how much the halves disagree: err of G sec. 4.2, each half doubled to stand for the whole.
-    fn error(&self) -> f64 {
-        let sum = self.delta[0] + self.delta[1];
-        if sum > 0.0 {
-            2.0 * (self.delta[0] - self.delta[1]).abs() / sum
-        } else {
-            f64::INFINITY
-        }
-    }
-}
-
 /// A factor of the target, of a value relative to the largest: G Eq. 11, in [EPSILON / (1 + EPSILON), 1].
 #[inline]
 pub fn inverse(relative: f64) -> f64 {
     EPSILON / (relative + EPSILON)
-}
-
-/// The axis along which points reach farthest, from where to where.
-fn longest_side(points: &[RegionPoint]) -> (usize, [f32; 2]) {
-    let side = |axis: usize| {
-        let at = points.iter().map(|point| point[axis]);
-        [
-            at.clone().fold(f32::MAX, f32::min),
-            at.fold(f32::MIN, f32::max),
-        ]
-    };
-    (1..6).fold((0, side(0)), |(best, [low, high]), axis| {
-        let [from, to] = side(axis);
-        if to - from > high - low {
-            (axis, [from, to])
-        } else {
-            (best, [low, high])
-        }
-    })
-}
-
-/// A place that parts the points at the low end of an axis from all others, halfway to the next. `None` if there are no
-/// others.
-fn beyond(points: &[RegionPoint], axis: usize, low: f32) -> Option<f32> {
-    let above = points.iter().map(|point| point[axis]);
-    let next = above.filter(|at| *at > low).min_by(f32::total_cmp)?;
-    let halfway = low + 0.5 * (next - low);
-    Some(if halfway > low { halfway } else { next })
-}
-
-/// Points below a place first; returns how many.
-fn partition(points: &mut [RegionPoint], axis: usize, place: f32) -> usize {
-    let mut below = 0;
-    for at in 0..points.len() {
-        if points[at][axis] < place {
-            points.swap(at, below);
-            below += 1;
-        }
-    }
-    below
 }
 
 #[cfg(test)]

@@ -5,6 +5,7 @@ mod even;
 mod keep;
 pub(crate) mod kernels;
 mod run;
+mod scales;
 pub(crate) mod scouts;
 pub(crate) mod start;
 mod statistics;
@@ -16,9 +17,7 @@ use kaustik_estimate::{
     SpecificFamily,
 };
 use kaustik_film::{Counters, Film, FilmError, Image, Layer, Layout, Quantum, develop};
-use kaustik_mcmc::{
-    Estimate, RoughNormalisers, RunningNormalisers, Schedule, Statistics, SteppingStone, Touring,
-};
+use kaustik_mcmc::{Estimate, Schedule, Statistics, Touring};
 use kaustik_path::{Bidirectional, Event, Unjoined, trace};
 use kaustik_pss::Stream;
 use kaustik_scene::Scene;
@@ -30,11 +29,11 @@ use crate::beside::meter::{Fit, Meter, OwnSamples};
 use crate::control::is_stopped;
 use crate::engine::{Engine, Nonfinite, STRIDE, add_counters, add_nonfinite};
 use crate::{
-    ChainStatistics, EvenSamples, Normaliser, Options, Place, RenderError, RenderSettings,
-    ReplicaStatistics, Steps,
+    ChainStatistics, EvenSamples, Options, Place, RenderError, RenderSettings, ReplicaStatistics,
+    Steps,
 };
 use kernels::kernels;
-use run::{Run, Tours, below, pool, runs};
+use run::{Run, Tours, pool, runs};
 use scouts::{SpecularLight, scouting};
 use start::{Started, for_so_many_replicas, replica_builder, start};
 
@@ -50,9 +49,6 @@ const METERED: u64 = 32;
 /// Successive visits are alike, and a chain that has not come round yet shows too much of some light and too little of
 /// other. Measured: `docs/experiments/relt.md`.
 const VISIT: f64 = 1.0 / 16.0;
-
-/// So many ladders make their spread a better measure of errors than the spread of batches within each.
-const LADDERS_FOR_ERRORS: usize = 16;
 
 /// Anneals, decides which replicas run, and starts the ladders.
 pub(crate) fn engine<'a>(
@@ -258,86 +254,6 @@ impl<'a, const K: usize> ReltEngine<'a, K> {
             all.merge(run.ladder.replicas()[level].statistics());
         }
         all
-    }
-
-    /// The normalisers of all ladders together (RELT eq. 10): pooled before the product is formed.
-    fn running(&self) -> RunningNormalisers<K> {
-        let mut all = SteppingStone::on(below(&self.set));
-        for run in &self.runs {
-            let stone = run.ladder.stepping_stone();
-            if self.runs.len() < LADDERS_FOR_ERRORS {
-                all.merge(stone);
-            } else {
-                all.merge_as_one(stone);
-            }
-        }
-        all.normalisers(1.0)
-    }
-
-    /// What all ladders know of the light of each replica: the pool, and passes of the meter.
-    fn known(&self) -> Shares<K> {
-        let mut known = self.pool;
-        if let Some(meter) = &self.besides.meter {
-            known.sampled(K - 1, &meter.in_scouts());
-        }
-        known
-    }
-
-    /// The light of each replica by independent samples, and what the films hold.
-    fn shares(&self) -> Shares<K> {
-        let mut all = self.known();
-        for run in &self.runs {
-            all.merge(&run.shares);
-        }
-        all
-    }
-
-    /// Has it made more sweeps than its annealing had particles? Before, the rough constants are better than
-    /// those of eq. 10.
-    fn is_past_annealing(&self) -> bool {
-        self.sweeps() >= self.particles
-    }
-
-    /// What a film per sweep is multiplied by.
-    fn scales(&self) -> [f64; K] {
-        match self.options.normaliser {
-            Normaliser::Running => self.shares().scales(self.sweeps()),
-            Normaliser::Exchange if self.is_past_annealing() => {
-                let rough = RoughNormalisers::guess(self.rough.map(|b| b.value));
-                self.running().over(&rough)
-            }
-            Normaliser::Exchange | Normaliser::Initial => [1.0; K],
-        }
-    }
-
-    /// The light (X + Y + Z) of all films. Scaled by other than independent samples, it has the error of the full
-    /// replica's normaliser.
-    fn brightness(&self) -> Estimate {
-        let (shares, sweeps) = (self.shares(), self.sweeps());
-        let value = shares.light(sweeps, &self.scales());
-        let full = full_replica::<K>();
-        let relative = match self.options.normaliser {
-            Normaliser::Running => {
-                return Estimate {
-                    value,
-                    standard_error: self.error_of_light(),
-                };
-            }
-            Normaliser::Exchange if self.is_past_annealing() => {
-                self.running().estimates()[full].relative_error()
-            }
-            Normaliser::Exchange | Normaliser::Initial => self.rough[full].relative_error(),
-        };
-        Estimate {
-            value,
-            standard_error: value * relative,
-        }
-    }
-
-    fn error_of_light(&self) -> f64 {
-        let ladders = self.runs.iter().map(|run| (run.shares, run.sweeps));
-        let ladders: Vec<_> = ladders.collect();
-        Shares::error_of_light(&self.known(), &ladders, self.weights.shared())
     }
 
     /// Films with what turns them into parts of the picture.
