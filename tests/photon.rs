@@ -82,7 +82,7 @@ macro_rules! errors_fall_with_the_radius {
         #[test]
         #[ignore = "long"]
         fn $name() {
-            let radii = [(2.0, 12), (0.6, 12), (0.15, 96), (0.05, 96)];
+            let radii = [(2.0, 12), (0.6, 12), (0.15, 96), (0.05, 192)];
             let errors = errors($words, Method::$method, 8_000, 1_000_000, &radii);
             eprintln!("{}, {}: {errors:?}", $words, Method::$method);
             assert!(falls(&errors), "{errors:?}");
