@@ -232,6 +232,20 @@ fn inputs_are_kept() {
             &["a.state", "which is read"],
         );
     }
+    for output in ["--stats", "--state"] {
+        refused(
+            &["merge", &state, output, &scene],
+            &["a.glb", "which is read"],
+        );
+    }
+    for (words, output, named) in [
+        (&[&scene[..], "--at", "0:0"][..], &scene, "a.glb"),
+        (&[&state[..], "--at", "0:0"], &state, "a.state"),
+        (&[&state[..], "--at", "0:0"], &scene, "a.glb"),
+    ] {
+        let words = [&["replay"], words, &["--gltf", output]].concat();
+        refused(&words, &[named, "which is read"]);
+    }
     assert_eq!(
         kept,
         [&scene, &state].map(|file| std::fs::read(file).expect("a file"))

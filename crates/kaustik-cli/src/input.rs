@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use kaustik::film::{self, Keep, Limits};
 use kaustik::scene::description::{EnvironmentDescription, ImageData, Pixels, Projection};
-use kaustik::scene::environment::load_hdr;
+use kaustik::scene::environment::{clean_radiance, load_hdr};
 use kaustik::scene::{Description, builtin, gltf};
 
 use crate::Failure;
@@ -136,25 +136,14 @@ fn environment_image(path: &Path) -> Result<(ImageData, u64), Failure> {
         )));
     }
     let [r, g, b] = image.rgb();
-    let mut mended = 0;
-    let mut clean = |v: f32| {
-        if v.is_finite() && v >= 0.0 {
-            return v;
-        }
-        mended += 1;
-        0.0
-    };
-    let pixels = r
-        .iter()
-        .zip(g)
-        .zip(b)
-        .flat_map(|((r, g), b)| [*r, *g, *b].map(&mut clean))
-        .collect();
+    let texels = r.iter().zip(g).zip(b);
+    let mut values: Vec<f32> = texels.flat_map(|((r, g), b)| [*r, *g, *b]).collect();
+    let mended = clean_radiance(&mut values);
     let image = ImageData {
         name: path.display().to_string(),
         width: image.width(),
         height: image.height(),
-        pixels: Pixels::RgbF32(pixels),
+        pixels: Pixels::RgbF32(values),
         encoded: Vec::new(),
     };
     Ok((image, mended))

@@ -38,6 +38,9 @@ pub(crate) fn run(words: &MergeWords) -> Result<ExitCode, Failure> {
         ..merged_settings(&states).map_err(Failure::input)?
     };
     let source = source(words, &states);
+    for path in words.outputs.files().chain(&words.state) {
+        picture::refuse_inputs(path, picture::source_files(&source))?;
+    }
     let size = (Some(settings.width), Some(settings.height));
     let scene = load(&words.outputs, &source, words.max_memory, &settings, size)?;
     let mut keeper = Keeper {

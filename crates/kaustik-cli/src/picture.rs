@@ -61,6 +61,12 @@ pub(crate) fn refuse_inputs<'a>(
     }
 }
 
+/// The files that a scene is made from, as far as its words name them; those that are none are not there.
+pub(crate) fn source_files(source: &Source) -> impl Iterator<Item = &Path> + Clone {
+    let environment = source.environment.as_deref().map(Path::new);
+    std::iter::once(Path::new(&source.scene)).chain(environment)
+}
+
 /// A line for whoever wants to read.
 pub(crate) fn remark(words: &OutputWords, line: &str) {
     if !words.quiet {

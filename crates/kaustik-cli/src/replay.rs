@@ -12,20 +12,30 @@ use kaustik::{RenderSettings, Source, State, replay_from};
 use serde_json::json;
 
 use crate::arguments::ReplayWords;
-use crate::picture::remark;
+use crate::lock::Locks;
+use crate::picture::{refuse_inputs, remark, source_files};
 use crate::render::{failure, load, settings};
 use crate::{Failure, output};
 
 pub(crate) fn run(words: &ReplayWords) -> Result<ExitCode, Failure> {
-    if let Some(path) = &words.gltf {
-        check_writable(path).map_err(Failure::input)?;
-    }
     let Asked {
         settings,
         source,
         size,
         state,
     } = asked(words)?;
+    if let Some(path) = &words.gltf {
+        let states = [
+            Some(Path::new(&words.render.scene)),
+            words.render.resume.as_deref(),
+        ];
+        refuse_inputs(
+            path,
+            states.into_iter().flatten().chain(source_files(&source)),
+        )?;
+        check_writable(path).map_err(Failure::input)?;
+    }
+    let _locks = Locks::take(words.gltf.iter())?;
     let outputs = &words.render.outputs;
     let scene = load(outputs, &source, words.render.max_memory, &settings, size)?;
     let [width, height] = scene.image_size();

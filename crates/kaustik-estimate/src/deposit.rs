@@ -7,7 +7,8 @@ use kaustik_path::{Class, Contributions};
 /// How large steps, which are independent samples, are put to use a second time.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Mis {
-    /// Two films whose heuristic weights sum to one for every constant `b0`: only the `b` that scales the first errs.
+    /// Two films. The weights sum to one for every `b0`, so only the estimate of `b` that scales the first
+    /// film contributes an error.
     #[default]
     Split,
     /// One film as Kelemen's eq. 1 and 2 print it: biased by the error of `b`.

@@ -27,8 +27,8 @@ pub enum Witnesses {
     Others,
     /// The chain of visibility alone (G Eq. 6). As [`Others`](Self::Others) in ladders that have none.
     Visibility,
-    /// All chains, by the same heuristic. Within an iteration targets stand, so that the chain of the full
-    /// one is as good a witness as any; where light is seldom it is the only one that comes often.
+    /// All chains, by the same heuristic. Targets do not change within an iteration, so the chain of the
+    /// full target is as good a witness as any; where light is rare it is the only one that comes often.
     All,
 }
 
@@ -102,8 +102,9 @@ impl<const K: usize> RegionSums<K> {
         }
     }
 
-    /// Says what visits are about worth in the iteration that has begun: `visible`, about the share of visible uniform
-    /// paths, > 0, if any chain that is counted looks for these. However small it is, weights keep all their digits.
+    /// Sets the unit of the fixed-point sums for the iteration that has begun. `visible` > 0 is a rough
+    /// estimate of the fraction of uniform paths that are visible; it is used only if a counted chain other
+    /// than the first exists. The unit keeps small weights from being rounded away.
     pub fn expect(&mut self, visible: f64) {
         let looks = self.counts.iter().skip(1).any(|counts| *counts);
         self.unit = if looks { visible } else { 1.0 };
@@ -227,6 +228,9 @@ fn add(sum: &AtomicI64, value: f64) {
 
 #[inline]
 fn add_steps(sum: &AtomicI64, steps: f64) {
+    if steps.is_nan() {
+        return; // `min` would make the largest of it
+    }
     let steps = steps.round_ties_even().min(MOST_STEPS);
     sum.fetch_add(steps as i64, Relaxed);
 }

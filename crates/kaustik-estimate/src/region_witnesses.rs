@@ -5,10 +5,11 @@ use kaustik_mcmc::Visit;
 use crate::first_meetings::FirstMeetings;
 use crate::{PhotonMap, PhotonValue, RegionSums, Sharing};
 
-/// Visits as witnesses, in one half of the statistics: all of them, but for those of the first level, of which it may be one in so many.
+/// Passes visits on to one half of the region statistics: every visit of the higher levels, but only
+/// one in `stride` of the first level.
 ///
-/// Where nearly all steps are the first chain's, telling regions of each took an eighth of the time of a render, and what
-/// they know of is known from fewer.
+/// Where nearly all steps belong to the first chain, using all of its visits took an eighth of the
+/// render time, and fewer are enough.
 #[derive(Debug)]
 pub struct RegionWitnesses<'a, const K: usize> {
     sums: &'a RegionSums<K>,

@@ -99,8 +99,8 @@ impl Regions {
         self.nodes.iter().map(of).collect()
     }
 
-    /// Takes up what regions that were built alike have learnt. `None` if they were built otherwise, or if it is
-    /// no cut, which has exactly one node on the way from the root to each leaf.
+    /// Restores what regions with the same tree have learnt. `None` if the tree differs, or if the marked
+    /// nodes are not a cut, that is, exactly one on the way from the root to each leaf.
     pub fn with_learnt(mut self, learnt: &[Learnt]) -> Option<Self> {
         if learnt.len() != self.nodes.len() {
             return None;

@@ -124,8 +124,8 @@ impl ReplicaSet {
         weights
     }
 
-    /// The same replicas where independent samples know [`Class::L0`] as well as a chain does: it weighs nothing in any
-    /// density, so that chains go where they are needed. A specific replica is left without its task.
+    /// The same replicas with [`Class::L0`] removed from every density, for use where independent samples
+    /// find that light as well as a chain does. This leaves a specific replica nothing to do.
     #[must_use]
     pub fn leaving_specular(self) -> Self {
         Self {

@@ -124,8 +124,9 @@ impl<const K: usize> ReplicaWeights<K> {
         }
     }
 
-    /// With visits of replica k that count for `worth_k` of an independent sample in the heuristic: those of a chain are
-    /// alike. Before, all count for 1. The picture is right in the mean for any.
+    /// Sets how much of an independent sample one visit of replica k counts for in the heuristic;
+    /// successive visits of a chain are correlated. The default is 1. Any positive values leave the
+    /// estimate unbiased.
     ///
     /// # Panics
     /// If a number is not positive and finite.
@@ -190,9 +191,8 @@ impl<const K: usize> ReplicaWeights<K> {
         std::array::from_fn(|k| densities[k] * self.inverse[k])
     }
 
-    /// How the light of a point is shared: what falls to each replica, given the scalar of its implicit
-    /// specular light and of all other. They add up to the whole, but for specular light where a specific
-    /// replica's density is zero, which cannot be.
+    /// Splits the light of a point among the replicas, given the scalar of its implicit specular light and
+    /// of all other light. The parts add up to the whole.
     #[inline]
     pub fn share(&self, densities: &[f64; K], light: SpecularSplit) -> [f64; K] {
         let common = if self.shared == K {

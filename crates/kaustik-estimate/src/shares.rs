@@ -49,7 +49,7 @@ impl<const K: usize> Default for Shares<K> {
 }
 
 impl<const K: usize> Shares<K> {
-    /// Of replicas that stand on these; what stands at 0 is not used.
+    /// For replicas in a tree: `below[k] < k` is the parent of replica k; `below[0]` is ignored.
     ///
     /// # Panics
     /// If one stands on a replica that is not before it.
@@ -83,7 +83,8 @@ impl<const K: usize> Shares<K> {
         self.squares[level] += light * whole;
     }
 
-    /// A replica was somewhere, with this weight; `roughly` are the densities there over the rough constants.
+    /// Records a visit of a replica with its weight. `roughly` holds the densities at the visited state,
+    /// each divided by its rough normaliser.
     #[inline]
     pub fn visit(&mut self, level: usize, weight: f64, roughly: &[f64; K]) {
         let share = |of: usize, other: usize| {
@@ -211,9 +212,9 @@ impl<const K: usize> Shares<K> {
         effective / (effective + FEW)
     }
 
-    /// What each film is to be multiplied by, on top of 1 over the number of sweeps that filled it: to hold
-    /// what independent samples say, and as far as these are not to be trusted, what the [bridges](Self::bridged)
-    /// do.
+    /// Factor for each film, in addition to 1 / sweeps: it scales the film to the light that independent
+    /// samples measured, blended with the [bridged](Self::bridged) normalisers to the extent that these
+    /// samples are too few to be trusted.
     pub fn scales(&self, sweeps: u64) -> [f64; K] {
         let bridged = self.bridged();
         from_fn(|k| {

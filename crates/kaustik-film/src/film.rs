@@ -17,7 +17,7 @@ const SUM_LIMIT: u64 = 1 << 62;
 /// 1.5 x 2^52: adding it to |v| < 2^51 leaves round-to-nearest-even(v) in the low mantissa bits.
 const ROUNDER: f64 = 6_755_399_441_055_744.0;
 
-/// Integer XYZ sums of the pixels of a window, `&self` for all adds.
+/// Integer XYZ sums for the pixels of a window. Splatting needs only `&self`.
 ///
 /// 24 bytes a pixel. Pixel (x, y) is in coordinates of the full image, y downwards from the top, whatever
 /// the crop window; a raster point (1.5, 0.5) is the centre of pixel (1, 0).

@@ -20,8 +20,8 @@ impl Mean {
         Self::default()
     }
 
-    /// As of `count` independent numbers, at least two, whose mean and its standard error are those of the
-    /// estimate: so an estimate that was made in another way counts beside such numbers.
+    /// The mean of `count` >= 2 hypothetical independent numbers that have this value and standard error,
+    /// so that an estimate made in another way can be merged with others.
     ///
     /// # Panics
     /// If they are fewer than two.

@@ -24,8 +24,9 @@ pub struct BuilderSettings {
     /// What becomes of purely specular paths. [`Alone`](PureSpecular::Alone) is for
     /// [`Unidirectional`](crate::Unidirectional) without next event: other strategies make none of them.
     pub pure_specular: PureSpecular,
-    /// Are surfaces that emit kept where they are seen directly? `false` is for
-    /// [`Unidirectional`](crate::Unidirectional), beside samples that see to these: others keep them.
+    /// Whether directly visible emitting surfaces contribute. `false` is supported only by
+    /// [`Unidirectional`](crate::Unidirectional), for use beside separate samples of these emitters; other
+    /// builders ignore it.
     pub emitters_seen: bool,
     /// Keep the largest single `C_{s,t}` ([`Contributions::largest`]), for Kelemen's maximum: it costs
     /// a colour for each.

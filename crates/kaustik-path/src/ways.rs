@@ -12,13 +12,13 @@ use crate::sighting::{sees_environment, sees_light};
 use crate::walk::Walk;
 use crate::{BuilderSettings, Sighting, camera_walk, layout};
 
-/// Light that a look along several ways has met, for who wants to know how much it is.
+/// Light found by a search along several ways, for estimating how much there is.
 pub struct Find<'f> {
     /// Coordinates of the way.
     pub u: &'f mut dyn Coordinates,
-    /// Those of the look, with the range of edges that is meant.
+    /// The settings of the search, restricted to the path lengths that this find stands for.
     pub settings: BuilderSettings,
-    /// By how much its light counts.
+    /// Weight of the light found, > 0.
     pub weight: f64,
 }
 

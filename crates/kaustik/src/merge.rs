@@ -116,8 +116,8 @@ fn shares<'a>(states: &[&'a State]) -> Result<Shares<'a>, StateError> {
 /// the whole image) and have comparably many samples, the layer `error` holds the standard error of each pixel; if
 /// settings ask for features.
 ///
-/// `settings` are those of [`merged_settings`]; threads and features are free. `watch` is asked for the state of the whole alone;
-/// renders of several seeds have none.
+/// `settings` must be those of [`merged_settings`], except for threads and features. `watch` is only
+/// offered the merged state; renders of several seeds have none.
 ///
 /// ```
 /// use kaustik::scene::{Scene, builtin};

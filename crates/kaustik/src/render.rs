@@ -54,7 +54,8 @@ pub trait Watch {
         false
     }
 
-    /// Gets it: without albedo, normal and depth, with a method's parts if the settings ask for features.
+    /// Receives the image, without albedo, normal and depth, but with the method's own layers if features
+    /// are enabled.
     fn see_image(&mut self, _rendered: Rendered) {}
 
     /// The pilot is over: from now on there is a state to be kept.
@@ -65,7 +66,7 @@ pub trait Watch {
         false
     }
 
-    /// Gets it.
+    /// Receives the state.
     fn see_state(&mut self, _snapshot: &Snapshot<'_>) {}
 }
 
@@ -73,7 +74,7 @@ impl Watch for () {}
 
 /// As [`render`], showing pictures and states on the way: an error curve takes one render, not one a point.
 ///
-/// Whoever looks changes nothing.
+/// Watching does not affect the result.
 ///
 /// # Errors
 /// As [`render`].

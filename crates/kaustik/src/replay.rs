@@ -35,9 +35,9 @@ pub fn replay(
     replay_from(scene, settings, None, place, &mut |_| {})
 }
 
-/// As [`replay`], with a state that the render has left: where iterations have to be run before the step is
-/// there, those that the state has behind it are not, if it is not past the step. `ahead` is told how many
-/// have to be run, if any.
+/// As [`replay`], but starting from a saved state if that state does not lie beyond the requested step,
+/// so that earlier iterations need not be rerun. `ahead` is called with the number of iterations still
+/// to run, if there are any.
 ///
 /// # Errors
 /// As [`replay`]; a state of another scene, method, setting or share, or a damaged one.

@@ -194,8 +194,9 @@ pub struct ChainStatistics {
     pub normalisation: f64,
     /// Its standard error.
     pub normalisation_error: f64,
-    /// Share of samples beside the chains in it, made for nothing else; the rest is of samples that the method
-    /// makes anyway. Of `relt` the same of the specific replica's light.
+    /// Share of `normalisation`, in [0, 1], that comes from samples taken only to measure brightness (the
+    /// meter); the rest comes from samples that the method takes anyway. For `relt`: the same for the
+    /// specific replica's light.
     pub metered: f64,
     /// The constant in the weights.
     pub b0: f64,

@@ -12,9 +12,9 @@ impl Regions {
     /// Points of a pilot that a leaf holds at least.
     pub const LEAST_POINTS: usize = 16;
 
-    /// Splits at medians along the longest side; at the middle of it where that is the normal's, whose values
-    /// are few. A wall that holds the median at the low end is parted from what is beyond it. Leaves at the
-    /// border reach to infinity.
+    /// Builds a tree that splits at the median along the longest side, or at its middle if that side
+    /// belongs to the normal, which takes few values. If the median equals the lowest coordinate (a wall),
+    /// the split is placed just beyond it. Leaves at the border extend to infinity.
     pub fn spatial(points: &mut [RegionPoint]) -> Self {
         Self::build(points, |points| {
             if points.len() < 2 * Self::LEAST_POINTS {

@@ -8,8 +8,9 @@ pub enum Refinement {
         /// Percent by which the halves of its statistics may differ.
         percent: u32,
     },
-    /// To the last of them, but each is [drawn towards](super::Regions::shrunk_densities) the one that it is
-    /// part of as long as not many more light paths than so many have touched it.
+    /// Always down to the leaves, but each region's estimate is [shrunk
+    /// towards](super::Regions::shrunk_densities) its parent's until many more than `paths` light paths
+    /// have touched it.
     Shrunk {
         /// Light paths that what is known of the larger region counts for.
         paths: u32,

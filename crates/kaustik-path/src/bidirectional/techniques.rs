@@ -61,11 +61,13 @@ impl Techniques {
         }
     }
 
-    /// By what a pilot saw: with `strategies` each technique in proportion to the spread of its values; without, and of
-    /// paths of more than 64 edges, each length in proportion to the spread that all its strategies alike have. With a share for all whatever was seen.
+    /// Probabilities learnt from a pilot. With `strategies`, each technique is chosen in proportion to the
+    /// spread of its values. Without it, and for paths of more than 64 edges, each length is chosen in
+    /// proportion to the spread over its strategies, taken with equal probability. A fixed share is spread
+    /// over all techniques whatever the pilot saw.
     ///
-    /// But for that share no other probabilities give independent samples a smaller variance. For a chain they take peaks
-    /// down: what brings much light at few points is tried more often, and weighs less where it is met.
+    /// Apart from that share, these probabilities minimise the variance of independent samples. In a chain
+    /// they flatten peaks: what brings much light at few points is tried more often and weighs less.
     #[must_use]
     pub fn learned(&self, spread: &TechniqueSpread, strategies: bool) -> Self {
         let is_learned = |edges: u32| strategies && edges <= LEARNED_EDGES;

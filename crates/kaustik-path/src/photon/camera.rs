@@ -24,7 +24,8 @@ pub struct MeasurementWalk {
     pub threshold: f64,
     /// Columns and rows of the image.
     pub pixels: DVec2,
-    /// Radius of a point in widths of a pixel, as projected on the surface over the whole way from the eye.
+    /// Radius of a point in pixel widths, the pixel being projected onto the surface over the whole length
+    /// of the path from the eye.
     pub radius: f64,
 }
 

@@ -16,8 +16,8 @@ const ROUNDS: i32 = 8;
 const RESOLUTION: f32 = f32::EPSILON;
 
 impl MeasurementPoints {
-    /// Sorts the discs into a lookup. Those in a crowd are made smaller first, as curvature would have it: any size is
-    /// right that was chosen before there were photons.
+    /// Builds the lookup over the discs. Overcrowded discs are shrunk first, which is legitimate because
+    /// their radii are fixed before any photon is traced.
     pub fn sort_into(&mut self, lookup: &mut Lookup) {
         lookup.rebuild(self.discs());
         for round in 1..=ROUNDS {

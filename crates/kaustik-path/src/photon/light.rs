@@ -17,8 +17,9 @@ pub struct Photon {
     pub normal: Vec3,
     /// Unit direction to where it came from (world).
     pub wi: DVec3,
-    /// Flux over density, at the wavelengths of the iteration: the mean over uniform coordinates of the photons' sum
-    /// is the flux that arrives, what passes a surface that is partly transparent included.
+    /// Flux divided by the sampling density, at the wavelengths of the iteration. Averaged over uniform
+    /// coordinates, the sum over the photons of a path is the flux that arrives, including the part that
+    /// passes through partly transparent surfaces.
     pub power: Spectrum,
     /// Edges from the light.
     pub edges: u32,

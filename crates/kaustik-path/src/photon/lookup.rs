@@ -11,8 +11,8 @@ use super::Disc;
 /// Grids are this many powers of two apart at most; smaller balls go into the finest grid.
 const MOST_GRIDS: i32 = 24;
 
-/// The discs of one iteration by place, each as the ball around it. It knows them by their numbers; who asks has them.
-/// Memory is reused.
+/// A spatial index over the discs of one iteration, each represented by its bounding ball. It stores
+/// indices only; the caller keeps the discs. Memory is reused.
 #[derive(Clone, Debug, Default)]
 pub struct Lookup {
     grids: Vec<Grid>,

@@ -26,9 +26,9 @@ pub struct Disc {
     pub radius: f32,
 }
 
-/// A point that the camera sees, but for its [`Disc`].
+/// A point seen by the camera, without its [`Disc`].
 ///
-/// There is one a pixel: it takes 64 bytes, and a look at it one line of a cache.
+/// There is about one per pixel, so it is kept to 64 bytes: one cache line.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(64))]
 pub struct MeasurementPoint {
@@ -46,7 +46,7 @@ pub struct MeasurementPoint {
 }
 
 impl Disc {
-    /// In square scene units, whatever stands in it: photons count in
+    /// Area of the full disc in square scene units, ignoring outlines. Photons are counted on
     /// [`MeasurementPoints::area`](super::MeasurementPoints::area).
     #[inline]
     pub fn whole_area(&self) -> f64 {

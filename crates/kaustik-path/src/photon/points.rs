@@ -59,8 +59,8 @@ pub(super) struct Seen<'a> {
 }
 
 impl MeasurementPoints {
-    /// Points that there may be at most; a camera path adds one at most. Their numbers have 28 bits, and the last of these stands for
-    /// something else.
+    /// The largest number of points. Each camera path adds at most one. Point numbers use 28 bits, and the
+    /// largest of them is reserved.
     pub const MOST: u64 = Manner::NUMBER as u64;
 
     /// Forgets everything but the memory.
@@ -172,10 +172,10 @@ impl MeasurementPoints {
         });
     }
 
-    /// May a photon that lies within the radius of a point count there: is nothing between them, does the point's
-    /// surface look the same way, is the whole path of at most `max_edges` edges, and does the light of an opaque surface
-    /// land on the side that is seen? What lands behind is not to be taken for a visible path: under a sheet of land
-    /// there may be more of it than on top.
+    /// Whether a photon within the radius of a point counts there: no outline separates them, the surface
+    /// faces the same way, the whole path has at most `max_edges` edges and, on an opaque surface, the
+    /// light arrives on the side that is seen. Photons that land on the back must not make a path visible:
+    /// under a terrain there may be more of them than on top.
     #[inline]
     pub fn accepts(&self, index: usize, photon: &Photon, max_edges: u32) -> bool {
         let point = &self.points[index];
@@ -201,9 +201,10 @@ impl MeasurementPoints {
         outline.map_or_else(|| disc.whole_area(), |outline| outline.area(disc.radius))
     }
 
-    /// What a photon brings to a point, if it is within its disc and accepted (G Eq. 2): flux times scattering function times what
-    /// the camera walk carries, over the area of the disc's part, for a photon path that is drawn with density 1. Negative or not
-    /// finite is a fault for the caller to count.
+    /// XYZ that a photon contributes to a point, provided that it lies within the disc and was accepted (G
+    /// Eq. 2): power times scattering function times camera throughput, divided by the [area](Self::area).
+    /// The weight of the light path is not included. A negative or non-finite result is a defect that the
+    /// caller must count.
     #[inline]
     pub fn contribution(&self, index: usize, photon: &Photon, wavelengths: &Wavelengths) -> Xyz {
         let point = &self.points[index];

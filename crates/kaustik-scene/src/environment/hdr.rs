@@ -1,5 +1,5 @@
 use std::fs::File;
-use std::io::{Cursor, Read};
+use std::io::{self, Cursor, Read};
 use std::path::Path;
 
 use image::ImageDecoder;
@@ -35,6 +35,10 @@ pub fn load_hdr(path: &Path) -> Result<DecodedHdr, EnvironmentError> {
         name: name.clone(),
         source,
     };
+    // Asked before it is opened: opening a pipe would wait for its other end.
+    if !path.metadata().map_err(read)?.is_file() {
+        return Err(read(io::Error::other("it is no regular file")));
+    }
     let mut bytes = Vec::new();
     File::open(path)
         .and_then(|file| file.take(MAX_HDR_BYTES + 1).read_to_end(&mut bytes))
@@ -70,7 +74,7 @@ pub fn decode_hdr(name: &str, bytes: &[u8]) -> Result<DecodedHdr, EnvironmentErr
     limit("the number of pixels for its length", pixels, plausible)?;
     let decoded = image::DynamicImage::from_decoder(decoder).map_err(decode)?;
     let mut values = decoded.into_rgb32f().into_raw();
-    let cleaned = clean(&mut values);
+    let cleaned = clean_radiance(&mut values);
     let image = ImageData {
         name: name.to_owned(),
         width,
@@ -82,8 +86,8 @@ pub fn decode_hdr(name: &str, bytes: &[u8]) -> Result<DecodedHdr, EnvironmentErr
     Ok(DecodedHdr { image, cleaned })
 }
 
-/// Brings all values into [0, `MAX_RADIANCE`]; how many had to be.
-fn clean(values: &mut [f32]) -> u64 {
+/// Brings all values into [0, [`MAX_RADIANCE`]]; returns how many had to be.
+pub fn clean_radiance(values: &mut [f32]) -> u64 {
     let mut cleaned = 0;
     for value in values {
         if !(0.0..=MAX_RADIANCE).contains(value) {
@@ -102,7 +106,7 @@ mod tests {
     #[test]
     fn values_are_cleaned_and_counted() {
         let mut values = [f32::NAN, -1.0, f32::INFINITY, 2.0, 0.0, f32::NEG_INFINITY];
-        assert_eq!(clean(&mut values), 4);
+        assert_eq!(clean_radiance(&mut values), 4);
         let expected = [0.0, 0.0, MAX_RADIANCE, 2.0, 0.0, 0.0];
         assert_eq!(values.map(f32::to_bits), expected.map(f32::to_bits));
     }

@@ -15,7 +15,7 @@ use glam::{DVec3, Quat};
 use kaustik_bsdf::warp;
 use kaustik_spectrum::{EmissionSpectrum, Spectrum, Wavelengths, uplift_emission};
 
-pub use hdr::{DecodedHdr, MAX_HDR_BYTES, MAX_HDR_PIXELS, decode_hdr, load_hdr};
+pub use hdr::{DecodedHdr, MAX_HDR_BYTES, MAX_HDR_PIXELS, clean_radiance, decode_hdr, load_hdr};
 
 use crate::description::EnvironmentDescription;
 use crate::texture::TextureError;

@@ -75,8 +75,8 @@ pub enum Pace {
     /// By how many uniform light paths are seen: where many are, the first chain takes most steps.
     #[default]
     Auto,
-    /// In every so-many-th sweep (1 to 64): uniform, visibility, inverse kernel size, full target. Those that
-    /// a ladder does not have say nothing.
+    /// A step in every n-th sweep (1 to 64), in the order uniform, visibility, inverse kernel size, full
+    /// target. Entries for levels that the ladder lacks are ignored.
     Periods([u32; 4]),
 }
 

@@ -1,4 +1,5 @@
-use std::io::Read;
+use std::fs::File;
+use std::io::{self, Read};
 use std::ops::Range;
 use std::path::Path;
 
@@ -6,6 +7,47 @@ use kaustik_scene::Scene;
 
 use super::{BYTE_ORDER, CHECKSUM, Header, MAGIC, PREFIX, Reader, Source, StateError, VERSION};
 use crate::RenderSettings;
+
+/// Opens a file, and says how long it is.
+fn open(path: &Path) -> io::Result<(File, u64)> {
+    // Asked before it is opened: opening a pipe would wait for its other end.
+    let metadata = std::fs::metadata(path)?;
+    if !metadata.is_file() {
+        return Err(io::Error::other("it is no regular file"));
+    }
+    Ok((File::open(path)?, metadata.len()))
+}
+
+/// The first bytes, which only a state has.
+fn read_magic(file: &mut File) -> Result<[u8; MAGIC.len()], StateError> {
+    let mut magic = [0; MAGIC.len()];
+    let read = file.read_exact(&mut magic);
+    match read {
+        Ok(()) if magic == MAGIC => Ok(magic),
+        Err(error) if error.kind() != io::ErrorKind::UnexpectedEof => Err(failed(&error)),
+        _ => Err(StateError::Foreign),
+    }
+}
+
+/// All of a file that begins as a state does; nothing else is read to its end.
+fn read_state(path: &Path) -> Result<Vec<u8>, StateError> {
+    let (mut file, length) = open(path).map_err(|error| failed(&error))?;
+    let magic = read_magic(&mut file)?;
+    let mut bytes = Vec::new();
+    let room = usize::try_from(length).is_ok_and(|length| bytes.try_reserve_exact(length).is_ok());
+    if !room {
+        return Err(failed(&io::ErrorKind::OutOfMemory.into()));
+    }
+    bytes.extend(magic);
+    file.take(length.saturating_sub(magic.len() as u64))
+        .read_to_end(&mut bytes)
+        .map_err(|error| failed(&error))?;
+    Ok(bytes)
+}
+
+fn failed(error: &io::Error) -> StateError {
+    StateError::Read(error.to_string())
+}
 
 /// A state file that was read and found whole. What is in it is understood when a render takes it up.
 #[derive(Clone, PartialEq)]
@@ -18,9 +60,7 @@ pub struct State {
 impl State {
     /// Does this file begin as a state does? `false` also where it cannot be read.
     pub fn is_at(path: &Path) -> bool {
-        let mut magic = [0; MAGIC.len()];
-        let file = std::fs::File::open(path);
-        file.is_ok_and(|mut file| file.read_exact(&mut magic).is_ok() && magic == MAGIC)
+        open(path).is_ok_and(|(mut file, _)| read_magic(&mut file).is_ok())
     }
 
     /// Reads a state file.
@@ -28,8 +68,7 @@ impl State {
     /// # Errors
     /// A file that cannot be read, of another format, or damaged.
     pub fn read(path: &Path) -> Result<Self, StateError> {
-        let bytes = std::fs::read(path).map_err(|error| StateError::Read(error.to_string()))?;
-        Self::from_bytes(bytes)
+        Self::from_bytes(read_state(path)?)
     }
 
     /// As [`read`](Self::read), of bytes.
