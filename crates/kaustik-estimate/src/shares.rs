@@ -111,8 +111,15 @@ impl<const K: usize> Shares<K> {
         self.parts[level].push(light);
     }
 
-    /// So many such samples, of which these were not dark.
+    /// Records `sent` such samples, of which these were not dark.
+    ///
+    /// # Panics
+    /// If more were found than were sent.
     pub fn scouts(&mut self, level: usize, found: &[f64], sent: u64) {
+        assert!(
+            found.len() as u64 <= sent,
+            "more samples with light than samples"
+        );
         for &light in found {
             self.parts[level].push(light);
         }

@@ -169,3 +169,31 @@ impl std::fmt::Debug for State {
             .finish()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_no_state_file_is_not_read() {
+        let kept = tempfile::NamedTempFile::new().expect("a file");
+        for (bytes, expected) in [
+            (&b"kau"[..], StateError::Foreign),
+            (&[b'x'; 64], StateError::Foreign),
+        ] {
+            std::fs::write(kept.path(), bytes).expect("a file");
+            assert_eq!(State::read(kept.path()).err(), Some(expected));
+        }
+        std::fs::write(kept.path(), MAGIC).expect("a file");
+        assert!(State::is_at(kept.path()));
+        assert!(matches!(
+            State::read(kept.path()),
+            Err(StateError::Damaged(_))
+        ));
+        let folder = kept.path().parent().expect("a folder");
+        for path in [folder, Path::new("/dev/zero")] {
+            assert!(!State::is_at(path));
+            assert!(matches!(State::read(path), Err(StateError::Read(_))));
+        }
+    }
+}
