@@ -255,6 +255,38 @@ fn screen(z: f32, half: f32) -> Mesh {
     }
 }
 
+/// Veils a hair before a wall: the whole light lands on each of the three, and counts only where it landed. (In each other's
+/// discs it would count twice and more.)
+#[test]
+fn light_on_close_layers_counts_where_it_landed() {
+    let paper = paper();
+    let veil = MaterialDescription {
+        base_color: [0.8, 0.8, 0.8, 0.1],
+        alpha_mode: AlphaMode::Blend,
+        ..paper.clone()
+    };
+    let lamp = MaterialDescription {
+        emissive: [10.0; 3],
+        ..paper.clone()
+    };
+    let things = [
+        (paper, screen(-1.0, 2.0)),
+        (veil.clone(), screen(-0.998, 2.0)),
+        (veil, screen(-0.996, 2.0)),
+        (lamp, screen(4.0, 0.5)),
+    ];
+    let scene = compile(&describe(Vec3::new(0.0, 0.0, 3.0), 0.5, things), SIDE);
+    let brightness = |settings: &RenderSettings| luminance(means(&picture(&scene, settings)));
+    let truth = brightness(&settings(Method::Bdpt, SIDE, 256));
+    for method in [Method::Sppm, Method::PhotonSpatial] {
+        let found = brightness(&photons(method, 16, 60_000));
+        assert!(
+            (found / truth - 1.0).abs() < 0.06,
+            "{method}: {found}, {truth}"
+        );
+    }
+}
+
 /// A veil that a third of all rays meet, before a wall: camera and photons meet it by chance, and it counts once. (Were it
 /// counted twice, a third would be missing.)
 #[test]

@@ -70,7 +70,7 @@ pub use features::{Features, features};
 pub use light::LightTracing;
 pub use photon::{
     Disc, Lookup, MeasurementPoint, MeasurementPoints, MeasurementWalk, Photon, PhotonPath,
-    PhotonTracing, Remainder,
+    PhotonTracing, Remainder, Sheet,
 };
 pub use pure_specular::PureSpecular;
 pub use rays::Rays;

@@ -7,6 +7,7 @@ use kaustik_scene::{Scene, Vertex};
 use kaustik_spectrum::Wavelengths;
 
 use super::MeasurementPoints;
+use super::Sheet;
 use super::narrow::{Part, take};
 use super::outline::Outline;
 use super::points::Seen;
@@ -69,6 +70,7 @@ impl MeasurementWalk {
                         edges: walk.edges,
                         raster,
                         radius,
+                        sheet: Sheet::new(scene, &vertex, scatter.bsdf),
                         outline,
                     });
                     return;

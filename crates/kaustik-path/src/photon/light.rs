@@ -6,6 +6,7 @@ use kaustik_pss::{Coordinates, Stream};
 use kaustik_scene::{Scene, Vertex};
 use kaustik_spectrum::{Spectrum, Wavelengths};
 
+use super::Sheet;
 use crate::walk::Walk;
 
 /// Light that arrives at a point.
@@ -25,6 +26,8 @@ pub struct Photon {
     pub edges: u32,
     /// Has refracted where the index depends on the wavelength: the hero counts alone.
     pub dispersive: bool,
+    /// Where it lies.
+    pub sheet: Sheet,
 }
 
 impl Photon {
@@ -110,6 +113,7 @@ impl PhotonTracing {
                     power: walk.throughput / scene.opacity(&vertex),
                     edges: walk.edges,
                     dispersive: walk.dispersive,
+                    sheet: Sheet::new(scene, &vertex, scatter.bsdf),
                 });
             }
             if walk.bounce(scene, &scatter, u).is_none() || !walk.survives_by_albedo(u) {

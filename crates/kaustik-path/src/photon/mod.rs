@@ -17,6 +17,7 @@ mod outline;
 mod point;
 mod points;
 mod remainder;
+mod sheet;
 
 #[cfg(test)]
 mod tests;
@@ -27,3 +28,4 @@ pub use lookup::Lookup;
 pub use point::{Disc, MeasurementPoint};
 pub use points::MeasurementPoints;
 pub use remainder::Remainder;
+pub use sheet::Sheet;

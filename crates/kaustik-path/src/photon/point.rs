@@ -5,8 +5,8 @@ use std::f64::consts::PI;
 use glam::{DVec2, Vec3};
 use kaustik_spectrum::Spectrum;
 
-use super::Photon;
 use super::manner::Manner;
+use super::{Photon, Sheet};
 
 /// Normals that differ by more (about 84 degrees) belong to different surfaces.
 const LEAST_AGREEMENT: f32 = 0.1;
@@ -41,7 +41,9 @@ pub struct MeasurementPoint {
     /// The shading normal.
     pub(super) shading: Vec3,
     /// Edges of the walk from the camera.
-    pub edges: u32,
+    pub edges: u16,
+    /// Where it lies.
+    pub(super) sheet: Sheet,
     pub(super) manner: Manner,
 }
 
@@ -59,7 +61,8 @@ impl MeasurementPoint {
     #[inline]
     pub(super) fn accepts(&self, photon: &Photon, max_edges: u32) -> bool {
         agree(self.normal, photon.normal)
-            && self.edges + photon.edges <= max_edges
+            && self.sheet.is_shared_with(photon.sheet)
+            && u32::from(self.edges) + photon.edges <= max_edges
             && (!self.manner.is(Manner::OPAQUE) || self.lands_on_seen_side(photon))
     }
 

@@ -6,6 +6,7 @@ use kaustik_scene::Vertex;
 use kaustik_spectrum::{Spectrum, Wavelengths, Xyz};
 
 use super::Photon;
+use super::Sheet;
 use super::manner::{Manner, Scattering};
 use super::outline::Outline;
 use super::point::{Disc, MeasurementPoint};
@@ -54,6 +55,8 @@ pub(super) struct Seen<'a> {
     pub(super) edges: u32,
     pub(super) raster: DVec2,
     pub(super) radius: f64,
+    /// Where it lies.
+    pub(super) sheet: Sheet,
     /// What stands within the radius.
     pub(super) outline: Option<Outline>,
 }
@@ -167,7 +170,8 @@ impl MeasurementPoints {
             throughput,
             normal: vertex.normal.as_vec3(),
             shading: vertex.frame.z.as_vec3(),
-            edges: seen.edges,
+            edges: seen.edges.min(u32::from(u16::MAX)) as u16,
+            sheet: seen.sheet,
             manner,
         });
     }
@@ -350,6 +354,7 @@ pub(super) mod tests {
             power: Spectrum::splat(1.0),
             edges: 1,
             dispersive: false,
+            sheet: Sheet::default(),
         };
         let brought = |index, photon| all.contribution(index, photon, &wavelengths).sum();
         let part = (PI / outline.area(1.0)) as f32;
@@ -379,6 +384,7 @@ pub(super) mod tests {
             edges: 1,
             raster: DVec2::splat(0.5),
             radius: 1.0,
+            sheet: Sheet::default(),
             outline: None,
         }
     }
@@ -425,6 +431,7 @@ pub(super) mod tests {
                         power: Spectrum::splat(1.0),
                         edges: 1,
                         dispersive: false,
+                        sheet: Sheet::default(),
                     };
                     let accepted = points.accepts(0, &photon, 8);
                     let lit = points.contribution(0, &photon, &wavelengths).sum() > 0.0;

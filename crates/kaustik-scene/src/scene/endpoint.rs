@@ -64,6 +64,12 @@ impl Scene {
         self.matter.has_alpha
     }
 
+    /// May rays pass its surface somewhere because of alpha?
+    #[inline]
+    pub fn is_cut(&self, vertex: &Vertex) -> bool {
+        self.has_alpha() && self.matter.material(vertex.material).has_alpha()
+    }
+
     /// Probability that a ray that comes to this point meets the surface: its alpha.
     #[inline]
     pub fn opacity(&self, vertex: &Vertex) -> f32 {
