@@ -16,6 +16,7 @@ pub use refinement::Refinement;
 /// a tree tells orientations apart where regions are smaller than that length. With length zero
 /// orientations do not count.
 pub type RegionPoint = [f32; 6];
+
 /// The compression of both factors of the target (G Eq. 11).
 const EPSILON: f64 = 1e-4;
 
