@@ -104,16 +104,17 @@ impl<const K: usize> Recorder<PhotonValue, K> for PhotonDeposit<'_, K> {
         let photons = visit.value.path.photons();
         for meeting in &visit.value.meetings {
             let photon = &photons[meeting.photon as usize];
+            let stands_for = visit.value.stands_for(meeting.photon);
             let sound = (self.map).splat(
                 self.films[level],
                 self.scale,
                 photon,
                 meeting.point as usize,
-                weight,
+                weight * stands_for,
             );
             self.faults[level] += u64::from(!sound);
             if let Some(touches) = self.touches {
-                let steps = (visit.weight * TOUCH as f64).round_ties_even() as u64;
+                let steps = (visit.weight * stands_for * TOUCH as f64).round_ties_even() as u64;
                 touches[meeting.point as usize].fetch_add(steps, Relaxed);
             }
         }

@@ -1,6 +1,6 @@
 //! Light paths as states of chains: what they touch, and what the targets say of it.
 
-use kaustik_mcmc::{Draws, Family, Target, sample_generator};
+use kaustik_mcmc::{Draws, Family, SampleGenerators, Target};
 use kaustik_path::{PhotonPath, PhotonTracing, note};
 use kaustik_pss::Coordinates;
 use kaustik_scene::Scene;
@@ -16,10 +16,10 @@ pub struct Meeting {
     pub point: u32,
 }
 
-/// A path remembers so many points of each photon at most.
+/// A path remembers about so many points of each photon at most.
 ///
 /// A photon has a few, or some thousands where discs are large; but points of a whole picture may lie in one place. Of more than
-/// this many every so-many-th is kept, and is brought so many times the power: the same in the mean, and memory is bounded.
+/// this many every so-many-th is kept, and stands for so many: the same in the mean, and memory is bounded.
 const MOST_MEETINGS: usize = 4096;
 
 /// A light path with all that targets ask of it. Buffers are reused.
@@ -27,11 +27,30 @@ const MOST_MEETINGS: usize = 4096;
 pub struct PhotonValue {
     /// The photons.
     pub path: PhotonPath,
-    /// All pairs that meet, by photon.
+    /// The pairs that meet, by photon: all, or those that stand for all.
     pub meetings: Vec<Meeting>,
+    /// For how many pairs one of each photon stands; 1 for the photons behind the last.
+    pub(crate) strides: Vec<u32>,
     /// The targets, by [`PhotonTargetKind`]: all but the uniform one are positive where the path is
     /// visible, and 0 elsewhere.
     pub targets: [f64; PhotonTargetKind::COUNT],
+}
+
+impl PhotonValue {
+    /// For how many pairs one of this photon stands.
+    #[inline]
+    pub fn stands_for(&self, photon: u32) -> f64 {
+        self.strides
+            .get(photon as usize)
+            .copied()
+            .map_or(1.0, f64::from)
+    }
+
+    /// Does every pair that meets stand for itself?
+    #[inline]
+    pub(crate) fn is_whole(&self) -> bool {
+        self.strides.is_empty()
+    }
 }
 
 /// Evaluates light paths against the measurement points of one iteration.
@@ -54,10 +73,12 @@ impl Target for PhotonTarget<'_> {
         let PhotonValue {
             path,
             meetings,
+            strides,
             targets,
         } = value;
         (self.tracing).build(self.scene, self.map.wavelengths, u, path);
         meetings.clear();
+        strides.clear();
         // G Eq. 12: the largest of the points touched
         let mut most = [0.0_f32; 2];
         for at in 0..path.photons().len() {
@@ -77,7 +98,10 @@ impl Target for PhotonTarget<'_> {
             });
             if count > MOST_MEETINGS {
                 meetings.truncate(first);
-                self.thin_out(path, at, count, meetings);
+                let stride = count.div_ceil(MOST_MEETINGS) as u32;
+                strides.resize(at, 1);
+                strides.push(stride);
+                self.thin_out(path, at, stride, meetings);
             }
         }
         let visible = f64::from(u8::from(!meetings.is_empty()));
@@ -86,31 +110,26 @@ impl Target for PhotonTarget<'_> {
 }
 
 impl PhotonTarget<'_> {
-    /// Every so-many-th of this many points that a photon meets. Which one is first goes by where the photon lies: the
-    /// same for the same path.
+    /// About every so-many-th of the points that a photon meets.
+    ///
+    /// Which ones goes by the path, the same for all its photons: where one keeps a point, one that keeps more of them keeps
+    /// it too. So a point is kept with the chance of the photon that keeps most.
     #[cold]
-    fn thin_out(
-        &self,
-        path: &mut PhotonPath,
-        at: usize,
-        count: usize,
-        meetings: &mut Vec<Meeting>,
-    ) {
-        let stride = count.div_ceil(MOST_MEETINGS);
-        let photon = path.photons()[at];
-        let [x, y, z] = photon.position.to_array().map(|at| u64::from(at.to_bits()));
-        let mut turn = (sample_generator(x, y, z).uniform() * stride as f64) as usize;
-        self.map.meetings(&photon, |point| {
-            if turn == 0 {
-                turn = stride;
+    fn thin_out(&self, path: &PhotonPath, at: usize, stride: u32, meetings: &mut Vec<Meeting>) {
+        let photons = path.photons();
+        let [x, y, z] = photons[0]
+            .position
+            .to_array()
+            .map(|at| u64::from(at.to_bits()));
+        let of_points = SampleGenerators::new(x ^ (y << 32), z);
+        self.map.meetings(&photons[at], |point| {
+            if of_points.at(point as u64).uniform() * f64::from(stride) < 1.0 {
                 meetings.push(Meeting {
                     photon: at as u32,
                     point: point as u32,
                 });
             }
-            turn -= 1;
         });
-        path.multiply(at, stride as f32);
     }
 }
 
@@ -134,17 +153,22 @@ impl<const K: usize> Family<PhotonValue, K> for PhotonLevels<K> {
 
 #[cfg(test)]
 mod tests {
+    use std::collections::BTreeSet;
+
     use glam::DVec2;
-    use kaustik_mcmc::Independent;
+    use kaustik_mcmc::{Independent, Visit, sample_generator};
     use kaustik_path::{BuilderSettings, Lookup, MeasurementPoints, MeasurementWalk, Photon};
     use kaustik_scene::{SceneOptions, builtin};
     use kaustik_spectrum::{WavelengthSampling, Wavelengths};
 
     use super::*;
+    use crate::first_meetings::FirstMeetings;
+    use crate::{Combine, RegionSums, Sharing, Witnesses};
 
     const SIDE: u32 = 160;
 
-    /// Discs so large that a photon meets thousands: those that are kept bring what all would.
+    /// Discs so large that a photon meets thousands: those that are kept bring what all would, and tell regions of as many
+    /// points.
     #[test]
     fn what_is_kept_of_many_meetings_brings_as_much() {
         let options = SceneOptions {
@@ -185,27 +209,59 @@ mod tests {
         };
         let (mut value, mut whole) = (PhotonValue::default(), PhotonPath::default());
         let (mut thinned, mut all, mut kept) = (0, 0.0, 0.0);
+        let levels = PhotonLevels([PhotonTargetKind::Uniform]);
+        let mut sums = RegionSums::new(1, &levels, Witnesses::All);
+        sums.begin(vec![0; points.points().len()]);
+        let sharing = Sharing {
+            combine: Combine::Balance,
+            rough: [1.0],
+            samples: [1.0],
+        };
+        let mut touched = 0;
         for index in 0..400 {
             let u = || Independent::new(sample_generator(1, 1, index));
             target.evaluate(&mut u(), &mut value);
             tracing.build(&scene, &wavelengths, &mut u(), &mut whole);
+            let visit = Visit {
+                level: 0,
+                value: &value,
+                densities: &[1.0],
+                weight: 1.0,
+                independent: 0.0,
+            };
+            sums.take(
+                &visit,
+                1.0,
+                &map,
+                &sharing,
+                0,
+                &mut FirstMeetings::default(),
+            );
+            let mut met = BTreeSet::new();
             for (at, photon) in whole.photons().iter().enumerate() {
                 let mut count = 0;
                 map.meetings(photon, |point| {
                     count += 1;
+                    met.insert(point);
                     all += brought(photon, point);
                 });
                 let of = |meeting: &&Meeting| meeting.photon as usize == at;
                 let own = value.meetings.iter().filter(of).count();
-                assert!(own <= MOST_MEETINGS && (own == count || count > MOST_MEETINGS));
+                assert!(own <= MOST_MEETINGS * 5 / 4 && (own == count || count > MOST_MEETINGS));
                 thinned += usize::from(own < count);
             }
+            touched += met.len();
             for meeting in &value.meetings {
                 let photon = &value.path.photons()[meeting.photon as usize];
-                kept += brought(photon, meeting.point as usize);
+                kept += brought(photon, meeting.point as usize) * value.stands_for(meeting.photon);
             }
         }
         assert!(thinned > 100, "{thinned}");
         assert!((kept / all - 1.0).abs() < 2e-3, "{kept}, not {all}");
+        let [tally] = sums.tallies(&[1.0])[..] else {
+            panic!("one leaf");
+        };
+        let told = tally.psi[0] / touched as f64;
+        assert!((told - 1.0).abs() < 2e-3, "{tally:?}, not {touched}");
     }
 }

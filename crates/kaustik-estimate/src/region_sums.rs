@@ -131,7 +131,7 @@ impl<const K: usize> RegionSums<K> {
         let leaf = |meeting: &Meeting| self.leaves[meeting.point as usize];
         let firsts = room.of(meetings, &self.leaves);
         // Photons meet many points of one leaf in a row: what they add is added at once.
-        let (mut run, mut points) = (NONE, 0_u32);
+        let (mut run, mut points) = (NONE, 0.0);
         // Where the meetings of the photon begin: it meets no point twice.
         let mut own = 0;
         for (at, meeting) in meetings.iter().enumerate() {
@@ -144,20 +144,21 @@ impl<const K: usize> RegionSums<K> {
             }
             let here = leaf(meeting);
             if here != run {
-                self.add_points(run, level, half, weight * f64::from(points));
-                (run, points) = (here, 0);
+                self.add_points(run, level, half, weight * points);
+                (run, points) = (here, 0.0);
                 // What is known rests on the paths that were looked at.
                 if firsts.in_leaf(meetings, at, &self.leaves) {
                     add(&self.sums[here as usize][level].paths, visit.weight * share);
                 }
             }
-            points += 1;
+            let stride = stride(visit.value, &firsts, at);
+            points += stride;
             if let Some(typical) = self.typical {
-                let flux = flux(visit.value, &firsts, at, map);
-                self.sums[here as usize][level].add_flux(flux / typical, weight);
+                let flux = flux(visit.value, &firsts, at, map) / stride;
+                self.sums[here as usize][level].add_flux(flux / typical, weight * stride);
             }
         }
-        self.add_points(run, level, half, weight * f64::from(points));
+        self.add_points(run, level, half, weight * points);
     }
 
     /// The share with which a visit counts, by the heuristic over the chains that are counted.
@@ -209,14 +210,28 @@ impl LevelSums {
     }
 }
 
-/// What a path brings to the point of its meeting `first`, in this meeting and in all later ones.
+/// For how many points the point of a meeting stands: it is kept as often as by the photon that keeps most.
+#[inline]
+fn stride(value: &PhotonValue, firsts: &Firsts<'_>, first: usize) -> f64 {
+    if value.is_whole() {
+        return 1.0;
+    }
+    let mut least = f64::INFINITY;
+    firsts.each_at_its_point(&value.meetings, first, |meeting| {
+        least = least.min(value.stands_for(meeting.photon));
+    });
+    least
+}
+
+/// What a path brings to the point of its meeting `first`, in this meeting and in all later ones, times what each stands for.
 #[inline]
 fn flux(value: &PhotonValue, firsts: &Firsts<'_>, first: usize, map: &PhotonMap<'_>) -> f64 {
     let photons = value.path.photons();
     let mut flux = 0.0;
     firsts.each_at_its_point(&value.meetings, first, |meeting| {
         let photon = &photons[meeting.photon as usize];
-        flux += map.points.response(meeting.point as usize, photon);
+        let response = map.points.response(meeting.point as usize, photon);
+        flux += response * value.stands_for(meeting.photon);
     });
     flux
 }

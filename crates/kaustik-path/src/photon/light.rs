@@ -53,12 +53,6 @@ impl PhotonPath {
         &self.photons
     }
 
-    /// Makes a photon (by its number) stand for so many of its kind.
-    #[inline]
-    pub fn multiply(&mut self, photon: usize, factor: f32) {
-        self.photons[photon].power *= factor;
-    }
-
     /// How many photons were left out because their power was not finite or negative (a fault).
     #[inline]
     pub fn nonfinite(&self) -> u32 {
