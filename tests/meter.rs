@@ -7,8 +7,8 @@ use kaustik::scene::Scene;
 use kaustik::scene::builtin;
 use kaustik::scene::description::{Lens, LightDescription, LightKind};
 use kaustik::{
-    Budget, Builder, ChainStatistics, Control, Direct, Method, Mis, Normaliser, Place,
-    RenderSettings, render, replay,
+    Budget, Builder, ChainStatistics, Control, Direct, Method, Mis, Normaliser, RenderSettings,
+    StepId, render, replay,
 };
 
 use crate::bits::bits;
@@ -228,8 +228,8 @@ fn elsewhere_it_changes_nothing() {
 #[test]
 fn its_samples_are_replayed() {
     let show = |scene: &Scene, method, step| {
-        let place = Place {
-            ladder: Place::METER,
+        let place = StepId {
+            ladder: StepId::METER,
             step,
         };
         replay(scene, &settings(method, SIDE, 1), place)

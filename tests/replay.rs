@@ -6,7 +6,7 @@ use kaustik::geometry::Ray;
 use kaustik::path::{Event, Role, Side, Stand};
 use kaustik::spectrum::Xyz;
 use kaustik::{
-    Control, Direct, Energy, Method, Place, RenderError, RenderSettings, render, replay,
+    Control, Direct, Energy, Method, RenderError, RenderSettings, StepId, render, replay,
 };
 
 use crate::faults::shown;
@@ -25,7 +25,7 @@ fn all_samples_replayed_are_the_picture() {
         let film = Film::with_layout(&settings.layout(), Quantum::from_mean(1e-3)).expect("a film");
         for ladder in 0..4 {
             for step in 0..u64::from(SIDE * SIDE / 4) {
-                let events = replay(&scene, &settings, Place { ladder, step });
+                let events = replay(&scene, &settings, StepId { ladder, step });
                 for event in events.expect("events") {
                     if let Event::Splat { raster, xyz, .. } = event {
                         add(&film, SIDE, raster, xyz, 1.0);
@@ -45,7 +45,7 @@ fn the_vertices_of_a_walk_follow_on_each_other() {
     let settings = settings(Method::Path, 8, 1);
     let (mut edges, mut lights) = (0, 0);
     for ladder in 0..64 {
-        let events = replay(&scene, &settings, Place { ladder, step: 0 }).expect("events");
+        let events = replay(&scene, &settings, StepId { ladder, step: 0 }).expect("events");
         let mut from = None;
         for event in &events {
             assert!(event.is_finite());
@@ -98,7 +98,7 @@ fn steps_of_chains_are_replayed() {
     for method in methods {
         let settings = settings(method, 8, 4);
         let show = |settings: &RenderSettings, ladder, step| {
-            replay(&scene, settings, Place { ladder, step }).expect("events")
+            replay(&scene, settings, StepId { ladder, step }).expect("events")
         };
         let events = show(&settings, 3, 200);
         let evaluations = events.iter().filter(|e| **e == Event::Begin).count();
@@ -162,7 +162,7 @@ fn all_mutations_replayed_are_the_picture() {
     for ladder in 0..2 {
         let mut before = None;
         for step in 0..STEPS {
-            let events = replay(&scene, &settings, Place { ladder, step }).expect("events");
+            let events = replay(&scene, &settings, StepId { ladder, step }).expect("events");
             let (mut current, mut proposed) = (None, None);
             for event in events {
                 match event {
@@ -217,7 +217,7 @@ fn all_redistributed_samples_replayed_are_the_picture() {
         let [mut sampled, mut proposed] = [0, 0];
         for ladder in 0..2 {
             for step in 0..u64::from(SIDE * SIDE / 2 * 3) {
-                let events = replay(&scene, &settings, Place { ladder, step });
+                let events = replay(&scene, &settings, StepId { ladder, step });
                 for event in events.expect("events") {
                     match event {
                         Event::Deposit { raster, xyz, .. } => add(&film, SIDE, raster, xyz, 1.0),
@@ -257,7 +257,7 @@ fn all_light_paths_replayed_are_the_picture() {
     let due = passes * u64::from(SIDE * SIDE / 2);
     for ladder in 0..2 {
         for step in 0..due.max(PHOTONS * ITERATIONS) {
-            let events = replay(&scene, &settings, Place { ladder, step });
+            let events = replay(&scene, &settings, StepId { ladder, step });
             for event in events.expect("events") {
                 let wanted = step < PHOTONS * ITERATIONS;
                 match event {
@@ -293,7 +293,7 @@ fn the_vertices_of_a_path_see_each_other() {
     settings.options.pilot = 500;
     let (mut paths, mut surfaces) = (0, 0);
     for ladder in 0..32 {
-        let events = replay(&scene, &settings, Place { ladder, step: 2 }).expect("events");
+        let events = replay(&scene, &settings, StepId { ladder, step: 2 }).expect("events");
         let mut before: Option<(DVec3, DVec3)> = None;
         for event in &events {
             assert!(event.is_finite());
@@ -342,7 +342,7 @@ fn every_method_is_replayed() {
     for method in Method::ALL {
         let mut settings = settings(method, 8, 1);
         settings.options.pilot = 1000;
-        let show = |ladder, step| replay(&scene, &settings, Place { ladder, step });
+        let show = |ladder, step| replay(&scene, &settings, StepId { ladder, step });
         let shown = show(0, 1).expect("events");
         assert!(shown.iter().all(Event::is_finite), "{method}");
         assert!(!shown.is_empty(), "{method}");
@@ -351,7 +351,7 @@ fn every_method_is_replayed() {
             matches!(&wrong, Err(RenderError::Setting { found, .. }) if found == "64"),
             "{method}: {wrong:?}"
         );
-        let lamps = show(Place::LAMPS, 3);
+        let lamps = show(StepId::LAMPS, 3);
         let beside = [
             Method::Pssmlt,
             Method::Mmlt,

@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use clap::{Args, Parser, Subcommand};
 use kaustik::film::{Filter, Tone, ToneCurve, Window};
-use kaustik::{Method, Place};
+use kaustik::{Method, StepId};
 
 /// Light transport with Markov chains.
 #[derive(Debug, Parser)]
@@ -128,7 +128,7 @@ pub(crate) struct ReplayWords {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct At {
     pub(crate) seed: Option<u64>,
-    pub(crate) place: Place,
+    pub(crate) place: StepId,
 }
 
 /// Where a picture goes, and how much is said about it.
@@ -308,15 +308,15 @@ fn at(text: &str) -> Result<At, String> {
     let at = |seed: Option<&str>, ladder: &str, step: &str| {
         let seed = seed.map(str::parse).transpose().ok()?;
         let ladder = match ladder {
-            "lamps" => Place::LAMPS,
-            "meter" => Place::METER,
+            "lamps" => StepId::LAMPS,
+            "meter" => StepId::METER,
             ladder => ladder
                 .parse()
                 .ok()
-                .filter(|&ladder| ladder < Place::METER)?,
+                .filter(|&ladder| ladder < StepId::METER)?,
         };
         let step = step.parse().ok()?;
-        let place = Place { ladder, step };
+        let place = StepId { ladder, step };
         // Steps are counted, and a chain has to get there.
         (step < 1 << 48).then_some(At { seed, place })
     };
@@ -391,12 +391,12 @@ mod tests {
         assert_eq!(ladders("2..5"), Ok(2..5));
         let place = |seed, ladder| At {
             seed,
-            place: Place { ladder, step: 3 },
+            place: StepId { ladder, step: 3 },
         };
         assert_eq!(at("1:2:3"), Ok(place(Some(1), 2)));
         assert_eq!(at("2:3"), Ok(place(None, 2)));
-        assert_eq!(at("lamps:3"), Ok(place(None, Place::LAMPS)));
-        assert_eq!(at("meter:3"), Ok(place(None, Place::METER)));
+        assert_eq!(at("lamps:3"), Ok(place(None, StepId::LAMPS)));
+        assert_eq!(at("meter:3"), Ok(place(None, StepId::METER)));
         assert_eq!(
             at("1:lamps:3").map(|at| at.place.to_string()),
             Ok("lamps:3".to_owned())

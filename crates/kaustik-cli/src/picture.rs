@@ -3,7 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use kaustik::film::{check_writable, exr, png, write_file};
-use kaustik::{Budget, Method, Outcome, Place, RenderSettings, RenderStatistics, Rendered, Source};
+use kaustik::{
+    Budget, Method, Outcome, RenderSettings, RenderStatistics, Rendered, Source, StepId,
+};
 use serde_json::{Value, json};
 
 use crate::arguments::OutputWords;
@@ -111,7 +113,7 @@ const PRINTED: usize = 8;
 /// Where contributions were left out, and what shows one of them again.
 fn places(statistics: &RenderStatistics) -> String {
     let seed = statistics.seed;
-    let place = |place: &Place| format!("{seed}:{place}");
+    let place = |place: &StepId| format!("{seed}:{place}");
     let places = &statistics.nonfinite_places;
     let Some(first) = places.first().map(place) else {
         return String::new();

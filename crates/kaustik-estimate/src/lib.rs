@@ -88,6 +88,6 @@ pub use regions::{LeafTally, Learnt, Refinement, RegionPoint, Regions, inverse};
 pub use replica_set::{ClassWeights, ReplicaSet, ReplicaSetError};
 pub use replicas::{ReplicaDeposit, ReplicaFamily, ReplicaWeights, SpecificFamily};
 pub use scalar::{Contribution, MappedContribution, ScalarContribution};
-pub use shares::Shares;
+pub use shares::ReplicaShares;
 pub use specular_split::SpecularSplit;
 pub use target::{CountedTarget, PathTarget};

@@ -4,7 +4,7 @@ use kaustik_film::Film;
 use kaustik_mcmc::{Family, Recorder, TourRecorder, Visit};
 use kaustik_path::{Class, Contributions, ScalarTarget};
 
-use crate::{ReplicaSet, Scale, Shares, SpecularSplit};
+use crate::{ReplicaSet, ReplicaShares, Scale, SpecularSplit};
 
 /// The densities of K replicas: `q_0 = 1`, `q_k = sum of d_{k,n} L_n` (RELT eq. 19, which counts
 /// from 1; [`ReplicaSet::weights`]).
@@ -223,7 +223,7 @@ impl<const K: usize> ReplicaWeights<K> {
 /// Takes the visits of ladders of K replicas: one film each.
 ///
 /// After N sweeps the image is `area / N * sum of scale_k * film_k`, `area` being the raster area in
-/// pixels and `scale_k` the replica's of [`Shares::scales`], or `b_k / b_hat_k`.
+/// pixels and `scale_k` the replica's of [`ReplicaShares::scales`], or `b_k / b_hat_k`.
 ///
 /// Without a specific replica every visit goes to its replica's film, weighted by
 /// [`factor`](ReplicaWeights::factor). With one, implicit specular light that nothing else finds ([`Class::L0`]) goes to
@@ -238,7 +238,7 @@ pub struct ReplicaDeposit<'a, const K: usize> {
     /// The heuristic.
     pub weights: ReplicaWeights<K>,
     /// What the films are given, and what independent samples (visits of replica 0) say they should hold.
-    pub shares: Shares<K>,
+    pub shares: ReplicaShares<K>,
     /// 1 over the samples of each replica a sweep. [`weights`](Self::weights) know of those of the replicas that share
     /// paths ([`ReplicaWeights::with_counts`]).
     pub each: [f64; K],

@@ -24,7 +24,7 @@ const FEW: f64 = 2.0;
     feature = "serde",
     serde(try_from = "serial::Written", into = "serial::Written")
 )]
-pub struct Shares<const K: usize> {
+pub struct ReplicaShares<const K: usize> {
     /// `w_k l` of independent samples.
     parts: [Mean; K],
     /// Their sum, `l`.
@@ -42,13 +42,13 @@ pub struct Shares<const K: usize> {
 }
 
 /// Of replicas in a line.
-impl<const K: usize> Default for Shares<K> {
+impl<const K: usize> Default for ReplicaShares<K> {
     fn default() -> Self {
         Self::on(from_fn(|k| k.saturating_sub(1)))
     }
 }
 
-impl<const K: usize> Shares<K> {
+impl<const K: usize> ReplicaShares<K> {
     /// For replicas in a tree: `below[k] < k` is the parent of replica k; `below[0]` is ignored.
     ///
     /// # Panics
@@ -269,7 +269,7 @@ mod tests {
 
     #[test]
     fn films_are_scaled_to_what_independent_samples_say() {
-        let (mut one, mut other) = (Shares::<3>::default(), Shares::default());
+        let (mut one, mut other) = (ReplicaShares::<3>::default(), ReplicaShares::default());
         for i in 0..400 {
             let half = if i % 2 == 0 { &mut one } else { &mut other };
             half.sample([1.0, if i < 100 { 3.0 } else { 0.0 }, 0.0]);
@@ -298,7 +298,7 @@ mod tests {
 
     #[test]
     fn scouts_count_for_their_replica_alone() {
-        let mut shares = Shares::<2>::default();
+        let mut shares = ReplicaShares::<2>::default();
         for _ in 0..100 {
             shares.sample([1.0, 0.0]);
             for light in [0.0, 0.0, 2.0] {
@@ -321,7 +321,7 @@ mod tests {
     #[test]
     fn bridges_need_no_nested_supports() {
         let mut rng = generator(34, 0);
-        let mut shares = Shares::<3>::on([0, 0, 0]);
+        let mut shares = ReplicaShares::<3>::on([0, 0, 0]);
         for _ in 0..20_000 {
             for (level, [from, to]) in [[0.0, 1.0], [0.0, 0.5], [0.75, 1.0]].iter().enumerate() {
                 let x = from + (to - from) * rng.uniform();
@@ -337,7 +337,7 @@ mod tests {
 
     #[test]
     fn what_samples_have_hardly_met_is_left_to_the_bridges() {
-        let mut shares = Shares::<1>::default();
+        let mut shares = ReplicaShares::<1>::default();
         shares.sample([0.0]);
         shares.hold(0, 3.0, 1.0);
         assert!(close(shares.scales(6)[0], 1.0));
@@ -349,7 +349,7 @@ mod tests {
     #[test]
     fn bridges_find_the_constants() {
         let mut rng = generator(33, 0);
-        let mut shares = Shares::<3>::default();
+        let mut shares = ReplicaShares::<3>::default();
         for _ in 0..100_000 {
             for level in 0..3 {
                 let x = libm::pow(rng.uniform(), 1.0 / (level as f64 + 1.0));

@@ -2,7 +2,7 @@ use std::cell::Cell;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use kaustik_mcmc::Target;
-use kaustik_path::{Contributions, PathBuilder, Rays};
+use kaustik_path::{Contributions, PathBuilder, RayCounts};
 use kaustik_pss::Coordinates;
 use kaustik_scene::Scene;
 
@@ -36,7 +36,7 @@ pub struct CountedTarget<'a> {
     /// What is evaluated.
     pub target: PathTarget<'a>,
     /// The rays of all evaluations.
-    pub rays: &'a Cell<Rays>,
+    pub rays: &'a Cell<RayCounts>,
 }
 
 impl Target for CountedTarget<'_> {

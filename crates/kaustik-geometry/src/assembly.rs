@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 use glam::{Affine3A, Vec3};
 
-use crate::bvh::{Bvh, Kind, LIMIT, Leaf, Place, Places, STILL, build};
+use crate::bvh::{Bvh, Kind, LIMIT, Leaf, PlacedTree, PlacedTrees, STILL, build};
 use crate::{Aabb, Instance, Mesh, Motion, WorldError};
 
 /// A mesh of which all copies together have no more triangles is copied.
@@ -20,7 +20,7 @@ pub(crate) struct Assembly {
     pub(crate) leaves: Vec<Leaf>,
     /// For each instance, whether its triangles are among the leaves.
     pub(crate) flattened: Vec<bool>,
-    pub(crate) places: Places,
+    pub(crate) places: PlacedTrees,
     /// For each instance the index of its motion, or [`STILL`].
     pub(crate) motion_of: Vec<u32>,
     pub(crate) bounds: Aabb,
@@ -42,9 +42,9 @@ impl Assembly {
         let mut assembly = Assembly {
             leaves: Vec::new(),
             flattened: Vec::with_capacity(instances.len()),
-            places: Places {
+            places: PlacedTrees {
                 motions: motions.into_iter().map(|(_, motion)| motion).collect(),
-                ..Places::default()
+                ..PlacedTrees::default()
             },
             motion_of,
             bounds: Aabb::EMPTY,
@@ -122,7 +122,7 @@ impl Assembly {
             place: self.places.list.len() as u32,
             bounds,
         });
-        self.places.list.push(Place {
+        self.places.list.push(PlacedTree {
             instance,
             tree: tree as u32,
             to_object: transform.inverse(),

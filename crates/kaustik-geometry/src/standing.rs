@@ -23,7 +23,7 @@ pub(crate) struct Standing {
 /// A transform with what it does to directions: worked out once for what stands still, because every hit asks.
 pub(crate) struct Pose {
     transform: Affine3A,
-    way: Way,
+    placement: Placement,
     /// The transform changes nothing at all.
     pub(crate) identity: bool,
     /// -1 if the transform mirrors, else 1.
@@ -38,7 +38,7 @@ pub(crate) struct Pose {
 
 /// How its corners come to stand where rays meet them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Way {
+enum Placement {
     /// As the mesh has them.
     Still,
     /// Moved once, in single precision.
@@ -73,18 +73,18 @@ impl Standing {
     /// A triangle's corners exactly as the walk sees them.
     #[inline(always)]
     pub(crate) fn corners<'a>(&'a self, pose: &'a Pose, primitive: u32) -> Corners<'a> {
-        let positions = match pose.way {
+        let positions = match pose.placement {
             // Corner by corner: an array of the mesh's own would be copied before it is widened.
-            Way::Still => {
+            Placement::Still => {
                 let [a, b, c] = self.mesh.indices[primitive as usize];
                 let wide = |i: u32| self.mesh.positions[i as usize].as_dvec3();
                 [wide(a), wide(b), wide(c)]
             }
-            Way::Moved => {
+            Placement::Moved => {
                 let moved = |p| pose.transform.transform_point3(p).as_dvec3();
                 self.mesh.corners(primitive).map(moved)
             }
-            Way::OwnTree => {
+            Placement::OwnTree => {
                 let shift = pose.transform.translation.as_dvec3();
                 let placed = |p: Vec3| pose.linear * p.as_dvec3() + shift;
                 self.mesh.corners(primitive).map(placed)
@@ -116,10 +116,10 @@ impl Pose {
             2.0001 * (turned + shift)
         };
         Self {
-            way: match (flattened, identity) {
-                (true, true) => Way::Still,
-                (true, false) => Way::Moved,
-                (false, _) => Way::OwnTree,
+            placement: match (flattened, identity) {
+                (true, true) => Placement::Still,
+                (true, false) => Placement::Moved,
+                (false, _) => Placement::OwnTree,
             },
             transform,
             identity,
@@ -132,6 +132,6 @@ impl Pose {
 
     /// That of the transform, where rays undergo it; None where the corners did.
     pub(crate) fn translation(&self) -> Option<DVec3> {
-        (self.way == Way::OwnTree).then(|| self.transform.translation.as_dvec3())
+        (self.placement == Placement::OwnTree).then(|| self.transform.translation.as_dvec3())
     }
 }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::{DVec3, Vec2, Vec3, Vec4};
 
 use crate::assembly::Assembly;
-use crate::bvh::{Any, Bvh, Closest, Goal, InstructionSet, Level, Near, Places, STILL, build};
+use crate::bvh::{Any, Bvh, Closest, Goal, InstructionSet, Level, Near, PlacedTrees, STILL, build};
 use crate::standing::{Pose, Standing};
 use crate::{Aabb, Hit, Instance, Mesh, Motion, Ray, Surface, Unwrapping, WorldError};
 
@@ -37,7 +37,7 @@ struct Stock {
     /// The instances as hits ask for them.
     standing: Vec<Standing>,
     tree: Bvh,
-    places: Places,
+    places: PlacedTrees,
     instruction_set: InstructionSet,
     bounds: Aabb,
 }

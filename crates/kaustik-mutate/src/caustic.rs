@@ -8,8 +8,8 @@ use kaustik_scene::EmitterPoint;
 
 use crate::density::{bending, geometry_to_eye};
 use crate::factor::{Factor, factor};
-use crate::vertex::Place;
-use crate::walk::Way;
+use crate::vertex::VertexKind;
+use crate::walk::WalkDirection;
 use crate::{Path, PathSpace, Radii};
 
 /// Moves the direction in which light leaves the last vertex but one that can be joined, traces the same
@@ -123,7 +123,7 @@ impl CausticPerturbation<'_> {
         let wi = vertex.vertex.frame.to_local(vertex.toward_light);
         let delta = (vertex.bsdf).delta(wi, vertex.transmitted, Mode::Importance)?;
         vertex.toward_eye = vertex.vertex.frame.to_world(delta.wi);
-        (self.space.follow(y, i, Way::ToEye, draws)).then_some(())
+        (self.space.follow(y, i, WalkDirection::ToEye, draws)).then_some(())
     }
 
     /// The first ray of parallel light, moved sideways.
@@ -140,8 +140,8 @@ impl CausticPerturbation<'_> {
     fn leave<D: Draws + ?Sized>(&self, y: &mut Path, pivot: usize, draws: &mut D) -> bool {
         let from = y.at(pivot);
         let direction = from.toward_eye.as_vec3();
-        match from.place {
-            Place::Emitter(EmitterPoint::Punctual(index)) => {
+        match from.kind {
+            VertexKind::Emitter(EmitterPoint::Punctual(index)) => {
                 let origin = self
                     .space
                     .scene
@@ -150,11 +150,13 @@ impl CausticPerturbation<'_> {
                 let ray = Ray::new(origin.as_vec3(), direction);
                 self.space.leave_emitter(y, &ray, draws)
             }
-            Place::Emitter(_) => {
+            VertexKind::Emitter(_) => {
                 let ray = Ray::spawn(&from.vertex.surface, direction);
                 self.space.leave_emitter(y, &ray, draws)
             }
-            Place::Surface | Place::Lens => self.space.follow(y, pivot, Way::ToEye, draws),
+            VertexKind::Surface | VertexKind::Lens => {
+                self.space.follow(y, pivot, WalkDirection::ToEye, draws)
+            }
         }
     }
 }

@@ -5,7 +5,7 @@ use kaustik_scene::{EmissionPdf, EmitterPoint};
 
 use crate::PathSpace;
 use crate::factor::{Factor, factor};
-use crate::vertex::{PathVertex, Place};
+use crate::vertex::{PathVertex, VertexKind};
 use crate::vertices::Vertices;
 use crate::ways::{Making, Ways};
 
@@ -81,7 +81,7 @@ impl PathSpace<'_> {
     #[inline]
     pub(crate) fn emitter_point_pdf(&self, path: &impl Vertices) -> f64 {
         let pdf = self.emission(path).position;
-        if path.at(0).place == Place::Emitter(EmitterPoint::Surface) {
+        if path.at(0).kind == VertexKind::Emitter(EmitterPoint::Surface) {
             pdf * self.unit_area()
         } else {
             pdf
@@ -109,14 +109,14 @@ impl PathSpace<'_> {
     #[inline]
     pub(crate) fn emission(&self, path: &impl Vertices) -> EmissionPdf {
         let vertex = path.at(0);
-        match vertex.place {
-            Place::Emitter(EmitterPoint::Punctual(index)) => {
+        match vertex.kind {
+            VertexKind::Emitter(EmitterPoint::Punctual(index)) => {
                 let next = path.at(1).vertex.position;
                 self.scene
                     .punctual_view(index, next, path.wavelengths())
                     .pdf
             }
-            Place::Emitter(EmitterPoint::Environment(toward)) => {
+            VertexKind::Emitter(EmitterPoint::Environment(toward)) => {
                 self.scene.environment_emission_pdf(toward)
             }
             _ => self.scene.emission_pdf(&vertex.vertex, vertex.toward_eye),
@@ -126,11 +126,11 @@ impl PathSpace<'_> {
     /// Density with which a walk with the light makes vertex `i > 0` from the one before.
     #[inline]
     pub(crate) fn step_to_eye_pdf(&self, path: &impl Vertices, i: usize) -> f64 {
-        if path.at(i).place == Place::Lens {
+        if path.at(i).kind == VertexKind::Lens {
             return 0.0; // no walk is stopped by the lens here
         }
         let from = path.at(i - 1);
-        let direction = if matches!(from.place, Place::Emitter(_)) {
+        let direction = if matches!(from.kind, VertexKind::Emitter(_)) {
             factor(Factor::Emission, self.emission(path).direction)
         } else if from.specular {
             let delta = from.bsdf.delta(from.wi, from.transmitted, Mode::Importance);
@@ -150,7 +150,7 @@ impl PathSpace<'_> {
             return 0.0;
         }
         let from = path.at(i + 1);
-        let direction = if from.place == Place::Lens {
+        let direction = if from.kind == VertexKind::Lens {
             let lens = from.vertex.position;
             let raster = self.raster_per_direction(lens, from.toward_light);
             factor(Factor::Raster, raster) * factor(Factor::RasterPdf, self.raster_pdf())
@@ -183,8 +183,8 @@ impl PathSpace<'_> {
             0 => factor(Factor::EmitterPoint, self.emitter_point_pdf(path)),
             _ => self.step_to_eye_pdf(path, i),
         };
-        let by_eye = match path.at(i).place {
-            Place::Lens => self.start_at_lens(),
+        let by_eye = match path.at(i).kind {
+            VertexKind::Lens => self.start_at_lens(),
             _ => self.step_to_light_pdf(path, i),
         };
         Making {
@@ -202,8 +202,11 @@ impl PathSpace<'_> {
             return true;
         }
         let (light, eye) = (path.at(i - 1), path.at(i));
-        let parallel = eye.place == Place::Lens
-            && matches!(light.place, Place::Emitter(EmitterPoint::Environment(_)))
+        let parallel = eye.kind == VertexKind::Lens
+            && matches!(
+                light.kind,
+                VertexKind::Emitter(EmitterPoint::Environment(_))
+            )
             && self.scene.camera().is_dirac_direction();
         !(light.specular || eye.specular || parallel)
     }

@@ -4,7 +4,7 @@ use kaustik_bsdf::{Lobe, Mode, shading};
 use kaustik_scene::EmitterPoint;
 use kaustik_spectrum::Xyz;
 
-use crate::vertex::{PathVertex, Place};
+use crate::vertex::{PathVertex, VertexKind};
 use crate::vertices::Vertices;
 use crate::{Path, PathSpace};
 
@@ -15,11 +15,11 @@ const SMALL: f32 = 1e-12;
 impl PathSpace<'_> {
     /// Works out vertex `i` for the directions that it now has; `false` if no light passes.
     pub(crate) fn refresh(&self, path: &mut Path, i: usize) -> bool {
-        match path.at(i).place {
+        match path.at(i).kind {
             // A walk that has left the scene too early ends in an emitter, too.
-            Place::Emitter(_) => i == 0 && self.emit(path),
-            Place::Lens => self.look(path, i),
-            Place::Surface => scatter(path.at_mut(i)),
+            VertexKind::Emitter(_) => i == 0 && self.emit(path),
+            VertexKind::Lens => self.look(path, i),
+            VertexKind::Surface => scatter(path.at_mut(i)),
         }
     }
 
@@ -28,19 +28,19 @@ impl PathSpace<'_> {
         let wavelengths = path.wavelengths;
         let (vertex, next) = path.pair(0);
         vertex.cos_eye = 1.0;
-        vertex.value = match vertex.place {
-            Place::Emitter(EmitterPoint::Surface) => {
+        vertex.value = match vertex.kind {
+            VertexKind::Emitter(EmitterPoint::Surface) => {
                 vertex.cos_eye = vertex.vertex.normal.dot(vertex.toward_eye).abs();
                 (self.scene).emitted(&vertex.vertex, vertex.toward_eye, &wavelengths)
             }
-            Place::Emitter(EmitterPoint::Punctual(index)) => {
+            VertexKind::Emitter(EmitterPoint::Punctual(index)) => {
                 let view = (self.scene).punctual_view(index, next.vertex.position, &wavelengths);
                 view.intensity
             }
-            Place::Emitter(EmitterPoint::Environment(toward)) => {
+            VertexKind::Emitter(EmitterPoint::Environment(toward)) => {
                 self.scene.environment(toward, &wavelengths)
             }
-            Place::Surface | Place::Lens => return false,
+            VertexKind::Surface | VertexKind::Lens => return false,
         };
         !vertex.value.is_zero()
     }

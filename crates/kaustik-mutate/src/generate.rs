@@ -4,8 +4,8 @@ use glam::DVec2;
 use kaustik_mcmc::Draws;
 use kaustik_scene::EmitterPoint;
 
-use crate::vertex::Place;
-use crate::walk::Way;
+use crate::vertex::VertexKind;
+use crate::walk::WalkDirection;
 use crate::{Path, PathSpace};
 
 impl PathSpace<'_> {
@@ -23,7 +23,7 @@ impl PathSpace<'_> {
         for i in part.start..joint {
             let made = match i {
                 0 => self.begin_at_light(y, draws),
-                _ => self.scatter(y, i - 1, Way::ToEye, draws),
+                _ => self.scatter(y, i - 1, WalkDirection::ToEye, draws),
             };
             if !made {
                 return false;
@@ -33,7 +33,7 @@ impl PathSpace<'_> {
             let made = match y.len() - 1 - i {
                 0 => self.begin_at_lens(y, draws),
                 1 => self.leave_lens(y, draws),
-                _ => self.scatter(y, i + 1, Way::ToLight, draws),
+                _ => self.scatter(y, i + 1, WalkDirection::ToLight, draws),
             };
             if !made {
                 return false;
@@ -52,7 +52,7 @@ impl PathSpace<'_> {
         let Some(point) = self.scene.sample_emitter_point(draw, &mut vertex.vertex) else {
             return false;
         };
-        vertex.place = Place::Emitter(point);
+        vertex.kind = VertexKind::Emitter(point);
         vertex.specular = false;
         vertex.dispersive = false;
         vertex.opacity = match point {
@@ -67,7 +67,7 @@ impl PathSpace<'_> {
     /// The last vertex by a fresh point of the lens.
     pub(crate) fn begin_at_lens<D: Draws + ?Sized>(&self, y: &mut Path, draws: &mut D) -> bool {
         let lens = y.at_mut(y.len() - 1);
-        lens.place = Place::Lens;
+        lens.kind = VertexKind::Lens;
         lens.specular = false;
         let u = [draws.uniform(), draws.uniform()];
         let ray = self.scene.camera().sample_ray(DVec2::splat(0.5), u);

@@ -4,7 +4,7 @@ use glam::DVec3;
 use kaustik_scene::EmitterPoint;
 use kaustik_spectrum::{Spectrum, Wavelengths};
 
-use crate::vertex::{Edge, PathVertex, Place};
+use crate::vertex::{Edge, PathVertex, VertexKind};
 use crate::{Path, PathSpace};
 
 impl PathSpace<'_> {
@@ -28,21 +28,23 @@ impl PathSpace<'_> {
     fn between(&self, path: &mut Path, i: usize) -> Option<(DVec3, f64)> {
         let wavelengths = path.wavelengths;
         let (light, eye) = path.pair(i);
-        let last = eye.place == Place::Lens;
+        let last = eye.kind == VertexKind::Lens;
         let camera = self.scene.camera();
-        match light.place {
+        match light.kind {
             // No walk from the eye finds such a light, and it has no size in the picture.
-            Place::Emitter(EmitterPoint::Punctual(_)) if last => None,
-            Place::Emitter(EmitterPoint::Punctual(index)) => {
+            VertexKind::Emitter(EmitterPoint::Punctual(_)) if last => None,
+            VertexKind::Emitter(EmitterPoint::Punctual(index)) => {
                 let view = self
                     .scene
                     .punctual_view(index, eye.vertex.position, &wavelengths);
                 (view.squared > 0.0).then_some((view.toward, view.squared))
             }
-            Place::Emitter(EmitterPoint::Environment(_)) if last && camera.is_dirac_direction() => {
+            VertexKind::Emitter(EmitterPoint::Environment(_))
+                if last && camera.is_dirac_direction() =>
+            {
                 None
             }
-            Place::Emitter(EmitterPoint::Environment(toward)) => Some((toward, 1.0)),
+            VertexKind::Emitter(EmitterPoint::Environment(toward)) => Some((toward, 1.0)),
             _ if last && camera.is_dirac_direction() => {
                 let sample = camera.sample_lens(light.vertex.position, [0.5; 2])?;
                 eye.vertex.position = sample.position;
@@ -81,7 +83,7 @@ impl PathSpace<'_> {
             return Spectrum::ONE;
         }
         // The square that an edge to the lens keeps is that of its geometry term: 1 for parallel rays.
-        let distance = if eye.place == Place::Lens {
+        let distance = if eye.kind == VertexKind::Lens {
             (light.vertex.position - eye.vertex.position).length()
         } else {
             light.edge.squared.sqrt()
@@ -93,15 +95,15 @@ impl PathSpace<'_> {
     /// Is it an emitter without extent at a place?
     #[inline]
     pub(crate) fn is_point(&self, vertex: &PathVertex) -> bool {
-        matches!(vertex.place, Place::Emitter(EmitterPoint::Punctual(_)))
+        matches!(vertex.kind, VertexKind::Emitter(EmitterPoint::Punctual(_)))
             && !self.is_endless(vertex)
     }
 
     /// Does the edge from here to the eye come from infinitely far away?
     pub(crate) fn is_endless(&self, light: &crate::vertex::PathVertex) -> bool {
-        match light.place {
-            Place::Emitter(EmitterPoint::Environment(_)) => true,
-            Place::Emitter(EmitterPoint::Punctual(index)) => {
+        match light.kind {
+            VertexKind::Emitter(EmitterPoint::Environment(_)) => true,
+            VertexKind::Emitter(EmitterPoint::Punctual(index)) => {
                 self.scene.punctual_position(index).is_none()
             }
             _ => false,

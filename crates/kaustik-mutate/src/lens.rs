@@ -6,7 +6,7 @@ use kaustik_mcmc::Draws;
 
 use crate::density::geometry_to_light;
 use crate::factor::{Factor, factor};
-use crate::walk::Way;
+use crate::walk::WalkDirection;
 use crate::{Path, PathSpace, Radii};
 
 /// Which paths a perturbation from the lens moves.
@@ -117,7 +117,9 @@ impl<'a> LensPerturbation<'a> {
         } else {
             vertex.toward_light = self.angles.turn(old.toward_light, draws)?.0;
         }
-        self.space.follow(y, i, Way::ToLight, draws).then_some(())
+        self.space
+            .follow(y, i, WalkDirection::ToLight, draws)
+            .then_some(())
     }
 
     /// Joins what was traced to what is kept; the ratio of the densities back and there.

@@ -3,8 +3,8 @@
 use kaustik_bsdf::Lobe;
 use kaustik_mcmc::Draws;
 
-use crate::vertex::Place;
-use crate::walk::Way;
+use crate::vertex::VertexKind;
+use crate::walk::WalkDirection;
 use crate::{Path, PathSpace};
 
 /// Makes the part `D S* E` of `.. (L or D) D S* E` anew from a fresh raster point anywhere in the image: a
@@ -60,7 +60,7 @@ impl LensMutation<'_> {
         let mut at = longest - 2;
         loop {
             // What has left the scene has no scattering function: what is there is left over from another path.
-            if y.at(at).place != Place::Surface {
+            if y.at(at).kind != VertexKind::Surface {
                 return None;
             }
             if y.at(at).bsdf.is_connectable() {
@@ -69,7 +69,7 @@ impl LensMutation<'_> {
             if at <= kept {
                 return None;
             }
-            if !space.scatter(y, at, Way::ToLight, draws) {
+            if !space.scatter(y, at, WalkDirection::ToLight, draws) {
                 return None;
             }
             at -= 1;

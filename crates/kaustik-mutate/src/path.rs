@@ -2,7 +2,7 @@ use glam::DVec2;
 use kaustik_scene::EmitterPoint;
 use kaustik_spectrum::{WavelengthSampling, Wavelengths, Xyz};
 
-use crate::vertex::{PathVertex, Place};
+use crate::vertex::{PathVertex, VertexKind};
 
 #[cfg(feature = "serde")]
 mod written;
@@ -105,9 +105,9 @@ impl Path {
     /// punctual light the origin.
     pub fn position(&self, vertex: usize) -> [f64; 3] {
         let vertex = self.at(vertex);
-        match vertex.place {
-            Place::Emitter(EmitterPoint::Environment(toward)) => toward.to_array(),
-            Place::Emitter(EmitterPoint::Punctual(_)) => [0.0; 3],
+        match vertex.kind {
+            VertexKind::Emitter(EmitterPoint::Environment(toward)) => toward.to_array(),
+            VertexKind::Emitter(EmitterPoint::Punctual(_)) => [0.0; 3],
             _ => vertex.vertex.position.to_array(),
         }
     }

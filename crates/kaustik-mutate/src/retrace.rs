@@ -10,8 +10,8 @@ use kaustik_scene::EmitterPoint;
 
 use crate::factor::{Factor, factor};
 use crate::lens::density;
-use crate::vertex::{PathVertex, Place};
-use crate::walk::Way;
+use crate::vertex::{PathVertex, VertexKind};
+use crate::walk::WalkDirection;
 use crate::{Path, PathSpace};
 
 /// From a path to one whose wavelengths and time are given.
@@ -52,7 +52,7 @@ impl Retrace<'_> {
         self.leave_lens(x, y, draws)?;
         for i in (last + 1..n - 1).rev() {
             self.scatter(x.at(i), y.at_mut(i), draws)?;
-            if !space.follow(y, i, Way::ToLight, draws) {
+            if !space.follow(y, i, WalkDirection::ToLight, draws) {
                 return None;
             }
         }
@@ -112,7 +112,7 @@ impl Retrace<'_> {
         new: &mut PathVertex,
         draws: &mut D,
     ) -> Option<()> {
-        if new.place != Place::Surface {
+        if new.kind != VertexKind::Surface {
             return None;
         }
         new.specular = old.specular;
@@ -148,7 +148,7 @@ impl Retrace<'_> {
     /// stands for the one opposite, so that steps that go round are symmetric in the triangle. Returns by how
     /// much the triangle has grown: 0 where it is gone.
     fn move_emitter<D: Draws + ?Sized>(&self, emitter: &mut PathVertex, draws: &mut D) -> f64 {
-        if emitter.place != Place::Emitter(EmitterPoint::Surface) {
+        if emitter.kind != VertexKind::Emitter(EmitterPoint::Surface) {
             return 1.0;
         }
         let vertex = &mut emitter.vertex;

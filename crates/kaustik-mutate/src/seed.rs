@@ -8,9 +8,9 @@ use kaustik_path::Role;
 use kaustik_scene::EmitterPoint;
 use kaustik_spectrum::{Wavelengths, Xyz};
 
-use crate::vertex::Place;
+use crate::vertex::VertexKind;
 use crate::vertices::Pieces;
-use crate::walk::Way;
+use crate::walk::WalkDirection;
 use crate::ways::{Ways, WaysOn};
 use crate::{Path, PathSpace};
 
@@ -140,7 +140,7 @@ impl<'a> Seeds<'a> {
                 return;
             };
             survived *= survival;
-            if !space.scatter(&mut self.light, i - 1, Way::ToEye, draws) {
+            if !space.scatter(&mut self.light, i - 1, WalkDirection::ToEye, draws) {
                 return;
             }
             self.light_survival.push(survived);
@@ -164,7 +164,7 @@ impl<'a> Seeds<'a> {
             survived *= survival;
             let made = match vertices {
                 1 => space.leave_lens(&mut self.eye, draws),
-                _ => space.scatter(&mut self.eye, i + 1, Way::ToLight, draws),
+                _ => space.scatter(&mut self.eye, i + 1, WalkDirection::ToLight, draws),
             };
             if !made {
                 return false;
@@ -180,7 +180,7 @@ impl<'a> Seeds<'a> {
     /// Does the last of so many vertices from the eye emit?
     fn emits(&self, space: &PathSpace<'_>, t: usize) -> bool {
         let vertex = self.eye.at(self.eye.len() - t);
-        vertex.place == Place::Surface && space.scene.is_emitter(&vertex.vertex)
+        vertex.kind == VertexKind::Surface && space.scene.is_emitter(&vertex.vertex)
     }
 
     /// Sums up the ways to make what each walk has, but for the vertices that a joint touches: with these
@@ -256,8 +256,8 @@ impl<'a> Seeds<'a> {
         joint.copy(0, eye, first..first + 2);
         let emitter = joint.at_mut(0);
         emitter.specular = false;
-        if emitter.place == Place::Surface {
-            emitter.place = Place::Emitter(EmitterPoint::Surface);
+        if emitter.kind == VertexKind::Surface {
+            emitter.kind = VertexKind::Emitter(EmitterPoint::Surface);
         }
         space.refresh(joint, 0)
     }
@@ -306,7 +306,7 @@ pub(crate) fn survives<D: Draws + ?Sized>(
     draws: &mut D,
 ) -> Option<f64> {
     let vertex = walk.at(i);
-    if vertices < FIRST_ROULETTE || vertex.place != Place::Surface {
+    if vertices < FIRST_ROULETTE || vertex.kind != VertexKind::Surface {
         return Some(1.0);
     }
     let albedo = f64::from(vertex.bsdf.albedo(glam::DVec3::Z).max());

@@ -6,7 +6,7 @@ use kaustik_path::{Event, Role, Stand, is_listening, note};
 use kaustik_scene::EmitterPoint;
 use kaustik_spectrum::Spectrum;
 
-use crate::vertex::Place;
+use crate::vertex::VertexKind;
 use crate::{Path, PathSpace};
 
 /// A kernel that tells what it proposes and what becomes of it. In a render nobody listens, and a proposal
@@ -106,12 +106,12 @@ impl PathSpace<'_> {
     fn told(&self, path: &Path, index: usize) -> Event {
         let at = path.at(index);
         let toward = || path.at(index + 1).toward_light;
-        let (stand, position) = match at.place {
-            Place::Surface => (Stand::Surface, at.vertex.position),
-            Place::Lens => (Stand::Lens, at.vertex.position),
-            Place::Emitter(EmitterPoint::Surface) => (Stand::Emitter, at.vertex.position),
-            Place::Emitter(EmitterPoint::Environment(toward)) => (Stand::Distant, toward),
-            Place::Emitter(EmitterPoint::Punctual(lamp)) => {
+        let (stand, position) = match at.kind {
+            VertexKind::Surface => (Stand::Surface, at.vertex.position),
+            VertexKind::Lens => (Stand::Lens, at.vertex.position),
+            VertexKind::Emitter(EmitterPoint::Surface) => (Stand::Emitter, at.vertex.position),
+            VertexKind::Emitter(EmitterPoint::Environment(toward)) => (Stand::Distant, toward),
+            VertexKind::Emitter(EmitterPoint::Punctual(lamp)) => {
                 match self.scene.punctual_position(lamp) {
                     Some(position) => (Stand::Emitter, position),
                     None => (Stand::Distant, toward()),
@@ -119,8 +119,8 @@ impl PathSpace<'_> {
             }
         };
         let on_surface = matches!(
-            at.place,
-            Place::Surface | Place::Emitter(EmitterPoint::Surface)
+            at.kind,
+            VertexKind::Surface | VertexKind::Emitter(EmitterPoint::Surface)
         );
         let normal = |normal| if on_surface { normal } else { DVec3::ZERO };
         Event::PathVertex {

@@ -7,8 +7,8 @@ use kaustik_scene::EmitterPoint;
 use kaustik_spectrum::Wavelengths;
 
 use crate::seed::survives;
-use crate::vertex::Place;
-use crate::walk::Way;
+use crate::vertex::VertexKind;
+use crate::walk::WalkDirection;
 use crate::{Path, PathSpace};
 
 /// A path tracer that keeps its paths: a walk from the eye, each of whose vertices is joined to a point of an
@@ -75,7 +75,7 @@ impl Tracer {
             survived *= survival;
             let made = match vertices {
                 1 => space.look_through(&mut self.walk, raster, draws),
-                _ => space.scatter(&mut self.walk, i + 1, Way::ToLight, draws),
+                _ => space.scatter(&mut self.walk, i + 1, WalkDirection::ToLight, draws),
             };
             if !made {
                 return;
@@ -100,8 +100,8 @@ impl Tracer {
         self.take(edges + 1, 0);
         let first = self.path.at_mut(0);
         first.specular = false;
-        if first.place == Place::Surface {
-            first.place = Place::Emitter(EmitterPoint::Surface);
+        if first.kind == VertexKind::Surface {
+            first.kind = VertexKind::Emitter(EmitterPoint::Surface);
         }
         space.refresh(&mut self.path, 0) && space.evaluate(&mut self.path)
     }

@@ -3,11 +3,11 @@ use kaustik_bsdf::Bsdf;
 use kaustik_scene::{EmitterPoint, Interior, Vertex};
 use kaustik_spectrum::Spectrum;
 
-use crate::walk::Way;
+use crate::walk::WalkDirection;
 
 /// What a vertex is to its path.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Place {
+pub(crate) enum VertexKind {
     /// The first: where the light comes from.
     Emitter(EmitterPoint),
     /// Where it is scattered.
@@ -20,7 +20,7 @@ pub(crate) enum Place {
 /// from the vertex.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PathVertex {
-    pub(crate) place: Place,
+    pub(crate) kind: VertexKind,
     /// Of an emitter or surface. Of the lens, only the position means anything.
     pub(crate) vertex: Vertex,
     pub(crate) bsdf: Bsdf,
@@ -83,7 +83,7 @@ impl Default for PathVertex {
     /// A slot to write into.
     fn default() -> Self {
         Self {
-            place: Place::Surface,
+            kind: VertexKind::Surface,
             vertex: Vertex::default(),
             bsdf: Bsdf::black(),
             interior: Interior::VACUUM,
@@ -108,22 +108,22 @@ impl Default for PathVertex {
 impl PathVertex {
     /// The direction to the next vertex that way.
     #[inline]
-    pub(crate) fn ahead_mut(&mut self, way: Way) -> &mut DVec3 {
-        match way {
-            Way::ToLight => &mut self.toward_light,
-            Way::ToEye => &mut self.toward_eye,
+    pub(crate) fn ahead_mut(&mut self, towards: WalkDirection) -> &mut DVec3 {
+        match towards {
+            WalkDirection::ToLight => &mut self.toward_light,
+            WalkDirection::ToEye => &mut self.toward_eye,
         }
     }
 
     /// May a walk run into it, as into an emitter?
     #[inline]
     pub(crate) fn is_hittable(&self) -> bool {
-        !matches!(self.place, Place::Emitter(EmitterPoint::Punctual(_)))
+        !matches!(self.kind, VertexKind::Emitter(EmitterPoint::Punctual(_)))
     }
 
     /// Of an emitter: infinitely far away?
     #[inline]
     pub(crate) fn is_environment(&self) -> bool {
-        matches!(self.place, Place::Emitter(EmitterPoint::Environment(_)))
+        matches!(self.kind, VertexKind::Emitter(EmitterPoint::Environment(_)))
     }
 }

@@ -7,12 +7,12 @@ use kaustik_mcmc::Draws;
 use kaustik_scene::{EmitterPoint, Interior};
 use kaustik_spectrum::Spectrum;
 
-use crate::vertex::{Edge, PathVertex, Place};
+use crate::vertex::{Edge, PathVertex, VertexKind};
 use crate::{Path, PathSpace};
 
 /// Which way a walk runs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Way {
+pub(crate) enum WalkDirection {
     /// From vertex `i` to vertex `i - 1`.
     ToLight,
     /// From vertex `i` to vertex `i + 1`.
@@ -23,15 +23,16 @@ impl PathSpace<'_> {
     /// The solids beyond a vertex toward `direction` (world).
     #[inline]
     pub(crate) fn beyond(&self, vertex: &PathVertex, direction: DVec3) -> Interior {
-        match vertex.place {
-            Place::Surface => {
+        match vertex.kind {
+            VertexKind::Surface => {
                 let PathVertex { interior, back, .. } = vertex;
                 (self.scene).interior_toward(&vertex.vertex, interior, *back, direction)
             }
-            Place::Emitter(point) => self
-                .scene
-                .emitter_interior(point, &vertex.vertex, direction),
-            Place::Lens => self.scene.camera_interior(),
+            VertexKind::Emitter(point) => {
+                self.scene
+                    .emitter_interior(point, &vertex.vertex, direction)
+            }
+            VertexKind::Lens => self.scene.camera_interior(),
         }
     }
 
@@ -58,7 +59,7 @@ impl PathSpace<'_> {
         slot.dispersive = false;
         let Some(segment) = segment else {
             let seen = !self.scene.environment(direction, &wavelengths).is_zero();
-            slot.place = Place::Emitter(EmitterPoint::Environment(direction));
+            slot.kind = VertexKind::Emitter(EmitterPoint::Environment(direction));
             slot.opacity = 1.0;
             slot.edge = Edge::default();
             if seen && self.scene.has_alpha() {
@@ -67,7 +68,7 @@ impl PathSpace<'_> {
             return seen;
         };
         let squared = (slot.vertex.position - from.vertex.position).length_squared();
-        let parallel = from.place == Place::Lens && self.scene.camera().is_dirac_direction();
+        let parallel = from.kind == VertexKind::Lens && self.scene.camera().is_dirac_direction();
         slot.edge = Edge {
             squared: if parallel { 1.0 } else { squared },
             passed: 1.0,
@@ -78,7 +79,7 @@ impl PathSpace<'_> {
             slot.edge.passed = self.passed(slot, from);
         }
         if i == 0 {
-            slot.place = Place::Emitter(EmitterPoint::Surface);
+            slot.kind = VertexKind::Emitter(EmitterPoint::Surface);
             return self.scene.is_emitter(&slot.vertex);
         }
         (self.scene).write_bsdf(&slot.vertex, &wavelengths, &interior, &mut slot.bsdf);
@@ -119,9 +120,11 @@ impl PathSpace<'_> {
 
     /// The edge from a vertex to the next toward the eye, a surface.
     fn edge_from(&self, from: &PathVertex, to: &PathVertex, transmittance: Spectrum) -> Edge {
-        let origin = match from.place {
-            Place::Emitter(EmitterPoint::Environment(_)) => None,
-            Place::Emitter(EmitterPoint::Punctual(index)) => self.scene.punctual_position(index),
+        let origin = match from.kind {
+            VertexKind::Emitter(EmitterPoint::Environment(_)) => None,
+            VertexKind::Emitter(EmitterPoint::Punctual(index)) => {
+                self.scene.punctual_position(index)
+            }
             _ => Some(from.vertex.position),
         };
         match origin {
@@ -138,7 +141,7 @@ impl PathSpace<'_> {
     /// What is the same for every surface that a walk finds.
     #[inline]
     fn arrive(&self, slot: &mut PathVertex, interior: Interior, back: DVec3) {
-        slot.place = Place::Surface;
+        slot.kind = VertexKind::Surface;
         slot.interior = interior;
         slot.back = back;
         slot.ng = slot.vertex.local_normal();
@@ -154,11 +157,11 @@ impl PathSpace<'_> {
     /// The solids around the beginning of [`Self::sight`]: where interfaces are hidden, those at its other
     /// end are others.
     pub(crate) fn interior_between(&self, light: &PathVertex, eye: &PathVertex) -> Interior {
-        match (eye.place, light.place) {
-            (Place::Lens, Place::Emitter(EmitterPoint::Environment(_))) => {
+        match (eye.kind, light.kind) {
+            (VertexKind::Lens, VertexKind::Emitter(EmitterPoint::Environment(_))) => {
                 self.scene.camera_interior()
             }
-            (Place::Lens, _) => self.beyond(light, light.toward_eye),
+            (VertexKind::Lens, _) => self.beyond(light, light.toward_eye),
             _ => self.beyond(eye, eye.toward_light),
         }
     }
@@ -166,13 +169,15 @@ impl PathSpace<'_> {
     /// The ray between two neighbours, from the eye's side where that is a surface.
     fn sight(&self, light: &PathVertex, eye: &PathVertex) -> Ray {
         let toward = eye.toward_light.as_vec3();
-        let at_lens = eye.place == Place::Lens;
-        match light.place {
-            Place::Emitter(EmitterPoint::Environment(_)) if at_lens => {
+        let at_lens = eye.kind == VertexKind::Lens;
+        match light.kind {
+            VertexKind::Emitter(EmitterPoint::Environment(_)) if at_lens => {
                 Ray::new(eye.vertex.position.as_vec3(), toward)
             }
-            Place::Emitter(EmitterPoint::Environment(_)) => Ray::spawn(&eye.vertex.surface, toward),
-            Place::Emitter(EmitterPoint::Punctual(index)) => {
+            VertexKind::Emitter(EmitterPoint::Environment(_)) => {
+                Ray::spawn(&eye.vertex.surface, toward)
+            }
+            VertexKind::Emitter(EmitterPoint::Punctual(index)) => {
                 match self.scene.punctual_position(index) {
                     Some(point) => Ray::towards(&eye.vertex.surface, point.as_vec3()),
                     None => Ray::spawn(&eye.vertex.surface, toward),
@@ -189,23 +194,23 @@ impl PathSpace<'_> {
         &self,
         path: &mut Path,
         i: usize,
-        way: Way,
+        towards: WalkDirection,
         draws: &mut D,
     ) -> bool {
         let from = path.at_mut(i);
         let (choice, u) = (draws.uniform(), [draws.uniform(), draws.uniform()]);
-        if let (Way::ToEye, Place::Emitter(point)) = (way, from.place) {
+        if let (WalkDirection::ToEye, VertexKind::Emitter(point)) = (towards, from.kind) {
             let (ray, direction) = self.scene.sample_departure(point, &from.vertex, u);
             from.toward_eye = direction;
             return self.leave_emitter(path, &ray, draws);
         }
         let frame = from.vertex.frame;
-        let sample = match way {
-            Way::ToLight => {
+        let sample = match towards {
+            WalkDirection::ToLight => {
                 from.wo = frame.to_local(from.toward_eye);
                 from.bsdf.sample(from.wo, choice, u, Mode::Radiance)
             }
-            Way::ToEye => {
+            WalkDirection::ToEye => {
                 from.wi = frame.to_local(from.toward_light);
                 from.bsdf.sample(from.wi, choice, u, Mode::Importance)
             }
@@ -215,8 +220,8 @@ impl PathSpace<'_> {
         };
         from.specular = sample.delta;
         from.transmitted = sample.transmitted;
-        *from.ahead_mut(way) = frame.to_world(sample.wi);
-        self.follow(path, i, way, draws)
+        *from.ahead_mut(towards) = frame.to_world(sample.wi);
+        self.follow(path, i, towards, draws)
     }
 
     /// Follows the direction of the surface vertex `i` that leads this way to its neighbour.
@@ -224,18 +229,18 @@ impl PathSpace<'_> {
         &self,
         path: &mut Path,
         i: usize,
-        way: Way,
+        towards: WalkDirection,
         draws: &mut D,
     ) -> bool {
         if !self.refresh(path, i) {
             return false;
         }
         let from = path.at_mut(i);
-        let direction = from.ahead_mut(way).as_vec3();
+        let direction = from.ahead_mut(towards).as_vec3();
         let ray = Ray::spawn(&from.vertex.surface, direction);
-        match way {
-            Way::ToLight => self.step_to_light(path, i - 1, &ray, draws),
-            Way::ToEye => self.step_to_eye(path, i, &ray, draws),
+        match towards {
+            WalkDirection::ToLight => self.step_to_light(path, i - 1, &ray, draws),
+            WalkDirection::ToEye => self.step_to_eye(path, i, &ray, draws),
         }
     }
 

@@ -5,7 +5,7 @@ use glam::DVec2;
 use kaustik_spectrum::{Spectrum, Wavelengths, Xyz};
 
 use crate::trace::{Event, note};
-use crate::{Class, Rays, ScalarTarget};
+use crate::{Class, RayCounts, ScalarTarget};
 
 /// Light that one path, or all paths of one class, bring to one point of the image.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,7 +28,7 @@ pub struct Contributions {
     splats: Vec<Splat>,
     largest: Largest,
     nonfinite: u32,
-    rays: Rays,
+    rays: RayCounts,
 }
 
 /// The largest scalars of a single `C_{s,t}`: splats hold sums of them.
@@ -92,7 +92,7 @@ impl Contributions {
         self.splats.clear();
         self.largest = Largest::default();
         self.nonfinite = 0;
-        self.rays = Rays::default();
+        self.rays = RayCounts::default();
     }
 
     /// Adds a single weighted `C_{s,t}` as a splat; black ones are left out, values that are not
@@ -177,7 +177,7 @@ impl Contributions {
 
     /// The rays that the evaluation took.
     #[inline]
-    pub fn rays(&self) -> Rays {
+    pub fn rays(&self) -> RayCounts {
         self.rays
     }
 }
@@ -205,7 +205,7 @@ pub(crate) struct Gathered<'w> {
     used: u8,
     /// `None` where nobody asks for it.
     largest: Option<Largest>,
-    rays: Rays,
+    rays: RayCounts,
 }
 
 impl<'w> Gathered<'w> {
@@ -217,7 +217,7 @@ impl<'w> Gathered<'w> {
             hero: [Spectrum::ZERO; Class::COUNT],
             used: 0,
             largest: largest.then(Largest::default),
-            rays: Rays::default(),
+            rays: RayCounts::default(),
         }
     }
 

@@ -6,7 +6,7 @@ use kaustik_scene::{Scene, Vertex};
 
 use crate::bidirectional::ONWARD;
 use crate::contributions::Gathered;
-use crate::next_event::{Shares, next_event};
+use crate::next_event::{TechniqueShares, next_event};
 use crate::unidirectional::{Origin, emission, escape};
 use crate::walk::{Scatter, Walk};
 use crate::{BuilderSettings, Contributions, PathBuilder, camera_walk};
@@ -51,7 +51,7 @@ impl Endpoint {
             let onward = onward(&scatter);
             if onward < 1.0 {
                 if walk.stops(onward, u) {
-                    let shares = Shares {
+                    let shares = TechniqueShares {
                         next_event: 1.0 - onward,
                         scattering: onward,
                     };

@@ -53,11 +53,11 @@ mod roulette;
 mod scalar;
 mod shadow;
 mod sighting;
+mod splitting;
 mod trace;
 mod unidirectional;
 mod unjoined;
 mod walk;
-mod ways;
 
 pub use bidirectional::{
     Bidirectional, Form, Heuristic, Multiplexed, Technique, TechniqueSpread, Techniques,
@@ -73,10 +73,10 @@ pub use photon::{
     PhotonTracing, Remainder, Sheet,
 };
 pub use pure_specular::PureSpecular;
-pub use rays::Rays;
+pub use rays::RayCounts;
 pub use scalar::ScalarTarget;
 pub use sighting::{Sighting, sight};
+pub use splitting::{Find, sight_branches};
 pub use trace::{Event, Role, Side, Stand, is_listening, note, trace};
 pub use unidirectional::Unidirectional;
 pub use unjoined::Unjoined;
-pub use ways::{Find, sight_ways};

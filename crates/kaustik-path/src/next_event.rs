@@ -14,14 +14,14 @@ use crate::{Class, layout};
 
 /// How often the two techniques that find an emitter are used, as factors of their densities.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Shares {
+pub(crate) struct TechniqueShares {
     /// Probability that next event is used at this vertex.
     pub(crate) next_event: f64,
     /// Probability that the walk goes on.
     pub(crate) scattering: f64,
 }
 
-impl Shares {
+impl TechniqueShares {
     /// Both always.
     pub(crate) const BOTH: Self = Self {
         next_event: 1.0,
@@ -36,7 +36,7 @@ pub(crate) fn next_event(
     scene: &Scene,
     walk: &Walk<'_>,
     scatter: &Scatter<'_>,
-    shares: Shares,
+    shares: TechniqueShares,
     u: &mut dyn Coordinates,
     gathered: &mut Gathered<'_>,
 ) {

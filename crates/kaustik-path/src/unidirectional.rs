@@ -7,7 +7,7 @@ use kaustik_scene::{Scene, Vertex};
 use kaustik_spectrum::Spectrum;
 
 use crate::contributions::Gathered;
-use crate::next_event::{Shares, next_event};
+use crate::next_event::{TechniqueShares, next_event};
 use crate::trace::{Event, note};
 use crate::walk::{Walk, power_heuristic};
 use crate::{BuilderSettings, Contributions, PathBuilder, PureSpecular, camera_walk};
@@ -71,7 +71,7 @@ impl Unidirectional {
                 return;
             }
             if self.next_event && walk.edges + 1 >= settings.min_edges {
-                next_event(scene, walk, &scatter, Shares::BOTH, u, gathered);
+                next_event(scene, walk, &scatter, TechniqueShares::BOTH, u, gathered);
             }
             let Some(sample) = walk.bounce(scene, &scatter, u) else {
                 return;

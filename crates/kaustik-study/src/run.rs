@@ -130,7 +130,7 @@ impl<'a> Runner<'a> {
         for entry in &study.scenes {
             let words = scene_words(entry)?;
             let stage = Stage::new(study, entry);
-            let place = Place {
+            let place = StageEntry {
                 entry,
                 stage: &stage,
                 words: &words,
@@ -162,7 +162,7 @@ struct Work<'a> {
     clock: &'a dyn Clock,
 }
 
-struct Place<'a> {
+struct StageEntry<'a> {
     entry: &'a SceneEntry,
     stage: &'a Stage<'a>,
     words: &'a serde_json::Value,
@@ -191,7 +191,7 @@ impl Work<'_> {
 
     fn key(
         &self,
-        place: &Place<'_>,
+        place: &StageEntry<'_>,
         method: &MethodEntry,
         seed: u64,
         budget: usize,
@@ -202,7 +202,7 @@ impl Work<'_> {
     /// All budgets of one method and seed.
     fn cells(
         &self,
-        place: &Place<'_>,
+        place: &StageEntry<'_>,
         method: &MethodEntry,
         seed: u64,
         bar: &mut Bar<'_, '_>,
@@ -237,7 +237,7 @@ impl Work<'_> {
 
     fn look(
         &self,
-        place: &Place<'_>,
+        place: &StageEntry<'_>,
         looks: &[(Amount, Key, bool)],
         render: &Render<'_>,
         tell: &mut dyn FnMut(f64) -> ControlFlow<()>,
@@ -254,7 +254,7 @@ impl Work<'_> {
     /// One render of a reference, from the store if it is there.
     fn reference_render(
         &self,
-        place: &Place<'_>,
+        place: &StageEntry<'_>,
         render: &Render<'_>,
         tell: &mut dyn FnMut(f64) -> ControlFlow<()>,
     ) -> Result<(Record, Image), StudyError> {
@@ -272,7 +272,7 @@ impl Work<'_> {
     /// of equal cost.
     fn reference(
         &self,
-        place: &Place<'_>,
+        place: &StageEntry<'_>,
         bar: &mut Bar<'_, '_>,
     ) -> Result<ReferenceResult, StudyError> {
         let entry = self.study.reference_of(place.entry);

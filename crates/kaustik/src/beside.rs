@@ -7,9 +7,9 @@ pub(crate) mod meter;
 use std::io;
 
 use kaustik_film::{Counters, Film};
-use kaustik_path::Rays;
+use kaustik_path::RayCounts;
 
-use crate::Place;
+use crate::StepId;
 use crate::beside::lamps::Lamps;
 use crate::beside::meter::Meter;
 use crate::engine::add_nonfinite;
@@ -86,14 +86,14 @@ impl<'a> Besides<'a> {
     }
 
     /// Contributions left out because they were not finite, and the first samples where that was so.
-    pub(crate) fn nonfinite(&self) -> (u64, Vec<Place>) {
+    pub(crate) fn nonfinite(&self) -> (u64, Vec<StepId>) {
         let of_lamps = self.lamps.as_ref().map(Lamps::nonfinite);
         let of_meter = self.meter.as_ref().map(Meter::nonfinite);
         add_nonfinite(of_lamps.unwrap_or_default(), of_meter)
     }
 
     /// The rays of what is part of the picture.
-    pub(crate) fn rays(&self) -> Rays {
+    pub(crate) fn rays(&self) -> RayCounts {
         self.lamps.as_ref().map(Lamps::rays).unwrap_or_default()
     }
 

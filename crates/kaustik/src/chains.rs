@@ -4,7 +4,7 @@ use kaustik_mcmc::Statistics;
 use kaustik_path::{Event, trace};
 use rayon::prelude::*;
 
-use crate::Place;
+use crate::StepId;
 use crate::state::{Reader, StateError};
 
 /// The chain of one ladder.
@@ -45,7 +45,7 @@ pub(crate) fn advance<C: LadderChain + Send>(
 /// Nothing where there is no such chain: the pool saw no light, and nothing is tried.
 pub(crate) fn replay<C: LadderChain>(
     chains: &mut [C],
-    Place { ladder, step }: Place,
+    StepId { ladder, step }: StepId,
     drive: impl Fn(&mut C, u64),
 ) -> Vec<Event> {
     let Some(chain) = chains.iter_mut().find(|chain| chain.ladder() == ladder) else {

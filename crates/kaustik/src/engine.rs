@@ -3,13 +3,13 @@
 use std::sync::atomic::AtomicBool;
 
 use kaustik_film::{Counters, Image, Layer};
-use kaustik_path::{Event, Rays};
+use kaustik_path::{Event, RayCounts};
 use serde::{Deserialize, Serialize};
 
 use crate::state::{Keep, Reader, StateError};
 use crate::{
     ChainStatistics, DirectStatistics, EnergyStatistics, MutationStatistics, PhotonStatistics,
-    Place, RenderError, RenderSettings, ReplicaStatistics, StageStatistics,
+    RenderError, RenderSettings, ReplicaStatistics, StageStatistics, StepId,
 };
 
 /// A method at work: ladders that can be driven on, films that can be developed, and a state that can be kept.
@@ -81,23 +81,23 @@ pub(crate) trait Engine: Keep {
     }
 
     /// Contributions left out because they were not finite, and where the first of each ladder arose.
-    fn nonfinite(&self) -> (u64, Vec<Place>);
+    fn nonfinite(&self) -> (u64, Vec<StepId>);
 
     /// Takes the step at this place, and those before it where they follow on each other, and tells
     /// what happened in it.
     ///
     /// The engine must not be [past it](Self::ahead), and must be dropped afterwards; if the method
     /// [has shares](crate::Method::has_shares), it must drive that ladder alone. Refuses a step that does not exist.
-    fn replay(&mut self, place: Place) -> Result<Vec<Event>, RenderError>;
+    fn replay(&mut self, place: StepId) -> Result<Vec<Event>, RenderError>;
 
     /// Iterations or stages of the whole render that [`replay`](Self::replay) has to run before it comes to
     /// the one of this place; `None` if the engine is past it.
-    fn ahead(&self, _place: Place) -> Option<u64> {
+    fn ahead(&self, _place: StepId) -> Option<u64> {
         Some(0)
     }
 
     /// The rays of all steps taken; `None` of a method that does not count them.
-    fn rays(&self) -> Option<Rays> {
+    fn rays(&self) -> Option<RayCounts> {
         None
     }
 
@@ -177,10 +177,10 @@ impl Nonfinite {
     }
 
     /// All of several ladders, and the first places of each.
-    pub(crate) fn all(ladders: impl Iterator<Item = (u32, Self)>) -> (u64, Vec<Place>) {
+    pub(crate) fn all(ladders: impl Iterator<Item = (u32, Self)>) -> (u64, Vec<StepId>) {
         ladders.fold((0, Vec::new()), |(sum, mut places), (ladder, nonfinite)| {
             let steps = nonfinite.steps().iter();
-            places.extend(steps.map(|&step| Place { ladder, step }));
+            places.extend(steps.map(|&step| StepId { ladder, step }));
             (sum + nonfinite.count, places)
         })
     }
@@ -188,17 +188,17 @@ impl Nonfinite {
 
 /// What two parts left out, and the places of both.
 pub(crate) fn add_nonfinite(
-    (count, mut places): (u64, Vec<Place>),
-    other: Option<(u64, Vec<Place>)>,
-) -> (u64, Vec<Place>) {
+    (count, mut places): (u64, Vec<StepId>),
+    other: Option<(u64, Vec<StepId>)>,
+) -> (u64, Vec<StepId>) {
     let (more, there) = other.unwrap_or_default();
     places.extend(there);
     (count + more, places)
 }
 
 /// Rays of several parts, in their order.
-pub(crate) fn add_rays(parts: impl Iterator<Item = Rays>) -> Rays {
-    parts.fold(Rays::default(), |mut sum, part| {
+pub(crate) fn add_rays(parts: impl Iterator<Item = RayCounts>) -> RayCounts {
+    parts.fold(RayCounts::default(), |mut sum, part| {
         sum += part;
         sum
     })
@@ -235,7 +235,7 @@ mod tests {
         let (sum, places) = Nonfinite::all([(7, faults), (9, others)].into_iter());
         assert_eq!(
             (sum, places.len(), places[4]),
-            (15, 5, Place { ladder: 9, step: 4 })
+            (15, 5, StepId { ladder: 9, step: 4 })
         );
         assert!(faults.checked().is_ok() && Nonfinite::default().checked().is_ok());
         for wrong in [

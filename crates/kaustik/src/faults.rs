@@ -22,7 +22,7 @@ use crate::methods::pssmlt::PssmltEngine;
 use crate::methods::relt::start::replica_builder;
 use crate::sampling::cells::Cells;
 use crate::sampling::stratified::mix;
-use crate::{Budget, Method, Place, RenderSettings, small};
+use crate::{Budget, Method, RenderSettings, StepId, small};
 
 /// What becomes of the contributions that chance picks.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -189,7 +189,7 @@ struct Came {
     bits: Vec<u32>,
     counted: u64,
     picked: u64,
-    places: Vec<Place>,
+    places: Vec<StepId>,
 }
 
 fn rendered(scene: &Scene, settings: &RenderSettings, fault: Fault, threads: usize) -> Came {
@@ -273,12 +273,12 @@ fn a_replay_finds_the_fault_where_it_was_reported() {
             let faults = |step: u64| {
                 let events = engine(&scene, &one, Fault::Spoilt)
                     .0
-                    .replay(Place { step, ..*place });
+                    .replay(StepId { step, ..*place });
                 left_out(&events.expect("events"))
             };
             assert!(faults(place.step) > 0, "{method} {place:?}");
             let beside = place.step + 1;
-            if !came.places.contains(&Place {
+            if !came.places.contains(&StepId {
                 step: beside,
                 ..*place
             }) {
@@ -334,7 +334,7 @@ fn faults_of_lamps_are_found() {
         (three.nonfinite().0, &three.nonfinite().1)
     );
     for place in &places {
-        assert_eq!(place.ladder, Place::LAMPS);
+        assert_eq!(place.ladder, StepId::LAMPS);
         assert_eq!(left_out(&one.replay(place.step)), 1, "{place}");
         assert_eq!(left_out(&three.replay(place.step)), 1, "{place}");
         let beside = place.step + 1;

@@ -83,12 +83,13 @@ pub use settings::{
 pub use state::{Snapshot, Source, State, StateError};
 pub use statistics::{
     ChainStatistics, DirectStatistics, EnergyStatistics, MergeStatistics, MergedPart,
-    MutationStatistics, Parts, PhotonLevel, PhotonStatistics, Place, RayStatistics,
-    RenderStatistics, ReplicaLevel, ReplicaStatistics, StageStatistics,
+    MutationStatistics, Parts, PhotonLevel, PhotonStatistics, RenderStatistics, ReplicaLevel,
+    ReplicaStatistics, StageStatistics, StepId,
 };
 pub use threads::on_threads;
 
 pub use kaustik_estimate::Mis;
+pub use kaustik_path::RayCounts;
 
 pub use kaustik_bsdf as bsdf;
 pub use kaustik_estimate as estimate;

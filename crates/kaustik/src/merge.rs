@@ -32,12 +32,12 @@ pub fn merged_settings(states: &[State]) -> Result<RenderSettings, StateError> {
 }
 
 /// The shares of one seed, by ladders.
-struct Shares<'a> {
+struct SeedShares<'a> {
     states: Vec<&'a State>,
     ladders: std::ops::Range<u32>,
 }
 
-impl Shares<'_> {
+impl SeedShares<'_> {
     fn settings(&self) -> Result<RenderSettings, StateError> {
         Ok(RenderSettings {
             ladders: Some(self.ladders.clone()),
@@ -51,7 +51,7 @@ impl Shares<'_> {
 }
 
 /// The states by seed, which all rise; the order in which they are given does not count.
-fn renders(states: &[State]) -> Result<Vec<Shares<'_>>, StateError> {
+fn renders(states: &[State]) -> Result<Vec<SeedShares<'_>>, StateError> {
     let mut sorted: Vec<&State> = states.iter().collect();
     let place = |state: &&State| {
         let ladders = state.ladders();
@@ -68,7 +68,7 @@ fn renders(states: &[State]) -> Result<Vec<Shares<'_>>, StateError> {
         })?;
     }
     let seeds = sorted.chunk_by(|a, b| a.header().seed() == b.header().seed());
-    let renders: Vec<Shares<'_>> = seeds.map(shares).collect::<Result<_, _>>()?;
+    let renders: Vec<SeedShares<'_>> = seeds.map(shares).collect::<Result<_, _>>()?;
     for pair in renders.windows(2) {
         let [a, b] = [&pair[0], &pair[1]];
         if a.ladders != b.ladders {
@@ -87,7 +87,7 @@ fn renders(states: &[State]) -> Result<Vec<Shares<'_>>, StateError> {
 }
 
 /// The shares of one seed, if they follow on each other.
-fn shares<'a>(states: &[&'a State]) -> Result<Shares<'a>, StateError> {
+fn shares<'a>(states: &[&'a State]) -> Result<SeedShares<'a>, StateError> {
     for pair in states.windows(2) {
         let [a, b] = [pair[0].ladders(), pair[1].ladders()];
         if a.end != b.start {
@@ -103,7 +103,7 @@ fn shares<'a>(states: &[&'a State]) -> Result<Shares<'a>, StateError> {
         }
     }
     let end = states.last().map_or(0, |state| state.ladders().end);
-    Ok(Shares {
+    Ok(SeedShares {
         states: states.to_vec(),
         ladders: states[0].ladders().start..end,
     })
@@ -214,7 +214,7 @@ impl<'a> Merged<'a> {
 fn merge_shares(
     scene: &Scene,
     settings: &RenderSettings,
-    render: &Shares<'_>,
+    render: &SeedShares<'_>,
     watch: &mut dyn Watch,
 ) -> Result<Rendered, RenderError> {
     for state in &render.states {
@@ -274,7 +274,7 @@ fn tell_alike(settings: &RenderSettings) -> bool {
 /// The picture of each share by itself: the engine of the whole with nothing but that share.
 fn each_share(
     merged: &mut Merged<'_>,
-    render: &Shares<'_>,
+    render: &SeedShares<'_>,
 ) -> Result<(Option<Average>, Vec<MergedPart>), RenderError> {
     let nothing = merged.work.snapshot(merged.engine.as_ref()).state()?;
     let mut parts = Vec::new();
@@ -313,7 +313,7 @@ impl Merged<'_> {
 fn average(
     scene: &Scene,
     settings: &RenderSettings,
-    renders: &[Shares<'_>],
+    renders: &[SeedShares<'_>],
 ) -> Result<Rendered, RenderError> {
     let mut parts = Vec::new();
     let mut all: Option<(Average, Rendered)> = None;

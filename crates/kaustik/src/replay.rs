@@ -9,14 +9,14 @@ use crate::check::check;
 use crate::methods::engine;
 use crate::state::take_up;
 use crate::threads::pool;
-use crate::{Place, RenderError, RenderSettings, State};
+use crate::{RenderError, RenderSettings, State, StepId};
 
 /// What happened in one step of a render: of a sample or mutation all that its path builder did, of `relt` in
 /// the sweep of that step, of `erpt-pss` and `erpt` in the sample and its chains, of `sppm` in the light path
 /// (all of them count as ladder 0); of chains of photons in the step of one chain and the exchanges after it,
 /// of `annealing` in the step of one particle. Photon methods show the sample of the same place of what
-/// photons cannot carry as well, `direct=apart` the steps of that number of both parts. [`Place::LAMPS`]
-/// stands for the samples of emitters seen directly beside chains, [`Place::METER`] for those that measure
+/// photons cannot carry as well, `direct=apart` the steps of that number of both parts. [`StepId::LAMPS`]
+/// stands for the samples of emitters seen directly beside chains, [`StepId::METER`] for those that measure
 /// the brightness.
 ///
 /// The step is that of the render with these settings, to the bit, whatever its budget, threads and share of
@@ -30,7 +30,7 @@ use crate::{Place, RenderError, RenderSettings, State};
 pub fn replay(
     scene: &Scene,
     settings: &RenderSettings,
-    place: Place,
+    place: StepId,
 ) -> Result<Vec<Event>, RenderError> {
     replay_from(scene, settings, None, place, &mut |_| {})
 }
@@ -45,20 +45,20 @@ pub fn replay_from(
     scene: &Scene,
     settings: &RenderSettings,
     state: Option<&State>,
-    place: Place,
+    place: StepId,
     ahead: &mut (dyn FnMut(u64) + Send),
 ) -> Result<Vec<Event>, RenderError> {
     if let Some(state) = state {
         check(scene, settings)?;
         state.check(scene, settings)?;
     }
-    if place.ladder == Place::LAMPS {
+    if place.ladder == StepId::LAMPS {
         check(scene, settings)?;
         let lamps = pool(settings.threads)?.install(|| Lamps::new(scene, settings))?;
         let lamps = lamps.ok_or_else(|| no_ladder(settings, place))?;
         return Ok(lamps.replay(place.step));
     }
-    if place.ladder == Place::METER {
+    if place.ladder == StepId::METER {
         check(scene, settings)?;
         let replay = || Meter::replay(scene, settings, place.step);
         let events = pool(settings.threads)?.install(replay);
@@ -90,14 +90,14 @@ pub fn replay_from(
     })
 }
 
-fn no_ladder(settings: &RenderSettings, place: Place) -> RenderError {
+fn no_ladder(settings: &RenderSettings, place: StepId) -> RenderError {
     let last = settings.options.ladders.saturating_sub(1);
     let (found, why) = match place.ladder {
-        Place::LAMPS => (
+        StepId::LAMPS => (
             "lamps".to_owned(),
             ": this render has no samples of emitters seen directly beside its chains",
         ),
-        Place::METER => (
+        StepId::METER => (
             "meter".to_owned(),
             ": this render does not measure its brightness beside its chains",
         ),

@@ -8,7 +8,7 @@ use crate::engine::Engine;
 use crate::methods::engine;
 use crate::state::{Header, Snapshot};
 use crate::threads::pool;
-use crate::{Budget, Method, Pace, Place, RenderSettings, replay, replay_from, small};
+use crate::{Budget, Method, Pace, RenderSettings, StepId, replay, replay_from, small};
 
 const SIDE: u32 = 6;
 
@@ -84,7 +84,7 @@ fn rounds_are_retold() {
                     ..settings.clone()
                 };
                 let step = of_ladder * cost + within;
-                let shown = replay(&scene, &settings, Place { ladder, step }).expect("events");
+                let shown = replay(&scene, &settings, StepId { ladder, step }).expect("events");
                 let index = Event::Index {
                     of: "round",
                     number: of_ladder,
@@ -290,7 +290,7 @@ impl<'a> Course<'a> {
         let sweep = iteration * self.sweeps[ladder] + sweep;
         let chains = self.periods.len() as u64;
         let replay_of = |chain: u64| {
-            let place = Place {
+            let place = StepId {
                 ladder: ladder as u32,
                 step: sweep * chains + chain,
             };
@@ -355,7 +355,7 @@ fn states_change_nothing() {
                 .expect("a state")
         });
         for step in [3_000, 30_000, 100_001, 170_000] {
-            let place = Place { ladder: 1, step };
+            let place = StepId { ladder: 1, step };
             let mut all = Vec::new();
             for (state, threads) in [(None, 1), (None, 3), (Some(&state), 1), (Some(&state), 3)] {
                 let settings = RenderSettings {

@@ -12,6 +12,7 @@ use std::fmt;
 
 use kaustik_film::Counters;
 use kaustik_mcmc::Statistics;
+use kaustik_path::RayCounts;
 use serde::{Deserialize, Serialize, Serializer};
 
 /// What a render tells about itself; goes into the image file and into `--stats`.
@@ -35,10 +36,10 @@ pub struct RenderStatistics {
     pub nonfinite: u64,
     /// Where the first of them arose, by ladder, at most [`MOST_PLACES`](Self::MOST_PLACES): with seed and settings all
     /// that [`replay`](fn@crate::replay) needs.
-    pub nonfinite_places: Vec<Place>,
+    pub nonfinite_places: Vec<StepId>,
     /// Rays of all steps, the pilot's and the meter's left out; of methods that count them.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub rays: Option<RayStatistics>,
+    pub rays: Option<RayCounts>,
     /// What the films left out.
     pub film: Counters,
     /// Of a chain method.
@@ -127,18 +128,9 @@ impl RenderStatistics {
     pub const MOST_PLACES: usize = 32;
 }
 
-/// How many rays were traced.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-pub struct RayStatistics {
-    /// Asked for the closest hit: the edges of walks.
-    pub closest: u64,
-    /// Asked for any hit: shadow rays.
-    pub any: u64,
-}
-
 /// A sample or step among all of a render. Is written as `LADDER:STEP`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-pub struct Place {
+pub struct StepId {
     /// Which chain or stream; [`LAMPS`](Self::LAMPS), written as `lamps`, of emitters seen directly beside chains;
     /// [`METER`](Self::METER), written as `meter`, of samples of the brightness beside them.
     #[serde(serialize_with = "ladder")]
@@ -147,7 +139,7 @@ pub struct Place {
     pub step: u64,
 }
 
-impl Place {
+impl StepId {
     /// Stands for a ladder of samples that belong to none: those of emitters and surroundings seen directly beside
     /// chains ([`Direct::Lamps`](crate::Direct::Lamps)).
     pub const LAMPS: u32 = u32::MAX;
@@ -155,7 +147,7 @@ impl Place {
     pub const METER: u32 = u32::MAX - 1;
 }
 
-impl fmt::Display for Place {
+impl fmt::Display for StepId {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.ladder {
             Self::LAMPS => write!(f, "lamps:{}", self.step),
@@ -167,8 +159,8 @@ impl fmt::Display for Place {
 
 fn ladder<S: Serializer>(ladder: &u32, to: S) -> Result<S::Ok, S::Error> {
     match *ladder {
-        Place::LAMPS => to.serialize_str("lamps"),
-        Place::METER => to.serialize_str("meter"),
+        StepId::LAMPS => to.serialize_str("lamps"),
+        StepId::METER => to.serialize_str("meter"),
         ladder => to.serialize_u32(ladder),
     }
 }

@@ -7,8 +7,8 @@ use kaustik_scene::Scene;
 use crate::engine::Engine;
 use crate::state::{Header, take_up};
 use crate::{
-    Budget, Control, Outcome, Progress, RayStatistics, RenderError, RenderSettings,
-    RenderStatistics, Rendered, Snapshot, State, StateError, Watch, features,
+    Budget, Control, Outcome, Progress, RenderError, RenderSettings, RenderStatistics, Rendered,
+    Snapshot, State, StateError, Watch, features,
 };
 
 /// Rounds aim at this length: short enough for a lively display, long enough that
@@ -211,10 +211,7 @@ impl<'a> Work<'a> {
             pilot_seconds: self.pilot.as_secs_f64(),
             nonfinite,
             nonfinite_places,
-            rays: engine.rays().map(|rays| RayStatistics {
-                closest: rays.closest,
-                any: rays.any,
-            }),
+            rays: engine.rays(),
             film: engine.film_counters(),
             chain: engine.chain_statistics(),
             direct: engine.direct_statistics(),

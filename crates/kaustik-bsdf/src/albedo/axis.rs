@@ -3,12 +3,12 @@ use crate::local::within;
 
 /// Between which nodes of an evenly spaced axis a value lies, and how far.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Place {
+pub(crate) struct AxisPosition {
     index: usize,
     fraction: f32,
 }
 
-impl Place {
+impl AxisPosition {
     /// Of `t` in `[0, 1]` (clamped; NaN is 0) on `nodes` >= 2 nodes.
     #[inline]
     pub(crate) fn new(t: f64, nodes: usize) -> Self {

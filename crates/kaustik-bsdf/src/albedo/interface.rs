@@ -1,5 +1,5 @@
 use super::axis::{
-    Place, alpha_at, alpha_axis, bump, bump_mean, cosine_at, cosine_axis, cosine_slope,
+    AxisPosition, alpha_at, alpha_axis, bump, bump_mean, cosine_at, cosine_axis, cosine_slope,
 };
 use std::sync::OnceLock;
 
@@ -26,8 +26,8 @@ struct Table {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct InterfaceLoss {
     alpha: f64,
-    row: Place,
-    index: Place,
+    row: AxisPosition,
+    index: AxisPosition,
 }
 
 impl InterfaceLoss {
@@ -36,8 +36,8 @@ impl InterfaceLoss {
     pub(crate) fn new(n: f64, alpha: f64) -> Self {
         Self {
             alpha,
-            row: Place::new(alpha_axis(alpha), ALPHAS),
-            index: Place::new(index_axis(n), INDICES),
+            row: AxisPosition::new(alpha_axis(alpha), ALPHAS),
+            index: AxisPosition::new(index_axis(n), INDICES),
         }
     }
 
@@ -63,7 +63,7 @@ impl InterfaceLoss {
 #[inline]
 pub(crate) fn interface_loss(place: InterfaceLoss, mu: f64, side: usize) -> f32 {
     let rows = &table().rows;
-    let column = Place::new(cosine_axis(mu, place.alpha), COSINES);
+    let column = AxisPosition::new(cosine_axis(mu, place.alpha), COSINES);
     let i = column.index();
     let scale = bump(mu, place.alpha) as f32;
     scale * place.mix(|row| column.mix(rows[row][i][side], rows[row][i + 1][side]))
@@ -113,7 +113,7 @@ pub(super) fn alpha_node(row: usize) -> f64 {
 fn mean_of(row: &Row, alpha: f64) -> [f32; 2] {
     let mut mean = [0.0; 2];
     super::over_cells(COSINES, |t, weight| {
-        let place = Place::new(t, COSINES);
+        let place = AxisPosition::new(t, COSINES);
         let i = place.index();
         let mu = cosine_at(t, alpha);
         let weight = weight * 2.0 * mu * cosine_slope(mu, alpha) * bump(mu, alpha);

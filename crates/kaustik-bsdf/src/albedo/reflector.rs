@@ -1,5 +1,5 @@
 use super::axis::{
-    Place, alpha_at, alpha_axis, bump, bump_mean, cosine_at, cosine_axis, cosine_slope,
+    AxisPosition, alpha_at, alpha_axis, bump, bump_mean, cosine_at, cosine_axis, cosine_slope,
 };
 use crate::fresnel::schlick_weight;
 use std::sync::OnceLock;
@@ -34,8 +34,8 @@ struct Table {
 #[inline]
 pub(crate) fn reflector_loss(mu: f64, alpha: f64) -> ReflectorLoss {
     let table = table();
-    let row = Place::new(alpha_axis(alpha), ALPHAS);
-    let column = Place::new(cosine_axis(mu, alpha), COSINES);
+    let row = AxisPosition::new(alpha_axis(alpha), ALPHAS);
+    let column = AxisPosition::new(cosine_axis(mu, alpha), COSINES);
     let i = column.index();
     let (low, high) = (&table.nodes[row.index()], &table.nodes[row.index() + 1]);
     let at = low[i]
@@ -51,7 +51,7 @@ impl ReflectorLoss {
     /// Cosine-weighted mean over the hemisphere.
     #[inline]
     pub(crate) fn mean(alpha: f64) -> Self {
-        let row = Place::new(alpha_axis(alpha), ALPHAS);
+        let row = AxisPosition::new(alpha_axis(alpha), ALPHAS);
         let at = table().means[row.index()].mix(table().means[row.index() + 1], row);
         Self {
             loss: at.loss * bump_mean(alpha) as f32,
@@ -60,7 +60,7 @@ impl ReflectorLoss {
     }
 
     #[inline]
-    fn mix(self, high: Self, place: Place) -> Self {
+    fn mix(self, high: Self, place: AxisPosition) -> Self {
         Self {
             loss: place.mix(self.loss, high.loss),
             edge: place.mix(self.edge, high.edge),
@@ -97,7 +97,7 @@ pub(super) fn alpha_node(row: usize) -> f64 {
 fn mean_of(row: &[ReflectorLoss; COSINES], alpha: f64) -> ReflectorLoss {
     let (mut loss, mut edge) = (0.0, 0.0);
     super::over_cells(COSINES, |t, weight| {
-        let place = Place::new(t, COSINES);
+        let place = AxisPosition::new(t, COSINES);
         let at = row[place.index()].mix(row[place.index() + 1], place);
         let mu = cosine_at(t, alpha);
         let weight = weight * 2.0 * mu * cosine_slope(mu, alpha);

@@ -1,4 +1,4 @@
-use super::axis::Place;
+use super::axis::AxisPosition;
 use super::quadrature::gauss_legendre;
 use crate::sheen::{LEAST_ALPHA, white};
 use crate::warp::sin_cos_turns;
@@ -14,8 +14,8 @@ type Table = [[f32; COSINES]; ALPHAS];
 /// smooth it is more than comes in, see [`sheen_peak`].
 pub(crate) fn sheen_albedo(mu: f64, alpha: f64) -> f32 {
     let table = table();
-    let row = Place::new(alpha_axis(alpha), ALPHAS);
-    let column = Place::new(mu.sqrt(), COSINES);
+    let row = AxisPosition::new(alpha_axis(alpha), ALPHAS);
+    let column = AxisPosition::new(mu.sqrt(), COSINES);
     let i = column.index();
     let (low, high) = (&table[row.index()], &table[row.index() + 1]);
     row.mix(
@@ -27,7 +27,7 @@ pub(crate) fn sheen_albedo(mu: f64, alpha: f64) -> f32 {
 /// Its largest value over all cosines.
 pub(crate) fn sheen_peak(alpha: f64) -> f32 {
     let most = |row: &[f32; COSINES]| row.iter().copied().fold(0.0, f32::max);
-    let row = Place::new(alpha_axis(alpha), ALPHAS);
+    let row = AxisPosition::new(alpha_axis(alpha), ALPHAS);
     row.mix(most(&table()[row.index()]), most(&table()[row.index() + 1]))
 }
 

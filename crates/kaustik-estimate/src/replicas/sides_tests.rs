@@ -88,7 +88,7 @@ fn run(index: u64, below: [usize; 3], rough: [f64; 3]) -> Ran {
             height: 1.0,
         },
         weights: ReplicaWeights::new(rough, 2.0, false),
-        shares: Shares::on(below),
+        shares: ReplicaShares::on(below),
         each: [1.0; 3],
         each_specific: 1.0,
     };

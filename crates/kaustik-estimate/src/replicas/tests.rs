@@ -220,7 +220,7 @@ fn batch(index: u64, runs: u32, sweeps: u32, variants: &[Variant]) -> Vec<[f64; 
             films,
             scale,
             weights: variant.weights,
-            shares: Shares::default(),
+            shares: ReplicaShares::default(),
             each: [1.0, 1.0, 1.0, 0.5],
             each_specific: 1.0 / f64::from(variant.tours.1),
         })

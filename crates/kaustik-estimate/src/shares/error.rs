@@ -4,15 +4,15 @@ use std::array::from_fn;
 
 use kaustik_mcmc::Mean;
 
-use super::Shares;
+use super::ReplicaShares;
 
-/// With this [trust](Shares::trust), 800 effective samples, the spread of samples is known from themselves.
+/// With this [trust](ReplicaShares::trust), 800 effective samples, the spread of samples is known from themselves.
 const KNOWN: f64 = 0.9975;
 
 /// What a ladder adds to the pool, and its sweeps.
-type Ladder<const K: usize> = (Shares<K>, u64);
+type Ladder<const K: usize> = (ReplicaShares<K>, u64);
 
-impl<const K: usize> Shares<K> {
+impl<const K: usize> ReplicaShares<K> {
     /// Standard error of the [light](Self::light) that the samples of a pool and these ladders tell together, with
     /// the [scales](Self::scales) of their sum; each ladder comes with its number of sweeps. Samples of the pool
     /// bring their error to the first `shared` replicas alike.
@@ -74,7 +74,7 @@ struct Spread<const K: usize> {
 }
 
 impl<const K: usize> Spread<K> {
-    fn of(pool: &Shares<K>, ladders: &[Ladder<K>]) -> Self {
+    fn of(pool: &ReplicaShares<K>, ladders: &[Ladder<K>]) -> Self {
         let (mut whole, mut lights, mut gaps) = (Mean::new(), [Mean::new(); K], [Mean::new(); K]);
         let after = sums_after(ladders);
         let (mut before, mut sweeps_before) = (*pool, 0);
@@ -106,7 +106,7 @@ impl<const K: usize> Spread<K> {
 }
 
 /// The pool and all ladders.
-fn sum<const K: usize>(pool: &Shares<K>, ladders: &[Ladder<K>]) -> Ladder<K> {
+fn sum<const K: usize>(pool: &ReplicaShares<K>, ladders: &[Ladder<K>]) -> Ladder<K> {
     ladders
         .iter()
         .fold((*pool, 0), |(mut all, n), (one, sweeps)| {
@@ -118,7 +118,7 @@ fn sum<const K: usize>(pool: &Shares<K>, ladders: &[Ladder<K>]) -> Ladder<K> {
 /// For each ladder all that come after it.
 fn sums_after<const K: usize>(ladders: &[Ladder<K>]) -> Vec<Ladder<K>> {
     let mut sums = Vec::with_capacity(ladders.len());
-    let mut after = (Shares::on(from_fn(|_| 0)), 0);
+    let mut after = (ReplicaShares::on(from_fn(|_| 0)), 0);
     for (shares, sweeps) in ladders.iter().rev() {
         sums.push(after);
         after.0.merge(shares);
@@ -142,10 +142,14 @@ mod tests {
 
     /// A run whose second replica has been met `finds` times on average, by ladders and a pool of a sixteenth, and
     /// whose bridges say `bridge` times the truth.
-    fn run(rng: &mut Pcg64Dxsm, finds: f64, bridge: f64) -> (Shares<2>, Vec<(Shares<2>, u64)>) {
+    fn run(
+        rng: &mut Pcg64Dxsm,
+        finds: f64,
+        bridge: f64,
+    ) -> (ReplicaShares<2>, Vec<(ReplicaShares<2>, u64)>) {
         let chance = finds / (LADDERS as f64 * SAMPLES as f64 * 17.0 / 16.0);
         let mut one = |samples: u64| {
-            let mut shares = Shares::default();
+            let mut shares = ReplicaShares::default();
             for _ in 0..samples {
                 let found = rng.uniform() < chance;
                 shares.sample([0.5 + rng.uniform(), if found { RARE / chance } else { 0.0 }]);
@@ -178,14 +182,14 @@ mod tests {
         (0..RUNS).map(is_beyond).filter(|&is| is).count() as f64 / RUNS as f64
     }
 
-    type Error = fn(&Shares<2>, &[(Shares<2>, u64)]) -> f64;
+    type Error = fn(&ReplicaShares<2>, &[(ReplicaShares<2>, u64)]) -> f64;
 
-    fn stated(pool: &Shares<2>, ladders: &[(Shares<2>, u64)]) -> f64 {
-        Shares::error_of_light(pool, ladders, 2)
+    fn stated(pool: &ReplicaShares<2>, ladders: &[(ReplicaShares<2>, u64)]) -> f64 {
+        ReplicaShares::error_of_light(pool, ladders, 2)
     }
 
     /// Without what bridges hide.
-    fn jackknife(pool: &Shares<2>, ladders: &[(Shares<2>, u64)]) -> f64 {
+    fn jackknife(pool: &ReplicaShares<2>, ladders: &[(ReplicaShares<2>, u64)]) -> f64 {
         let all = sum(pool, ladders).0;
         (Spread::of(pool, ladders).whole.sqrt()).hypot(pool.error_within(&all, 2))
     }
@@ -226,7 +230,7 @@ mod tests {
 
     #[test]
     fn what_no_film_shows_is_in_the_error() {
-        let mut shares = Shares::<1>::default();
+        let mut shares = ReplicaShares::<1>::default();
         for light in [0.0, 8.0, 8.0, 0.0] {
             shares.sample([light]);
         }
@@ -236,7 +240,7 @@ mod tests {
     /// However well it is known.
     #[test]
     fn what_no_film_shows_is_in_the_error_of_the_sure() {
-        let mut shares = Shares::<1>::default();
+        let mut shares = ReplicaShares::<1>::default();
         let sure = Estimate {
             value: 4.0,
             standard_error: 0.01,
@@ -246,7 +250,7 @@ mod tests {
         assert!(stated_of_one(&shares) >= 4.0);
     }
 
-    fn stated_of_one(shares: &Shares<1>) -> f64 {
-        Shares::error_of_light(&Shares::default(), &[(*shares, 4)], 1)
+    fn stated_of_one(shares: &ReplicaShares<1>) -> f64 {
+        ReplicaShares::error_of_light(&ReplicaShares::default(), &[(*shares, 4)], 1)
     }
 }

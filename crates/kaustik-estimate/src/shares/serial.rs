@@ -3,7 +3,7 @@
 use kaustik_mcmc::Mean;
 use serde::{Deserialize, Serialize};
 
-use super::Shares;
+use super::ReplicaShares;
 
 /// What a replica has: its samples, what its film holds and the squares of it, visits up and down, the replica below.
 type Replica = (Mean, [f64; 2], [f64; 2], u8);
@@ -15,8 +15,8 @@ pub(super) struct Written {
     whole: Mean,
 }
 
-impl<const K: usize> From<Shares<K>> for Written {
-    fn from(shares: Shares<K>) -> Self {
+impl<const K: usize> From<ReplicaShares<K>> for Written {
+    fn from(shares: ReplicaShares<K>) -> Self {
         let replica = |k: usize| {
             (
                 shares.parts[k],
@@ -32,7 +32,7 @@ impl<const K: usize> From<Shares<K>> for Written {
     }
 }
 
-impl<const K: usize> TryFrom<Written> for Shares<K> {
+impl<const K: usize> TryFrom<Written> for ReplicaShares<K> {
     type Error = &'static str;
 
     fn try_from(written: Written) -> Result<Self, Self::Error> {
@@ -61,7 +61,7 @@ mod tests {
 
     #[test]
     fn what_was_written_is_read_and_nothing_else() {
-        let mut shares = Shares::<3>::on([0, 0, 0]);
+        let mut shares = ReplicaShares::<3>::on([0, 0, 0]);
         for i in 0..50 {
             shares.sample([1.0, f64::from(i) / 7.0, 0.0]);
             shares.scout(2, f64::from(i % 3));
@@ -71,11 +71,11 @@ mod tests {
         }
         let bytes = postcard::to_allocvec(&shares).expect("bytes");
         assert_eq!(postcard::from_bytes(&bytes), Ok(shares));
-        assert!(postcard::from_bytes::<Shares<4>>(&bytes).is_err());
+        assert!(postcard::from_bytes::<ReplicaShares<4>>(&bytes).is_err());
         let broken = |change: fn(&mut Written)| {
             let mut written = Written::from(shares);
             change(&mut written);
-            Shares::<3>::try_from(written).is_err()
+            ReplicaShares::<3>::try_from(written).is_err()
         };
         assert!(!broken(|_| ()));
         assert!(broken(|written| written.replicas[2].3 = 2));

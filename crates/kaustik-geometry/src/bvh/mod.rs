@@ -26,4 +26,4 @@ pub(crate) use goal::{Any, Closest, Goal};
 pub(crate) use lanes::InstructionSet;
 pub(crate) use near::Near;
 pub(crate) use node::{Bvh, Kind, LIMIT};
-pub(crate) use walk::{Level, Place, Places, STILL};
+pub(crate) use walk::{Level, PlacedTree, PlacedTrees, STILL};

@@ -4,13 +4,13 @@ use glam::{Affine3A, Vec3};
 
 use super::node::{Bvh, Child, Kind, Node, WIDTH};
 use super::prepared::{WIDEN, reach};
-use super::walk::{Place, Places};
+use super::walk::{PlacedTree, PlacedTrees};
 use crate::Aabb;
 
 /// A look for what is near, at an instant.
 pub(crate) struct Near<'a> {
     /// What the world's tree leads to.
-    pub(crate) places: &'a Places,
+    pub(crate) places: &'a PlacedTrees,
     /// In [0, 1]: where what moves stands.
     pub(crate) time: f32,
 }
@@ -32,7 +32,7 @@ impl Near<'_> {
         &self,
         bvh: &Bvh,
         child: Child,
-        place: Option<&Place>,
+        place: Option<&PlacedTree>,
         bounds: &Aabb,
         counts: &mut impl FnMut(u32, [Vec3; 3]) -> bool,
     ) -> bool {

@@ -11,7 +11,7 @@ use glam::{DVec3, Vec3};
 
 use super::node::Block;
 use super::prepared::Prepared;
-use super::walk::Place;
+use super::walk::PlacedTree;
 use crate::Ray;
 
 /// The weights of the second and third corner, if the ray passes through the triangle.
@@ -40,7 +40,12 @@ fn sheared(p: Vec3, ray: &Prepared) -> (f64, f64) {
 
 /// Where the ray crosses the plane of the triangle, if that is within the ray.
 #[inline(always)]
-pub(crate) fn plane(block: &Block, lane: usize, ray: &Ray, place: Option<&Place>) -> Option<f64> {
+pub(crate) fn plane(
+    block: &Block,
+    lane: usize,
+    ray: &Ray,
+    place: Option<&PlacedTree>,
+) -> Option<f64> {
     let [a, b, c] = block.corners(lane);
     let [a, b, c] = match place {
         Some(place) => placed([a, b, c], place),
@@ -59,7 +64,7 @@ pub(crate) fn plane(block: &Block, lane: usize, ray: &Ray, place: Option<&Place>
 
 #[cold]
 #[inline(never)]
-fn placed(corners: [Vec3; 3], place: &Place) -> [DVec3; 3] {
+fn placed(corners: [Vec3; 3], place: &PlacedTree) -> [DVec3; 3] {
     let to_world = place.to_world.as_daffine3();
     corners.map(|p| to_world.transform_point3(p.as_dvec3()))
 }

@@ -22,17 +22,17 @@ pub(crate) struct Level<'a> {
     /// In world space.
     pub(crate) ray: &'a Ray,
     /// Whose tree this is; None of the world's.
-    pub(crate) place: Option<&'a Place>,
+    pub(crate) place: Option<&'a PlacedTree>,
     /// What the world's tree leads to.
-    pub(crate) places: &'a Places,
+    pub(crate) places: &'a PlacedTrees,
     /// In [0, 1]: where what moves stands.
     pub(crate) time: f32,
 }
 
 /// Instances with trees of their own.
 #[derive(Default)]
-pub(crate) struct Places {
-    pub(crate) list: Vec<Place>,
+pub(crate) struct PlacedTrees {
+    pub(crate) list: Vec<PlacedTree>,
     pub(crate) trees: Vec<Bvh>,
     pub(crate) motions: Vec<Motion>,
 }
@@ -42,7 +42,7 @@ pub(crate) const STILL: u32 = u32::MAX;
 
 /// An instance with a tree of its own.
 #[derive(Clone, Copy)]
-pub(crate) struct Place {
+pub(crate) struct PlacedTree {
     pub(crate) instance: u32,
     pub(crate) tree: u32,
     pub(crate) to_object: Affine3A,
@@ -51,9 +51,9 @@ pub(crate) struct Place {
     pub(crate) motion: u32,
 }
 
-impl Places {
+impl PlacedTrees {
     /// Where a place is at a time; `None` where it is flat just then.
-    pub(super) fn at(&self, index: u32, time: f32) -> Option<Place> {
+    pub(super) fn at(&self, index: u32, time: f32) -> Option<PlacedTree> {
         let place = &self.list[index as usize];
         if place.motion == STILL {
             Some(*place)
@@ -64,10 +64,10 @@ impl Places {
 
     /// A moving place at a time; `None` where it is flat just then, and no ray meets it.
     #[inline(never)]
-    fn moved(&self, place: &Place, time: f32) -> Option<Place> {
+    fn moved(&self, place: &PlacedTree, time: f32) -> Option<PlacedTree> {
         let to_world = self.motions[place.motion as usize].at(time);
         let to_object = to_world.inverse();
-        to_object.is_finite().then_some(Place {
+        to_object.is_finite().then_some(PlacedTree {
             to_object,
             to_world,
             ..*place

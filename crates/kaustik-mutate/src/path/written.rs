@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 
 use super::Path;
 use crate::PathSpace;
-use crate::vertex::{PathVertex, Place};
+use crate::vertex::{PathVertex, VertexKind};
 use vertex::WrittenVertex;
 
 /// A [`Path`] that needs no scene: to be kept, and to become a path again by [`PathSpace::read`].
@@ -77,10 +77,10 @@ impl PathSpace<'_> {
         }
         for (i, vertex) in written.vertices.iter().enumerate() {
             let vertex = self.vertex(vertex, &path.wavelengths)?;
-            let fits = match vertex.place {
-                Place::Emitter(_) => i == 0,
-                Place::Surface => i > 0 && i < path.edges(),
-                Place::Lens => i == path.edges(),
+            let fits = match vertex.kind {
+                VertexKind::Emitter(_) => i == 0,
+                VertexKind::Surface => i > 0 && i < path.edges(),
+                VertexKind::Lens => i == path.edges(),
             };
             if !fits {
                 return None;
@@ -95,12 +95,12 @@ impl PathSpace<'_> {
 
     fn vertex(&self, written: &WrittenVertex, wavelengths: &Wavelengths) -> Option<PathVertex> {
         let mut vertex = written.without_bsdf()?;
-        match vertex.place {
-            Place::Emitter(point) => self
+        match vertex.kind {
+            VertexKind::Emitter(point) => self
                 .scene
                 .has_emitter(point, &vertex.vertex)
                 .then_some(())?,
-            Place::Surface => {
+            VertexKind::Surface => {
                 let there = (self.scene).has_vertex(&vertex.vertex, &vertex.interior);
                 there.then_some(())?;
                 let PathVertex {
@@ -111,7 +111,7 @@ impl PathSpace<'_> {
                 } = &mut vertex;
                 self.scene.write_bsdf(vertex, wavelengths, interior, bsdf);
             }
-            Place::Lens => {}
+            VertexKind::Lens => {}
         }
         Some(vertex)
     }

@@ -98,7 +98,7 @@ impl PathBuilder for Multiplexed {
 }
 
 /// How far a walk from an emitter is to go.
-struct Way<'a> {
+struct LightSubpath<'a> {
     emission: &'a EmissionSample,
     /// Vertices on surfaces.
     vertices: u32,
@@ -158,12 +158,12 @@ impl Job<'_> {
         if going.walk.throughput.is_zero() {
             return false;
         }
-        let way = Way {
+        let subpath = LightSubpath {
             emission: &emission,
             vertices,
             t,
         };
-        let joins = self.follow_from_light(&mut going, &way, u, path, out, witness);
+        let joins = self.follow_from_light(&mut going, &subpath, u, path, out, witness);
         out.count_walk(going.walk.edges);
         joins
     }
@@ -172,17 +172,17 @@ impl Job<'_> {
     fn follow_from_light(
         &self,
         going: &mut SubpathWalk<'_>,
-        way: &Way<'_>,
+        subpath: &LightSubpath<'_>,
         u: &mut dyn Coordinates,
         path: &mut Subpath,
         out: &mut Contributions,
         witness: &mut impl Witness,
     ) -> bool {
-        let Way {
+        let LightSubpath {
             emission,
             vertices,
             t,
-        } = *way;
+        } = *subpath;
         for vertex in 1..=vertices {
             let Some(distance) = going.advance(self, u, path) else {
                 return false;

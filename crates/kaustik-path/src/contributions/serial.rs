@@ -6,7 +6,7 @@ use serde::de::{Deserialize, Deserializer, Error};
 use serde::ser::{Serialize, Serializer};
 
 use super::{Contributions, Largest, Quality, Splat, quality};
-use crate::{Class, Rays};
+use crate::{Class, RayCounts};
 
 /// Raster point, colour, class of a splat.
 type Written = ([f64; 2], [f32; 3], u8);
@@ -23,7 +23,7 @@ impl Serialize for Contributions {
 impl<'de> Deserialize<'de> for Contributions {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         let (splats, largest, nonfinite, rays) =
-            <(Vec<Written>, [f32; 2], u32, Rays)>::deserialize(deserializer)?;
+            <(Vec<Written>, [f32; 2], u32, RayCounts)>::deserialize(deserializer)?;
         if !largest.iter().all(|v| v.is_finite() && *v >= 0.0) {
             return Err(D::Error::custom(
                 "a largest contribution is no amount of light",
@@ -68,7 +68,7 @@ mod tests {
     fn what_is_no_light_is_refused() {
         let sound: Written = ([0.5; 2], [1.0; 3], 5);
         let read = |splat: Written, largest: [f32; 2]| {
-            let bytes = postcard::to_allocvec(&(vec![splat], largest, 0_u32, Rays::default()))
+            let bytes = postcard::to_allocvec(&(vec![splat], largest, 0_u32, RayCounts::default()))
                 .expect("bytes");
             postcard::from_bytes::<Contributions>(&bytes)
         };

@@ -6,7 +6,7 @@ use kaustik_scene::{Scene, Vertex};
 
 use super::narrow::{Part, take};
 use crate::contributions::Gathered;
-use crate::next_event::{Shares, next_event};
+use crate::next_event::{TechniqueShares, next_event};
 use crate::unidirectional::{Origin, emission, escape};
 use crate::walk::{Scatter, Walk};
 use crate::{BuilderSettings, Contributions, PathBuilder, camera_walk};
@@ -54,7 +54,7 @@ impl Remainder {
                 bsdf: &narrow,
                 ..scatter
             };
-            next_event(scene, walk, &scatter, Shares::BOTH, u, gathered);
+            next_event(scene, walk, &scatter, TechniqueShares::BOTH, u, gathered);
             let Some(sample) = walk.bounce(scene, &scatter, u) else {
                 return;
             };

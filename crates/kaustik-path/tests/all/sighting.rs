@@ -2,7 +2,7 @@ use glam::Vec3;
 use kaustik_mcmc::{Exponential, Independent, Mean, Point, Step, generator};
 use kaustik_path::{
     Bidirectional, BuilderSettings, Class, Contributions, Form, Heuristic, PathBuilder,
-    PureSpecular, ScalarTarget, Sighting, Unidirectional, Unjoined, sight, sight_ways,
+    PureSpecular, ScalarTarget, Sighting, Unidirectional, Unjoined, sight, sight_branches,
 };
 use kaustik_pss::{Coordinates, Recording, Stream};
 use kaustik_scene::testing::{Stage, ceiling, compile, cuboid, dielectric, diffuse, floor, lamp};
@@ -222,10 +222,10 @@ fn a_scene_without_dirac_surfaces_is_plain() {
     }
 }
 
-/// What a look along so many ways has found of each stretch: up to the first parting, and past it.
-fn found(scene: &Scene, full: &Bidirectional, ways: u32, u: &mut dyn Coordinates) -> [f64; 2] {
+/// What a look along so many branches has found of each stretch: up to the first parting, and past it.
+fn found(scene: &Scene, full: &Bidirectional, branches: u32, u: &mut dyn Coordinates) -> [f64; 2] {
     let (mut out, mut found) = (Contributions::default(), [0.0; 2]);
-    sight_ways(&full.settings, scene, ways, u, &mut |find| {
+    sight_branches(&full.settings, scene, branches, u, &mut |find| {
         let part = Bidirectional {
             settings: find.settings,
             ..*full
@@ -297,21 +297,21 @@ fn ways_have_the_mean_of_the_walk() {
     const LOOKS: usize = 150_000;
     let scene = compile(&builtin::load("water-cornell?light=1.9").expect("a built-in scene"));
     let full = full(1);
-    let mean = |ways: u32, counts: f64| -> Mean {
-        let mut draws = generator(20, u64::from(ways));
+    let mean = |branches: u32, counts: f64| -> Mean {
+        let mut draws = generator(20, u64::from(branches));
         let mut point = Point::new(Exponential::default());
         let one = |_| {
             let mut u = point.propose(Step::Large, &mut draws);
-            let [beginning, parted] = found(&scene, &full, ways, &mut u);
+            let [beginning, parted] = found(&scene, &full, branches, &mut u);
             u.reject();
             beginning + counts * parted
         };
         (0..LOOKS).map(one).collect()
     };
     let (one, eight) = (mean(1, 1.0), mean(8, 1.0));
-    let off = |ways: &Mean| {
-        let error = one.standard_error().hypot(ways.standard_error());
-        (ways.mean() - one.mean()).abs() / error
+    let off = |branches: &Mean| {
+        let error = one.standard_error().hypot(branches.standard_error());
+        (branches.mean() - one.mean()).abs() / error
     };
     assert!(off(&eight) < 4.0, "{one:?} {eight:?}");
     assert!(eight.variance() < 0.3 * one.variance(), "{one:?} {eight:?}");

@@ -18,8 +18,8 @@ use kaustik_estimate::Scale;
 use kaustik_film::{Counters, Film, Quantum};
 use kaustik_mcmc::{Independent, SampleGenerators};
 use kaustik_path::{
-    BuilderSettings, Class, Contributions, Event, PathBuilder, PureSpecular, Rays, Unidirectional,
-    trace,
+    BuilderSettings, Class, Contributions, Event, PathBuilder, PureSpecular, RayCounts,
+    Unidirectional, trace,
 };
 use kaustik_scene::Scene;
 use rayon::prelude::*;
@@ -33,7 +33,7 @@ use crate::sampling::cells::Cells;
 use crate::sampling::stratified::mix;
 use crate::sampling::streams;
 use crate::state::{Reader, StateError, Writer};
-use crate::{Place, RenderError, RenderSettings};
+use crate::{RenderError, RenderSettings, StepId};
 
 /// Samples a cell that tell where there is something to see. They are used for nothing else, so that
 /// where one looks more closely does not depend on what is found there.
@@ -71,7 +71,7 @@ pub(crate) struct Lamps<'a> {
     /// Raster area of a cell in pixels.
     cell_area: f64,
     lit: bool,
-    rays: Rays,
+    rays: RayCounts,
     nonfinite: Nonfinite,
 }
 
@@ -138,7 +138,7 @@ impl<'a> Lamps<'a> {
             pixels: settings.pixels(),
             cell_area: layout.extended_bounds().area() / cells.count() as f64,
             lit: false,
-            rays: Rays::default(),
+            rays: RayCounts::default(),
             nonfinite: Nonfinite::default(),
         };
         let seen = lamps.look();
@@ -317,12 +317,12 @@ impl<'a> Lamps<'a> {
     }
 
     /// Contributions left out because they were not finite, and the first samples where that was so.
-    pub(crate) fn nonfinite(&self) -> (u64, Vec<Place>) {
-        Nonfinite::all(std::iter::once((Place::LAMPS, self.nonfinite)))
+    pub(crate) fn nonfinite(&self) -> (u64, Vec<StepId>) {
+        Nonfinite::all(std::iter::once((StepId::LAMPS, self.nonfinite)))
     }
 
     /// The rays of the passes.
-    pub(crate) fn rays(&self) -> Rays {
+    pub(crate) fn rays(&self) -> RayCounts {
         self.rays
     }
 
@@ -345,7 +345,7 @@ impl Beside for Lamps<'_> {
         self.passes = passes.end;
         let this = &*self;
         let sample = |value: &mut Contributions, (cell, &often): (usize, &u64)| {
-            let (mut faults, mut rays) = (Nonfinite::default(), Rays::default());
+            let (mut faults, mut rays) = (Nonfinite::default(), RayCounts::default());
             for index in passes.start * often..passes.end * often {
                 this.build(cell as u64, index, value);
                 rays += value.rays();
@@ -364,7 +364,8 @@ impl Beside for Lamps<'_> {
             }
             (faults, value.rays())
         };
-        let both = |(faults, mut rays): (Nonfinite, Rays), (others, more): (Nonfinite, Rays)| {
+        let both = |(faults, mut rays): (Nonfinite, RayCounts),
+                    (others, more): (Nonfinite, RayCounts)| {
             rays += more;
             (faults.and(others), rays)
         };
@@ -387,7 +388,7 @@ impl Beside for Lamps<'_> {
     }
 
     fn take_up(&mut self, from: &mut Reader<'_>) -> Result<u64, StateError> {
-        let (passes, rays, nonfinite): (u64, Rays, Nonfinite) = from.value()?;
+        let (passes, rays, nonfinite): (u64, RayCounts, Nonfinite) = from.value()?;
         let (passes, nonfinite) = (Reader::count(passes)?.max(1), nonfinite.checked()?);
         for count in [rays.closest, rays.any] {
             Reader::count(count)?;

@@ -26,7 +26,7 @@ use crate::engine::Nonfinite;
 use crate::methods::relt::scouts::scouting;
 use crate::sampling::streams;
 use crate::state::{Reader, StateError, Writer};
-use crate::{Builder, Method, Normaliser, Place, RenderSettings};
+use crate::{Builder, Method, Normaliser, RenderSettings, StepId};
 use look::Look;
 use samples::{At, Samples, Scratch, WORTH};
 
@@ -321,8 +321,8 @@ impl<'a> Meter<'a> {
     }
 
     /// Contributions left out because they were not finite, and the first samples where that was so.
-    pub(crate) fn nonfinite(&self) -> (u64, Vec<Place>) {
-        Nonfinite::all(std::iter::once((Place::METER, self.nonfinite)))
+    pub(crate) fn nonfinite(&self) -> (u64, Vec<StepId>) {
+        Nonfinite::all(std::iter::once((StepId::METER, self.nonfinite)))
     }
 }
 

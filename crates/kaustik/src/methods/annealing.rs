@@ -23,7 +23,7 @@ use crate::methods::relt::start::{
 };
 use crate::methods::relt::{finite, full_replica, layer};
 use crate::{
-    Budget, ChainStatistics, Place, RenderError, RenderSettings, ReplicaLevel, ReplicaStatistics,
+    Budget, ChainStatistics, RenderError, RenderSettings, ReplicaLevel, ReplicaStatistics, StepId,
     Steps,
 };
 use deposit::{AnnealedDeposit, Gathered};
@@ -432,13 +432,13 @@ impl<const K: usize> Engine for AnnealingEngine<'_, K> {
         })
     }
 
-    fn nonfinite(&self) -> (u64, Vec<Place>) {
+    fn nonfinite(&self) -> (u64, Vec<StepId>) {
         let told = self.told.iter();
         let own = Nonfinite::all(told.map(|told| (told.ladder, told.nonfinite)));
         add_nonfinite(own, Some(self.besides.nonfinite()))
     }
 
-    fn replay(&mut self, place: Place) -> Result<Vec<Event>, RenderError> {
+    fn replay(&mut self, place: StepId) -> Result<Vec<Event>, RenderError> {
         self.told_again(place)
     }
 

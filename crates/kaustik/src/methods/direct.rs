@@ -5,7 +5,7 @@ use std::ops::{Range, RangeInclusive};
 use std::sync::atomic::AtomicBool;
 
 use kaustik_film::{Counters, Image, Layer};
-use kaustik_path::{Event, PureSpecular, Rays};
+use kaustik_path::{Event, PureSpecular, RayCounts};
 use kaustik_scene::Scene;
 
 use crate::engine::{Engine, add_counters, add_nonfinite, add_rays};
@@ -13,7 +13,7 @@ use crate::methods::independent::IndependentEngine;
 use crate::state::{Keep, Reader, StateError, Writer};
 use crate::{
     Budget, ChainStatistics, Direct, DirectStatistics, EnergyStatistics, Method,
-    MutationStatistics, Place, RenderError, RenderSettings, ReplicaStatistics,
+    MutationStatistics, RenderError, RenderSettings, ReplicaStatistics, StepId,
 };
 
 /// The longest paths that are rendered apart, in edges: emitters seen directly, and light that was scattered
@@ -216,18 +216,18 @@ impl Engine for DirectApart<'_> {
         Ok(layers)
     }
 
-    fn nonfinite(&self) -> (u64, Vec<Place>) {
+    fn nonfinite(&self) -> (u64, Vec<StepId>) {
         add_nonfinite(self.chains.nonfinite(), Some(self.direct.nonfinite()))
     }
 
     /// A step of this number of both parts: they count their own.
-    fn replay(&mut self, place: Place) -> Result<Vec<Event>, RenderError> {
+    fn replay(&mut self, place: StepId) -> Result<Vec<Event>, RenderError> {
         let mut events = self.chains.replay(place)?;
         events.extend(self.direct.replay(place)?);
         Ok(events)
     }
 
-    fn rays(&self) -> Option<Rays> {
+    fn rays(&self) -> Option<RayCounts> {
         let (chains, direct) = (self.chains.rays()?, self.direct.rays()?);
         Some(add_rays([chains, direct].into_iter()))
     }

@@ -31,8 +31,8 @@ use crate::methods::path_space::path_space;
 use crate::sampling::cells::Cells;
 use crate::state::{Keep, Reader, StateError, Writer};
 use crate::{
-    ChainStatistics, EnergyStatistics, MutationStatistics, Options, Place, RenderError,
-    RenderSettings,
+    ChainStatistics, EnergyStatistics, MutationStatistics, Options, RenderError, RenderSettings,
+    StepId,
 };
 use films::Films;
 use perturbations::{NAMES, Perturbations};
@@ -247,14 +247,14 @@ impl Engine for ErptEngine<'_> {
         Ok(self.lost.iter().map(Lost::layer).collect())
     }
 
-    fn nonfinite(&self) -> (u64, Vec<Place>) {
+    fn nonfinite(&self) -> (u64, Vec<StepId>) {
         let ladders = self.streams.iter();
         let own = Nonfinite::all(ladders.map(|stream| (stream.ladder, stream.nonfinite)));
         add_nonfinite(own, Some(self.besides.nonfinite()))
     }
 
     /// The sample with its chains; none of a ladder without pixels.
-    fn replay(&mut self, Place { ladder, step }: Place) -> Result<Vec<Event>, RenderError> {
+    fn replay(&mut self, StepId { ladder, step }: StepId) -> Result<Vec<Event>, RenderError> {
         if self.grain(ladder) == 0 {
             return Ok(Vec::new());
         }

@@ -10,7 +10,7 @@ use kaustik_estimate::Scale;
 use kaustik_film::{Counters, Film, Image, Layer, Quantum, develop};
 use kaustik_mcmc::{Independent, Mean, SampleGenerators};
 use kaustik_path::{
-    Bidirectional, Contributions, Event, Form, LightTracing, PathBuilder, Rays, Remainder,
+    Bidirectional, Contributions, Event, Form, LightTracing, PathBuilder, RayCounts, Remainder,
     Unidirectional, trace,
 };
 use kaustik_pss::Coordinates;
@@ -27,7 +27,7 @@ use crate::sampling::cells::{Cells, Tour};
 use crate::sampling::stratified::mix;
 use crate::sampling::streams;
 use crate::{
-    Budget, ChainStatistics, EnergyStatistics, Place, RenderError, RenderSettings, StateError,
+    Budget, ChainStatistics, EnergyStatistics, RenderError, RenderSettings, StateError, StepId,
 };
 use mark::Mark;
 
@@ -64,7 +64,7 @@ struct SampleStream {
     generators: SampleGenerators,
     value: Contributions,
     nonfinite: Nonfinite,
-    rays: Rays,
+    rays: RayCounts,
     /// Runs chains from the samples, where the method does.
     chains: Option<Box<Chains>>,
 }
@@ -159,7 +159,7 @@ impl<'a> IndependentEngine<'a> {
             generators: SampleGenerators::new(settings.seed, u64::from(ladder)),
             value: Contributions::default(),
             nonfinite: Nonfinite::default(),
-            rays: Rays::default(),
+            rays: RayCounts::default(),
             chains: None,
         };
         Ok(Self {
@@ -331,7 +331,7 @@ impl Engine for IndependentEngine<'_> {
         Ok(lost.filter_map(PssRedistribution::layer).collect())
     }
 
-    fn nonfinite(&self) -> (u64, Vec<Place>) {
+    fn nonfinite(&self) -> (u64, Vec<StepId>) {
         Nonfinite::all(
             self.streams
                 .iter()
@@ -340,7 +340,7 @@ impl Engine for IndependentEngine<'_> {
     }
 
     /// Samples follow from their number alone; how many chains one has, from those of its cell before it.
-    fn replay(&mut self, Place { ladder, step }: Place) -> Result<Vec<Event>, RenderError> {
+    fn replay(&mut self, StepId { ladder, step }: StepId) -> Result<Vec<Event>, RenderError> {
         let pass = self.grain(ladder).max(1);
         let (job, streams) = self.parts(None);
         let Some(stream) = streams.iter_mut().find(|s| s.ladder == ladder) else {
@@ -357,7 +357,7 @@ impl Engine for IndependentEngine<'_> {
     }
 
     /// Not of what is redistributed: its chains do not count them.
-    fn rays(&self) -> Option<Rays> {
+    fn rays(&self) -> Option<RayCounts> {
         let none = self.redistribution.is_none();
         none.then(|| add_rays(self.streams.iter().map(|stream| stream.rays)))
     }

@@ -30,8 +30,8 @@ use crate::control::is_stopped;
 use crate::engine::{Engine, Nonfinite, STRIDE, add_counters, add_nonfinite};
 use crate::methods::path_space::path_space;
 use crate::{
-    ChainStatistics, MutationKind, MutationStatistics, Normaliser, Options, Place, RenderError,
-    RenderSettings,
+    ChainStatistics, MutationKind, MutationStatistics, Normaliser, Options, RenderError,
+    RenderSettings, StepId,
 };
 use mixture::mixture;
 
@@ -308,11 +308,11 @@ impl Engine for MltEngine<'_> {
             .collect()
     }
 
-    fn nonfinite(&self) -> (u64, Vec<Place>) {
+    fn nonfinite(&self) -> (u64, Vec<StepId>) {
         let places = self.chains.iter().filter_map(|chain| {
             let step = chain.metropolis.statistics().first_defect?;
             let ladder = chain.ladder;
-            Some(Place { ladder, step })
+            Some(StepId { ladder, step })
         });
         let proposed = (self.statistics().defects, places.collect());
         let chains = self.chains.iter();
@@ -322,7 +322,7 @@ impl Engine for MltEngine<'_> {
     }
 
     /// What is beside the chains has no part in it.
-    fn replay(&mut self, place: Place) -> Result<Vec<Event>, RenderError> {
+    fn replay(&mut self, place: StepId) -> Result<Vec<Event>, RenderError> {
         let mut chains = std::mem::take(&mut self.chains);
         let events = chains::replay(&mut chains, place, |chain, steps| {
             self.drive(chain, steps, None);

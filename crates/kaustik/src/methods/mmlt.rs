@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use kaustik_mcmc::{Independent, SampleGenerators};
 use kaustik_path::{
-    Bidirectional, Contributions, Form, Multiplexed, Rays, TechniqueSpread, Techniques,
+    Bidirectional, Contributions, Form, Multiplexed, RayCounts, TechniqueSpread, Techniques,
 };
 use kaustik_scene::Scene;
 use rayon::prelude::*;
@@ -53,7 +53,7 @@ pub(crate) fn builder(
     }
     let most = settings.options.pilot.min(MOST_SAMPLES);
     let mut spread = TechniqueSpread::default();
-    let mut rays = Rays::default();
+    let mut rays = RayCounts::default();
     let mut learned = even.clone();
     for samples in rounds(most) {
         let is_enough = samples.end >= most / PATIENCE;
@@ -81,12 +81,12 @@ fn look(
     settings: &RenderSettings,
     samples: Range<u64>,
     spread: &mut TechniqueSpread,
-    rays: &mut Rays,
+    rays: &mut RayCounts,
 ) {
     let generators = SampleGenerators::new(settings.seed, streams::TECHNIQUES);
     let of_chunk = |value: &mut Contributions, chunk: u64| {
         let first = samples.start + chunk * CHUNK;
-        let (mut spread, mut rays) = (TechniqueSpread::default(), Rays::default());
+        let (mut spread, mut rays) = (TechniqueSpread::default(), RayCounts::default());
         for index in first..(first + CHUNK).min(samples.end) {
             let mut u = Independent::new(generators.at(index));
             spread.look(paths, scene, settings.options.target, &mut u, value);
@@ -95,7 +95,7 @@ fn look(
         (spread, rays)
     };
     let chunks = (samples.end - samples.start).div_ceil(CHUNK);
-    let seen: Vec<(TechniqueSpread, Rays)> = (0..chunks)
+    let seen: Vec<(TechniqueSpread, RayCounts)> = (0..chunks)
         .into_par_iter()
         .map_init(Contributions::default, of_chunk)
         .collect();

@@ -12,7 +12,7 @@ use kaustik_film::{Counters, Film, Image, Quantum, develop};
 use kaustik_mcmc::{
     Estimate, Family, Mean, Metropolis, Pcg64Dxsm, Point, PointKernel, Pool, Statistics,
 };
-use kaustik_path::{Contributions, Event, PathBuilder, Rays};
+use kaustik_path::{Contributions, Event, PathBuilder, RayCounts};
 use kaustik_scene::Scene;
 use serde::{Deserialize, Serialize};
 
@@ -25,7 +25,7 @@ use crate::engine::{Engine, Nonfinite, STRIDE, add_counters, add_nonfinite, add_
 use crate::methods::builders::builder;
 use crate::sampling::streams;
 use crate::{
-    Builder, ChainStatistics, Method, Normaliser, Options, Place, RenderError, RenderSettings,
+    Builder, ChainStatistics, Method, Normaliser, Options, RenderError, RenderSettings, StepId,
 };
 use pilot::{rough_constant, start_chains};
 
@@ -63,7 +63,7 @@ fn mutations_a_cell(settings: &RenderSettings) -> u64 {
 struct Chain {
     ladder: u32,
     nonfinite: Nonfinite,
-    rays: Rays,
+    rays: RayCounts,
     draws: Pcg64Dxsm,
     metropolis: Metropolis<Point<Small>, Contributions, 1>,
 }
@@ -283,14 +283,14 @@ impl<F: Family<Contributions, 1> + Send + Sync> Engine for PssmltEngine<'_, F> {
         })
     }
 
-    fn nonfinite(&self) -> (u64, Vec<Place>) {
+    fn nonfinite(&self) -> (u64, Vec<StepId>) {
         let chains = self.chains.iter();
         let own = Nonfinite::all(chains.map(|chain| (chain.ladder, chain.nonfinite)));
         add_nonfinite(own, Some(self.besides.nonfinite()))
     }
 
     /// What is beside the chains has no part in it.
-    fn replay(&mut self, place: Place) -> Result<Vec<Event>, RenderError> {
+    fn replay(&mut self, place: StepId) -> Result<Vec<Event>, RenderError> {
         let mut chains = std::mem::take(&mut self.chains);
         let events = chains::replay(&mut chains, place, |chain, steps| {
             self.drive(chain, steps, None);
@@ -299,7 +299,7 @@ impl<F: Family<Contributions, 1> + Send + Sync> Engine for PssmltEngine<'_, F> {
         Ok(events)
     }
 
-    fn rays(&self) -> Option<Rays> {
+    fn rays(&self) -> Option<RayCounts> {
         let chains = self.chains.iter().map(|chain| chain.rays);
         Some(add_rays(chains.chain([self.besides.rays()])))
     }

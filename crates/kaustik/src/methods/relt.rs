@@ -13,7 +13,7 @@ mod statistics;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use kaustik_estimate::{
-    PathTarget, ReplicaDeposit, ReplicaFamily, ReplicaSet, ReplicaWeights, Scale, Shares,
+    PathTarget, ReplicaDeposit, ReplicaFamily, ReplicaSet, ReplicaShares, ReplicaWeights, Scale,
     SpecificFamily,
 };
 use kaustik_film::{Counters, Film, FilmError, Image, Layer, Layout, Quantum, develop};
@@ -29,7 +29,7 @@ use crate::beside::meter::{Fit, Meter, OwnSamples};
 use crate::control::is_stopped;
 use crate::engine::{Engine, Nonfinite, STRIDE, add_counters, add_nonfinite};
 use crate::{
-    ChainStatistics, EvenSamples, Options, Place, RenderError, RenderSettings, ReplicaStatistics,
+    ChainStatistics, EvenSamples, Options, RenderError, RenderSettings, ReplicaStatistics, StepId,
     Steps,
 };
 use kernels::kernels;
@@ -87,7 +87,7 @@ struct ReltEngine<'a, const K: usize> {
     /// Raster area of the window in pixels.
     area: f64,
     /// What the first population and the first scouts say of the light of each replica.
-    pool: Shares<K>,
+    pool: ReplicaShares<K>,
     /// What scouts look for, if there are any.
     specular_light: Option<SpecularLight<'a>>,
     /// Samples of each replica a sweep.
@@ -166,7 +166,7 @@ impl<'a, const K: usize> ReltEngine<'a, K> {
         })
     }
 
-    fn deposit(&self, shares: Shares<K>) -> ReplicaDeposit<'_, K> {
+    fn deposit(&self, shares: ReplicaShares<K>) -> ReplicaDeposit<'_, K> {
         ReplicaDeposit {
             films: &self.films,
             scale: self.scale,
@@ -335,7 +335,7 @@ impl<const K: usize> Engine for ReltEngine<'_, K> {
     }
 
     /// All that is evaluated in the sweep of this step.
-    fn replay(&mut self, Place { step, .. }: Place) -> Result<Vec<Event>, RenderError> {
+    fn replay(&mut self, StepId { step, .. }: StepId) -> Result<Vec<Event>, RenderError> {
         let mut runs = std::mem::take(&mut self.runs);
         let Some(run) = runs.first_mut() else {
             return Ok(Vec::new());
@@ -344,7 +344,7 @@ impl<const K: usize> Engine for ReltEngine<'_, K> {
         Ok(trace(|| self.drive(run, 1, None)).1)
     }
 
-    fn nonfinite(&self) -> (u64, Vec<Place>) {
+    fn nonfinite(&self) -> (u64, Vec<StepId>) {
         let own = Nonfinite::all(self.runs.iter().map(|run| (run.index, run.nonfinite)));
         add_nonfinite(own, Some(self.besides.nonfinite()))
     }

@@ -19,7 +19,7 @@ use std::sync::atomic::AtomicBool;
 
 use kaustik_estimate::{Contribution, MappedContribution, Mis};
 use kaustik_film::{Counters, Image, develop};
-use kaustik_path::{Event, Rays};
+use kaustik_path::{Event, RayCounts};
 use kaustik_scene::Scene;
 
 use crate::beside::Besides;
@@ -32,8 +32,8 @@ use crate::methods::pssmlt::PssmltEngine;
 use crate::sampling::stratified::mix;
 use crate::state::Keep;
 use crate::{
-    ChainStatistics, Method, MutationStatistics, Place, RenderError, RenderSettings,
-    StageStatistics,
+    ChainStatistics, Method, MutationStatistics, RenderError, RenderSettings, StageStatistics,
+    StepId,
 };
 use past::{Counted, Past};
 use plan::Plan;
@@ -257,13 +257,13 @@ impl Engine for StagedEngine<'_> {
         stages
     }
 
-    fn nonfinite(&self) -> (u64, Vec<Place>) {
+    fn nonfinite(&self) -> (u64, Vec<StepId>) {
         let own = self.past.nonfinite(&self.counted());
         add_nonfinite(own, Some(self.besides.nonfinite()))
     }
 
     /// The stages before it run first.
-    fn replay(&mut self, Place { ladder, step }: Place) -> Result<Vec<Event>, RenderError> {
+    fn replay(&mut self, StepId { ladder, step }: StepId) -> Result<Vec<Event>, RenderError> {
         let wanted = self.plan.of_step(step);
         let before = self.plan.start(wanted);
         let due = self.taken().into_iter();
@@ -276,11 +276,11 @@ impl Engine for StagedEngine<'_> {
             return Err(failure);
         }
         let step = step - self.start();
-        self.engine.replay(Place { ladder, step })
+        self.engine.replay(StepId { ladder, step })
     }
 
     /// Stages.
-    fn ahead(&self, Place { ladder, step }: Place) -> Option<u64> {
+    fn ahead(&self, StepId { ladder, step }: StepId) -> Option<u64> {
         let taken = self.taken();
         if taken
             .get(ladder as usize)
@@ -292,7 +292,7 @@ impl Engine for StagedEngine<'_> {
         wanted.checked_sub(self.stage).map(|stages| stages as u64)
     }
 
-    fn rays(&self) -> Option<Rays> {
+    fn rays(&self) -> Option<RayCounts> {
         let stages = self.past.rays(&self.counted())?;
         Some(add_rays([stages, self.besides.rays()].into_iter()))
     }

@@ -167,10 +167,10 @@ impl RenderStatistics {
         self.nonfinite += other.nonfinite;
         self.film = crate::engine::add_counters(self.film, other.film);
         self.rays = match (self.rays, other.rays) {
-            (Some(a), Some(b)) => Some(crate::RayStatistics {
-                closest: a.closest + b.closest,
-                any: a.any + b.any,
-            }),
+            (Some(mut rays), Some(more)) => {
+                rays += more;
+                Some(rays)
+            }
             _ => None,
         };
         if let (Some(direct), Some(more)) = (&mut self.direct, other.direct) {

@@ -7,12 +7,12 @@ use kaustik_scene::{EmitterPoint, Interior, Vertex};
 use kaustik_spectrum::Spectrum;
 use serde::{Deserialize, Serialize};
 
-use crate::vertex::{Edge, PathVertex, Place};
+use crate::vertex::{Edge, PathVertex, VertexKind};
 
 /// What counts of a [`PathVertex`], but for its scattering function. States keep the fields in this order.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct WrittenVertex {
-    place: WrittenPlace,
+    kind: WrittenKind,
     surface: WrittenSurface,
     position: [f64; 3],
     normal: [f64; 3],
@@ -40,7 +40,7 @@ pub(super) struct WrittenVertex {
 }
 
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-enum WrittenPlace {
+enum WrittenKind {
     Area,
     Punctual(u32),
     Environment([f64; 3]),
@@ -77,7 +77,7 @@ impl From<&PathVertex> for WrittenVertex {
         let slot = bare(slot);
         let vertex = &slot.vertex;
         Self {
-            place: WrittenPlace::from(slot.place),
+            kind: WrittenKind::from(slot.kind),
             surface: WrittenSurface::from(&vertex.surface),
             position: vertex.position.to_array(),
             normal: vertex.normal.to_array(),
@@ -108,13 +108,13 @@ impl From<&PathVertex> for WrittenVertex {
 /// What counts of a vertex: slots are used again and again, and hold leftovers of other paths where their kind of
 /// vertex has no use for a number.
 fn bare(slot: &PathVertex) -> PathVertex {
-    match slot.place {
-        Place::Surface => PathVertex {
+    match slot.kind {
+        VertexKind::Surface => PathVertex {
             transmitted: slot.specular && slot.transmitted,
             ..*slot
         },
-        Place::Emitter(point) => PathVertex {
-            place: slot.place,
+        VertexKind::Emitter(point) => PathVertex {
+            kind: slot.kind,
             vertex: match point {
                 EmitterPoint::Surface => slot.vertex,
                 _ => Vertex::default(),
@@ -127,8 +127,8 @@ fn bare(slot: &PathVertex) -> PathVertex {
             edge: slot.edge,
             ..PathVertex::default()
         },
-        Place::Lens => PathVertex {
-            place: slot.place,
+        VertexKind::Lens => PathVertex {
+            kind: slot.kind,
             vertex: Vertex {
                 position: slot.vertex.position,
                 ..Vertex::default()
@@ -150,7 +150,7 @@ impl WrittenVertex {
         let mut interior = Interior::VACUUM;
         self.solids.iter().for_each(|&solid| interior.enter(solid));
         Some(PathVertex {
-            place: self.place.place(),
+            kind: self.kind.kind(),
             vertex: Vertex {
                 surface: self.surface.surface(self.front),
                 position: self.position.into(),
@@ -207,30 +207,30 @@ impl WrittenVertex {
     }
 }
 
-impl From<Place> for WrittenPlace {
-    fn from(place: Place) -> Self {
-        match place {
-            Place::Emitter(EmitterPoint::Surface) => Self::Area,
-            Place::Emitter(EmitterPoint::Punctual(index)) => Self::Punctual(index),
-            Place::Emitter(EmitterPoint::Environment(toward)) => {
+impl From<VertexKind> for WrittenKind {
+    fn from(kind: VertexKind) -> Self {
+        match kind {
+            VertexKind::Emitter(EmitterPoint::Surface) => Self::Area,
+            VertexKind::Emitter(EmitterPoint::Punctual(index)) => Self::Punctual(index),
+            VertexKind::Emitter(EmitterPoint::Environment(toward)) => {
                 Self::Environment(toward.to_array())
             }
-            Place::Surface => Self::Surface,
-            Place::Lens => Self::Lens,
+            VertexKind::Surface => Self::Surface,
+            VertexKind::Lens => Self::Lens,
         }
     }
 }
 
-impl WrittenPlace {
-    fn place(&self) -> Place {
+impl WrittenKind {
+    fn kind(&self) -> VertexKind {
         match *self {
-            Self::Area => Place::Emitter(EmitterPoint::Surface),
-            Self::Punctual(index) => Place::Emitter(EmitterPoint::Punctual(index)),
+            Self::Area => VertexKind::Emitter(EmitterPoint::Surface),
+            Self::Punctual(index) => VertexKind::Emitter(EmitterPoint::Punctual(index)),
             Self::Environment(toward) => {
-                Place::Emitter(EmitterPoint::Environment(DVec3::from(toward)))
+                VertexKind::Emitter(EmitterPoint::Environment(DVec3::from(toward)))
             }
-            Self::Surface => Place::Surface,
-            Self::Lens => Place::Lens,
+            Self::Surface => VertexKind::Surface,
+            Self::Lens => VertexKind::Lens,
         }
     }
 }

@@ -6,8 +6,8 @@ use super::traced::compile;
 use crate::bidirectional::witness::{Joint, Seen, Witness};
 use crate::bidirectional::workspace::Workspace;
 use crate::{
-    Bidirectional, BuilderSettings, Contributions, Form, Heuristic, Multiplexed, PathBuilder, Rays,
-    Techniques, Unidirectional,
+    Bidirectional, BuilderSettings, Contributions, Form, Heuristic, Multiplexed, PathBuilder,
+    RayCounts, Techniques, Unidirectional,
 };
 
 const POINTS: u64 = 2_000;
@@ -70,7 +70,7 @@ fn shadow_rays_are_joints() {
             let mut u = Recording::new(&mut source);
             let mut joints = Joints::default();
             Workspace::with(|w| builder.one(&scene, technique, &mut u, &mut out, w, &mut joints));
-            let Rays { closest, any } = out.rays();
+            let RayCounts { closest, any } = out.rays();
             assert_eq!(any, joints.0, "{technique:?}");
             most = most.max(closest + any);
         }
@@ -89,7 +89,7 @@ fn the_maximum_heuristic_saves_shadow_rays() {
     let scene = room();
     let [power, maximum] = [Heuristic::Power, Heuristic::Maximum].map(|heuristic| {
         let (builder, mut out) = (paths(Form::Full, heuristic), Contributions::default());
-        let mut sum = Rays::default();
+        let mut sum = RayCounts::default();
         for point in 0..POINTS {
             let mut u = Independent::new(sample_generator(33, 0, point));
             builder.build(&scene, &mut u, &mut out);
@@ -111,7 +111,7 @@ fn a_path_tracer_counts_edges() {
             max_edges: most,
             ..BuilderSettings::default()
         };
-        let (mut seen, most) = (Rays::default(), u64::from(most));
+        let (mut seen, most) = (RayCounts::default(), u64::from(most));
         for next_event in [false, true] {
             let builder = Unidirectional {
                 settings,
@@ -120,7 +120,7 @@ fn a_path_tracer_counts_edges() {
             for point in 0..POINTS {
                 let mut u = Independent::new(sample_generator(34, 0, point));
                 builder.build(&scene, &mut u, &mut out);
-                let Rays { closest, any } = out.rays();
+                let RayCounts { closest, any } = out.rays();
                 assert!((1..=most).contains(&closest) && any < closest.max(most));
                 assert!(next_event || any == 0);
                 seen.closest = seen.closest.max(closest);

@@ -2,7 +2,7 @@
 
 use kaustik_estimate::{ScalarTarget, SpecularSplit};
 use kaustik_mcmc::{Exponential, Independent, Point, SampleGenerators, Step};
-use kaustik_path::{Bidirectional, Contributions, Form, PathBuilder, Sighting, sight_ways};
+use kaustik_path::{Bidirectional, Contributions, Form, PathBuilder, Sighting, sight_branches};
 use kaustik_scene::Scene;
 
 use super::grid::Grid;
@@ -10,11 +10,11 @@ use crate::RenderSettings;
 use crate::methods::builders::builder_settings;
 use crate::sampling::stratified::{Stratified, mix};
 
-/// Ways that a scout takes from where it meets the first surface that scatters otherwise than into a Dirac
+/// Branches that a scout takes from where it meets the first surface that scatters otherwise than into a Dirac
 /// direction. Error squared times time in `ring-and-sphere`, `glass-cube` and `water-cornell`: with a single
-/// way about twice as much; with 4 ways, or with 8 for every second scout alone, about the same.
-const WAYS: u32 = 8;
-/// What so many ways know of the light is what so many scouts with a single one know: in the same scenes 5, 6 and 8.
+/// branch about twice as much; with 4 branches, or with 8 for every second scout alone, about the same.
+const BRANCHES: u32 = 8;
+/// What so many branches know of the light is what so many scouts with a single one know: in the same scenes 5, 6 and 8.
 pub(super) const WORTH: f64 = 5.0;
 
 /// Where a sample is made.
@@ -36,7 +36,7 @@ pub(super) struct Seen {
     pub(super) light: f64,
     /// The same of squares: without products of what a walk finds at several places.
     pub(super) square: f64,
-    /// Ways that brought some.
+    /// Branches that brought some.
     pub(super) finds: u32,
 }
 
@@ -119,12 +119,12 @@ impl<'a> Samples<'a> {
         *nonfinite = 0;
         let (corner, size) = self.grid.place(at.cell);
         let mut draws = self.generators.at(at.step);
-        // It remembers its coordinates, which ways and evaluations ask for again.
+        // It remembers its coordinates, which branches and evaluations ask for again.
         let mut proposal = point.propose(Step::Large, &mut draws);
         let scramble = self.scramble(!at.pass, at.cell);
         let mut u = Stratified::new(&mut proposal, corner, size, at.index, scramble);
         let settings = &self.builder.settings;
-        seen.sighting = sight_ways(settings, self.scene, WAYS, &mut u, &mut |find| {
+        seen.sighting = sight_branches(settings, self.scene, BRANCHES, &mut u, &mut |find| {
             let builder = Bidirectional {
                 settings: find.settings,
                 ..self.builder

@@ -10,7 +10,7 @@ use kaustik_path::{Event, note, trace};
 
 use super::{AnnealingEngine, Climbing, Step, target};
 use crate::methods::relt::kernels::{kernel, kernels, mutation};
-use crate::{Place, RenderError};
+use crate::{RenderError, StepId};
 
 impl<const K: usize> AnnealingEngine<'_, K> {
     /// Takes the round of a place as far as its step, and tells what happens in that: a round follows from
@@ -20,7 +20,7 @@ impl<const K: usize> AnnealingEngine<'_, K> {
     /// A level that the round did not come to.
     pub(super) fn told_again(
         &mut self,
-        Place { ladder, step }: Place,
+        StepId { ladder, step }: StepId,
     ) -> Result<Vec<Event>, RenderError> {
         let at = Step::of(step, self.particles, self.cost());
         let Some(told) = self.told.iter_mut().find(|told| told.ladder == ladder) else {

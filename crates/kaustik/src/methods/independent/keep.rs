@@ -2,7 +2,7 @@
 
 use std::io;
 
-use kaustik_path::Rays;
+use kaustik_path::RayCounts;
 
 use super::IndependentEngine;
 use crate::engine::Nonfinite;
@@ -18,7 +18,7 @@ impl Keep for IndependentEngine<'_> {
     fn write(&self, out: &mut Writer<'_>) -> io::Result<()> {
         out.film(&self.film)?;
         let streams = self.streams.iter();
-        let streams: Vec<(u64, Nonfinite, Rays)> =
+        let streams: Vec<(u64, Nonfinite, RayCounts)> =
             streams.map(|s| (s.step, s.nonfinite, s.rays)).collect();
         out.value(&streams)?;
         let Some(redistribution) = &self.redistribution else {
@@ -33,7 +33,7 @@ impl Keep for IndependentEngine<'_> {
 
     fn take_up(&mut self, from: &mut Reader<'_>) -> Result<(), StateError> {
         from.film(&mut self.film)?;
-        let kept: Vec<(u64, Nonfinite, Rays)> = from.value()?;
+        let kept: Vec<(u64, Nonfinite, RayCounts)> = from.value()?;
         let ladders = from.ladders();
         if kept.len() != ladders.len() {
             return Err(StateError::damaged("a stream of samples is missing"));

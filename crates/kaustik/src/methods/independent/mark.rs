@@ -1,7 +1,7 @@
 //! Where whole passes ended: a pass that is broken off is taken back to there.
 
 use kaustik_film::Film;
-use kaustik_path::Rays;
+use kaustik_path::RayCounts;
 
 use super::IndependentEngine;
 use crate::engine::Nonfinite;
@@ -13,7 +13,7 @@ use crate::methods::erpt_pss::{Chains, Kept};
 pub(super) struct Mark {
     film: FilmMark,
     held: FilmMark,
-    streams: Vec<(u64, Nonfinite, Rays, Option<Kept>)>,
+    streams: Vec<(u64, Nonfinite, RayCounts, Option<Kept>)>,
 }
 
 impl IndependentEngine<'_> {

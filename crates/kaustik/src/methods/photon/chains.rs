@@ -33,7 +33,7 @@ use crate::sampling::streams;
 use crate::settings::photon_options::Normalisation;
 use crate::state::{Reader, StateError, Writer};
 use crate::statistics::{PhotonLevel, PhotonStatistics};
-use crate::{ChainStatistics, PhotonOptions, Place, RenderError, RenderSettings};
+use crate::{ChainStatistics, PhotonOptions, RenderError, RenderSettings, StepId};
 use iteration::{Course, Iteration, Unheard};
 use periods::Periods;
 
@@ -430,16 +430,16 @@ impl<const K: usize> Tracer for PhotonChains<K> {
         })
     }
 
-    fn iteration(&self, stage: &Stage<'_>, place: Place) -> Option<u64> {
+    fn iteration(&self, stage: &Stage<'_>, place: StepId) -> Option<u64> {
         let at = self.step(stage, place)?;
         Some(at.iteration)
     }
 
-    fn replay(&mut self, stage: &mut Stage<'_>, spare: &mut Film, place: Place) -> Vec<Event> {
+    fn replay(&mut self, stage: &mut Stage<'_>, spare: &mut Film, place: StepId) -> Vec<Event> {
         self.show(stage, spare, place)
     }
 
-    fn nonfinite(&self) -> (u64, Vec<Place>) {
+    fn nonfinite(&self) -> (u64, Vec<StepId>) {
         Nonfinite::all((0..).zip(self.nonfinite.iter().copied()))
     }
 

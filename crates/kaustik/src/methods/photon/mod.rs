@@ -25,8 +25,8 @@ use crate::engine::{Engine, add_counters, add_nonfinite};
 use crate::methods::independent::IndependentEngine;
 use crate::state::{Keep, Reader, StateError, Writer};
 use crate::{
-    Budget, ChainStatistics, LadderSize, Method, PhotonStatistics, Place, RenderError,
-    RenderSettings,
+    Budget, ChainStatistics, LadderSize, Method, PhotonStatistics, RenderError, RenderSettings,
+    StepId,
 };
 use chains::PhotonChains;
 use sppm::IndependentPhotons;
@@ -47,14 +47,14 @@ trait Tracer: Send + Sync {
 
     /// The iteration of this place, where light paths follow from those of the iterations before; `None`
     /// where they follow from their number.
-    fn iteration(&self, _: &Stage<'_>, _: Place) -> Option<u64> {
+    fn iteration(&self, _: &Stage<'_>, _: StepId) -> Option<u64> {
         None
     }
 
     /// Tells what happens in the light path of this place, of a tracer and a stage that have just been made,
     /// or have come to its [iteration](Self::iteration), which the stage has begun. With a film as
     /// [`trace`](Self::trace) has it.
-    fn replay(&mut self, stage: &mut Stage<'_>, spare: &mut Film, place: Place) -> Vec<Event>;
+    fn replay(&mut self, stage: &mut Stage<'_>, spare: &mut Film, place: StepId) -> Vec<Event>;
 
     /// Writes what there is between two iterations, beyond what is made anew.
     fn write(&self, out: &mut Writer<'_>) -> io::Result<()>;
@@ -78,7 +78,7 @@ trait Tracer: Send + Sync {
         None
     }
 
-    fn nonfinite(&self) -> (u64, Vec<Place>);
+    fn nonfinite(&self) -> (u64, Vec<StepId>);
 
     fn film_counters(&self) -> Counters;
 }
@@ -268,12 +268,12 @@ impl Engine for PhotonEngine<'_> {
         Ok(layers)
     }
 
-    fn nonfinite(&self) -> (u64, Vec<Place>) {
+    fn nonfinite(&self) -> (u64, Vec<StepId>) {
         add_nonfinite(self.tracer.nonfinite(), Some(self.remainder.nonfinite()))
     }
 
     /// The light path at this place, with the sample there of what photons cannot carry.
-    fn replay(&mut self, place: Place) -> Result<Vec<Event>, RenderError> {
+    fn replay(&mut self, place: StepId) -> Result<Vec<Event>, RenderError> {
         if let Some(iteration) = self.tracer.iteration(&self.stage, place) {
             while self.done() < iteration {
                 self.begin();
@@ -288,7 +288,7 @@ impl Engine for PhotonEngine<'_> {
         Ok(events)
     }
 
-    fn ahead(&self, place: Place) -> Option<u64> {
+    fn ahead(&self, place: StepId) -> Option<u64> {
         let iteration = self.tracer.iteration(&self.stage, place);
         iteration.map_or(Some(0), |iteration| iteration.checked_sub(self.done()))
     }

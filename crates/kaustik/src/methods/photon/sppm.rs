@@ -13,7 +13,7 @@ use super::stage::Stage;
 use crate::control::is_stopped;
 use crate::engine::Nonfinite;
 use crate::state::{Reader, StateError, Writer};
-use crate::{Place, RenderError, RenderSettings};
+use crate::{RenderError, RenderSettings, StepId};
 
 /// Light paths that one thread traces at a time.
 const CHUNK: u64 = 1024;
@@ -87,7 +87,7 @@ impl Tracer for IndependentPhotons {
         &mut self,
         stage: &mut Stage<'_>,
         spare: &mut Film,
-        Place { ladder, step }: Place,
+        StepId { ladder, step }: StepId,
     ) -> Vec<Event> {
         if ladder > 0 {
             return Vec::new();
@@ -113,7 +113,7 @@ impl Tracer for IndependentPhotons {
         Ok(image.add(&develop(&[(&self.film, stage.factor())])?)?)
     }
 
-    fn nonfinite(&self) -> (u64, Vec<Place>) {
+    fn nonfinite(&self) -> (u64, Vec<StepId>) {
         Nonfinite::all(std::iter::once((0, self.nonfinite)))
     }
 

@@ -6,7 +6,7 @@ use kaustik_estimate::PathTarget;
 use kaustik_mcmc::{
     Family, Mean, Metropolis, Pool, SampleGenerators, generator, sample, sample_generator,
 };
-use kaustik_path::{Contributions, Rays};
+use kaustik_path::{Contributions, RayCounts};
 use rayon::prelude::*;
 
 use super::{Chain, Small};
@@ -91,7 +91,7 @@ pub(super) fn start_chains(
         chains.push(Chain {
             ladder,
             nonfinite: Nonfinite::default(),
-            rays: Rays::default(),
+            rays: RayCounts::default(),
             metropolis,
             draws: own,
         });

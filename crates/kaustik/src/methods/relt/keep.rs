@@ -2,7 +2,7 @@
 
 use std::io;
 
-use kaustik_estimate::{ReplicaFamily, ReplicaSet, Shares};
+use kaustik_estimate::{ReplicaFamily, ReplicaSet, ReplicaShares};
 use kaustik_mcmc::{
     AcceptanceAdaptation, Estimate, Ladder, Metropolis, Pcg64Dxsm, Point, checked_densities,
 };
@@ -37,7 +37,7 @@ type Read<const K: usize> = Kept<
     Ladder<Point<Mutation>, Contributions, K>,
     Point<Mutation>,
     Vec<AcceptanceAdaptation<Mutation>>,
-    Shares<K>,
+    ReplicaShares<K>,
 >;
 
 /// Films, ladders, and what stands beside them; what annealing and scouts found is found again, and compared.
@@ -71,7 +71,7 @@ impl<const K: usize> Keep for ReltEngine<'_, K> {
     }
 
     fn take_up(&mut self, from: &mut Reader<'_>) -> Result<(), StateError> {
-        let (rough, pool, even): (Vec<Estimate>, Shares<K>, u32) = from.value()?;
+        let (rough, pool, even): (Vec<Estimate>, ReplicaShares<K>, u32) = from.value()?;
         if rough != self.rough || pool != self.pool || even != self.even {
             let (b, here) = (pool.whole().value, self.pool.whole().value);
             return Err(StateError::Other(format!(

@@ -1,7 +1,7 @@
 //! One ladder of replicas at work.
 
 use kaustik_estimate::{
-    PathTarget, ReplicaDeposit, ReplicaFamily, ReplicaSet, ReplicaWeights, Shares,
+    PathTarget, ReplicaDeposit, ReplicaFamily, ReplicaSet, ReplicaShares, ReplicaWeights,
 };
 use kaustik_mcmc::{
     AcceptanceAdaptation, Family, Ladder, Metropolis, Pcg64Dxsm, Point, Scouted, Scouting,
@@ -34,7 +34,7 @@ pub(super) struct Run<const K: usize> {
     pub(super) followed: u64,
     pub(super) adaptations: [AcceptanceAdaptation<Mutation>; K],
     pub(super) sweeps: u64,
-    pub(super) shares: Shares<K>,
+    pub(super) shares: ReplicaShares<K>,
     pub(super) nonfinite: Nonfinite,
 }
 
@@ -68,8 +68,8 @@ pub(super) fn pool<const K: usize>(
     weights: &ReplicaWeights<K>,
     set: &ReplicaSet,
     started: &Started,
-) -> Shares<K> {
-    let mut pool = Shares::on(below(set));
+) -> ReplicaShares<K> {
+    let mut pool = ReplicaShares::on(below(set));
     for (densities, light) in &started.pool {
         pool.sample(weights.share(&std::array::from_fn(|k| densities[k]), *light));
     }
@@ -191,7 +191,7 @@ pub(super) fn runs<const K: usize>(
                 AcceptanceAdaptation::new(mutation(set, settings.options.steps, k))
             }),
             sweeps: 0,
-            shares: Shares::on(below(set)),
+            shares: ReplicaShares::on(below(set)),
             nonfinite: Nonfinite::default(),
         })
     };

@@ -1,6 +1,6 @@
 //! What the replicas' films are scaled by, and how well that is known.
 
-use kaustik_estimate::Shares;
+use kaustik_estimate::ReplicaShares;
 use kaustik_mcmc::{Estimate, RoughNormalisers, RunningNormalisers, SteppingStone};
 
 use super::run::below;
@@ -26,7 +26,7 @@ impl<const K: usize> ReltEngine<'_, K> {
     }
 
     /// What all ladders know of the light of each replica: the pool, and passes of the meter.
-    pub(super) fn known(&self) -> Shares<K> {
+    pub(super) fn known(&self) -> ReplicaShares<K> {
         let mut known = self.pool;
         if let Some(meter) = &self.besides.meter {
             known.sampled(K - 1, &meter.in_scouts());
@@ -35,7 +35,7 @@ impl<const K: usize> ReltEngine<'_, K> {
     }
 
     /// The light of each replica by independent samples, and what the films hold.
-    pub(super) fn shares(&self) -> Shares<K> {
+    pub(super) fn shares(&self) -> ReplicaShares<K> {
         let mut all = self.known();
         for run in &self.runs {
             all.merge(&run.shares);
@@ -88,6 +88,6 @@ impl<const K: usize> ReltEngine<'_, K> {
     fn error_of_light(&self) -> f64 {
         let ladders = self.runs.iter().map(|run| (run.shares, run.sweeps));
         let ladders: Vec<_> = ladders.collect();
-        Shares::error_of_light(&self.known(), &ladders, self.weights.shared())
+        ReplicaShares::error_of_light(&self.known(), &ladders, self.weights.shared())
     }
 }

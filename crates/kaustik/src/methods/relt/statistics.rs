@@ -1,6 +1,6 @@
 //! What replicas tell about themselves.
 
-use kaustik_estimate::Shares;
+use kaustik_estimate::ReplicaShares;
 use kaustik_mcmc::{LadderStatistics, RunningNormalisers, Statistics};
 
 use super::{ReltEngine, finite};
@@ -13,7 +13,7 @@ struct Compared<const K: usize> {
     uniform: Statistics<K>,
     /// How far the normalisers of both are apart, in standard errors.
     apart: [f64; K],
-    shares: Shares<K>,
+    shares: ReplicaShares<K>,
     scales: [f64; K],
 }
 

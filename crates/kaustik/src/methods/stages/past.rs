@@ -1,12 +1,12 @@
 //! What finished stages have counted.
 
 use kaustik_film::Counters;
-use kaustik_path::Rays;
+use kaustik_path::RayCounts;
 use serde::{Deserialize, Serialize};
 
 use crate::engine::{Engine, add_counters, add_rays};
 use crate::state::{Reader, StateError};
-use crate::{ChainStatistics, MutationStatistics, Place, RenderStatistics, StageStatistics};
+use crate::{ChainStatistics, MutationStatistics, RenderStatistics, StageStatistics, StepId};
 
 /// Sums over stages, and what each tells of itself.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -45,7 +45,7 @@ impl Counted<'_> {
         }
     }
 
-    fn nonfinite(&self) -> (u64, Vec<Place>) {
+    fn nonfinite(&self) -> (u64, Vec<StepId>) {
         let (count, mut places) = self.engine.nonfinite();
         for place in &mut places {
             place.step += self.start;
@@ -92,21 +92,21 @@ impl Past {
     }
 
     /// All stages and this one.
-    pub(super) fn nonfinite(&self, stage: &Counted<'_>) -> (u64, Vec<Place>) {
+    pub(super) fn nonfinite(&self, stage: &Counted<'_>) -> (u64, Vec<StepId>) {
         let (count, more) = stage.nonfinite();
         let places = self.places.iter();
-        let mut places: Vec<Place> = places
-            .map(|&(ladder, step)| Place { ladder, step })
+        let mut places: Vec<StepId> = places
+            .map(|&(ladder, step)| StepId { ladder, step })
             .collect();
         places.extend(more);
         (self.nonfinite + count, places)
     }
 
     /// All stages and this one; `None` if their method does not count rays.
-    pub(super) fn rays(&self, stage: &Counted<'_>) -> Option<Rays> {
+    pub(super) fn rays(&self, stage: &Counted<'_>) -> Option<RayCounts> {
         let [closest, any] = self.rays.unwrap_or_default();
         let rays = stage.engine.rays()?;
-        Some(add_rays([Rays { closest, any }, rays].into_iter()))
+        Some(add_rays([RayCounts { closest, any }, rays].into_iter()))
     }
 
     /// All stages and this one.

@@ -12,7 +12,7 @@ use crate::engine::Engine;
 use crate::retold::cut;
 use crate::state::{Header, Keep, Snapshot, Source, State, take_up};
 use crate::threads::pool;
-use crate::{Budget, Method, Place, RenderSettings, StageLadder, replay, replay_from, small};
+use crate::{Budget, Method, RenderSettings, StageLadder, StepId, replay, replay_from, small};
 
 const METHODS: [Method; 2] = [Method::MltMultistage, Method::PssmltMultistage];
 const SIDE: u32 = 8;
@@ -240,7 +240,7 @@ fn steps_of_stages_are_retold() {
         for ladder in [0, 1] {
             for within in [0, 1, each / 2, each - 1] {
                 let step = start + within as u64;
-                let place = Place { ladder, step };
+                let place = StepId { ladder, step };
                 let expected = steps[ladder as usize * each + within];
                 let shown = replay(&scene, &settings, place).expect("events");
                 assert!(shown == expected, "{number} {ladder} {within}");

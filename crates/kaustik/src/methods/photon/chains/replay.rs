@@ -7,12 +7,12 @@ use kaustik_path::{Event, Role, note, trace};
 
 use super::iteration::{Iteration, Kernels, Step, Sweeps, Unheard};
 use super::{Chains, PhotonChains};
-use crate::Place;
+use crate::StepId;
 use crate::methods::photon::stage::Stage;
 
 impl<const K: usize> PhotonChains<K> {
     /// Where a place lies; `None` of a ladder without chains.
-    pub(super) fn step(&self, stage: &Stage<'_>, Place { ladder, step }: Place) -> Option<Step> {
+    pub(super) fn step(&self, stage: &Stage<'_>, StepId { ladder, step }: StepId) -> Option<Step> {
         let course = self.course(stage, self.ladders.len());
         course.step(u64::from(ladder), step)
     }
@@ -21,7 +21,12 @@ impl<const K: usize> PhotonChains<K> {
     /// where the chain is, the one that it may go to unless it rests there, and what either brings to the
     /// picture in the sweep of this step. Other ladders stay where they are: nobody learns from them before
     /// the iteration ends.
-    pub(super) fn show(&mut self, stage: &Stage<'_>, spare: &mut Film, place: Place) -> Vec<Event> {
+    pub(super) fn show(
+        &mut self,
+        stage: &Stage<'_>,
+        spare: &mut Film,
+        place: StepId,
+    ) -> Vec<Event> {
         let Some(step) = self.step(stage, place) else {
             return Vec::new();
         };

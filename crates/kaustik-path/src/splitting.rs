@@ -1,4 +1,4 @@
-//! Looking for implicit specular paths along several ways that have their beginning in common.
+//! Looking for implicit specular paths along several branches that have their beginning in common.
 
 use std::fmt;
 
@@ -12,9 +12,9 @@ use crate::sighting::{sees_environment, sees_light};
 use crate::walk::Walk;
 use crate::{BuilderSettings, Sighting, camera_walk, layout};
 
-/// Light found by a search along several ways, for estimating how much there is.
+/// Light found by a search along several branches, for estimating how much there is.
 pub struct Find<'f> {
-    /// Coordinates of the way.
+    /// Coordinates of the branch.
     pub u: &'f mut dyn Coordinates,
     /// The settings of the search, restricted to the path lengths that this find stands for.
     pub settings: BuilderSettings,
@@ -32,22 +32,22 @@ impl fmt::Debug for Find<'_> {
 }
 
 /// Looks for light of [`Class::L0`](crate::Class::L0) by a walk from the camera, as [`sight`](crate::sight) does. The
-/// walk splits at surfaces that do not scatter into a Dirac direction: into so many `ways` at the first, half as many at the
+/// walk splits at surfaces that do not scatter into a Dirac direction: into so many `branches` at the first, half as many at the
 /// next, and so on, one at least.
 ///
 /// From such a surface, which the walk has reached through glass or by mirrors, only few directions lead
 /// through glass or mirrors again to the lamp. So several are followed from there, each at the cost of its
-/// own new edges alone; only the first goes on past the next surface that scatters otherwise. Each way is
+/// own new edges alone; only the first goes on past the next surface that scatters otherwise. Each branch is
 /// responsible for its own range of path lengths, which `found` is given with every hit ([`Find::settings`]). At the
 /// coordinates of a find, [`Bidirectional`](crate::Bidirectional) paths in their full form, with the find's
 /// settings, have some light of that class. The sum of this light times the weight, over all finds, has its mean.
 ///
-/// The first way has the coordinates of `u` itself, the others have them turned: each is as uniform as `u`
+/// The first branch has the coordinates of `u` itself, the others have them turned: each is as uniform as `u`
 /// is, though not independent of the others. `u` must remember what it has said.
-pub fn sight_ways(
+pub fn sight_branches(
     settings: &BuilderSettings,
     scene: &Scene,
-    ways: u32,
+    branches: u32,
     u: &mut dyn Coordinates,
     found: &mut dyn FnMut(Find<'_>),
 ) -> Sighting {
@@ -57,7 +57,7 @@ pub fn sight_ways(
         let look = Look {
             settings,
             scene,
-            ways,
+            branches,
         };
         look.along(walk, u, found)
     })
@@ -93,7 +93,7 @@ impl Told<'_> {
 struct Look<'a> {
     settings: &'a BuilderSettings,
     scene: &'a Scene,
-    ways: u32,
+    branches: u32,
 }
 
 impl Look<'_> {
@@ -109,17 +109,17 @@ impl Look<'_> {
         if leg.lit {
             told.tell(u, self.within([1, walk.edges]), 1.0);
         }
-        let mut ways = self.ways.max(1);
+        let mut branches = self.branches.max(1);
         while leg.stands {
             let parting = walk.edges;
-            if ways == 1 {
+            if branches == 1 {
                 if self.meets_light(&mut walk, &mut vertex, u) {
                     let edges = [parting + 1, self.settings.max_edges];
                     told.tell(u, self.within(edges), 1.0);
                 }
                 break;
             }
-            self.others(&walk, &vertex, ways, u, &mut told);
+            self.others(&walk, &vertex, branches, u, &mut told);
             // the first is the walk itself
             if !self.scatter(&mut walk, &vertex, u) {
                 break;
@@ -127,9 +127,9 @@ impl Look<'_> {
             leg = self.leg(&mut walk, &mut vertex, u);
             if leg.lit {
                 let edges = [parting + 1, walk.edges];
-                told.tell(u, self.within(edges), 1.0 / f64::from(ways));
+                told.tell(u, self.within(edges), 1.0 / f64::from(branches));
             }
-            ways /= 2;
+            branches /= 2;
         }
         match (told.lit, walk.specular) {
             (true, _) => Sighting::Light,
@@ -138,26 +138,26 @@ impl Look<'_> {
         }
     }
 
-    /// All of so many ways but the first, from the parting where the walk stands to the next surface that scatters
+    /// All of so many branches but the first, from the parting where the walk stands to the next surface that scatters
     /// otherwise.
     fn others(
         &self,
         walk: &Walk<'_>,
         vertex: &Vertex,
-        ways: u32,
+        branches: u32,
         u: &mut dyn Coordinates,
         told: &mut Told<'_>,
     ) {
         let mut next = Vertex::default();
         let parting = walk.edges;
-        for number in 1..ways {
-            let mut way = Way::new(u, parting, [number, ways]);
+        for number in 1..branches {
+            let mut branch = Branch::new(u, parting, [number, branches]);
             let mut walk = walk.clone();
-            if self.scatter(&mut walk, vertex, &mut way)
-                && self.leg(&mut walk, &mut next, &mut way).lit
+            if self.scatter(&mut walk, vertex, &mut branch)
+                && self.leg(&mut walk, &mut next, &mut branch).lit
             {
                 let settings = self.within([parting + 1, walk.edges]);
-                told.tell(&mut way, settings, 1.0 / f64::from(ways));
+                told.tell(&mut branch, settings, 1.0 / f64::from(branches));
             }
         }
     }
@@ -233,21 +233,21 @@ impl Look<'_> {
     }
 }
 
-/// Coordinates of a way: those of the look, but those of the camera walk past the parting are turned by
-/// amounts that follow from the way's number.
-struct Way<'a> {
+/// Coordinates of a branch: those of the look, but those of the camera walk past the parting are turned by
+/// amounts that follow from the branch's number.
+struct Branch<'a> {
     u: &'a mut dyn Coordinates,
     /// Edge that leads to the parting.
     parting: u32,
     number: u32,
-    /// Of all ways that part there.
+    /// Of all branches that part there.
     count: u32,
 }
 
-/// What turns directions from way to way, in the second coordinate: the golden section.
+/// What turns directions from branch to branch, in the second coordinate: the golden section.
 const GOLDEN: f64 = 0.618_033_988_749_894_9;
 
-impl<'a> Way<'a> {
+impl<'a> Branch<'a> {
     fn new(u: &'a mut dyn Coordinates, parting: u32, [number, count]: [u32; 2]) -> Self {
         Self {
             u,
@@ -262,7 +262,7 @@ impl<'a> Way<'a> {
         let bounce = layout::bounce(layout::CAMERA_HEAD, self.parting);
         let number = f64::from(self.number);
         let turned = match stream {
-            // the part of the surface that scatters is chosen before ways part
+            // the part of the surface that scatters is chosen before branches part
             Stream::Camera => index > bounce,
             // of two walks that take turns
             Stream::Transparency => index >= 2 * self.parting,
@@ -285,7 +285,7 @@ impl<'a> Way<'a> {
     }
 }
 
-impl Coordinates for Way<'_> {
+impl Coordinates for Branch<'_> {
     fn get(&mut self, stream: Stream, index: u32) -> f64 {
         let turned = self.u.get(stream, index) + self.turn(stream, index);
         // A sum may round up to 2.
@@ -314,12 +314,12 @@ mod tests {
 
     fn turns(number: u32, stream: Stream) -> Vec<f64> {
         let mut last = Last;
-        let way = Way::new(&mut last, PARTING, [number, 8]);
-        (0..64).map(|index| way.turn(stream, index)).collect()
+        let branch = Branch::new(&mut last, PARTING, [number, 8]);
+        (0..64).map(|index| branch.turn(stream, index)).collect()
     }
 
     #[test]
-    fn ways_have_their_beginning_in_common_and_not_their_directions() {
+    fn branches_have_their_beginning_in_common_and_not_their_directions() {
         for stream in Stream::ALL {
             assert!(turns(0, stream).iter().all(|turn| turn.to_bits() == 0));
             let [one, other] = [1, 5].map(|number| turns(number, stream));
@@ -340,9 +340,9 @@ mod tests {
     fn turned_coordinates_are_below_one() {
         for number in 0..1_000 {
             let mut last = Last;
-            let mut way = Way::new(&mut last, PARTING, [number, 1_000]);
+            let mut branch = Branch::new(&mut last, PARTING, [number, 1_000]);
             for index in 0..64 {
-                assert!((0.0..1.0).contains(&way.get(Stream::Camera, index)));
+                assert!((0.0..1.0).contains(&branch.get(Stream::Camera, index)));
             }
         }
     }
