@@ -27,11 +27,7 @@ struct Words {
 /// Runs the study of this name as the command line asks.
 pub(crate) fn run(name: &str) -> Result<(), StudyError> {
     let words = Words::parse();
-    let scale = match (words.quick, words.as_published) {
-        (true, _) => FigureScale::Quick,
-        (_, true) => FigureScale::AsPublished,
-        _ => FigureScale::Usual,
-    };
+    let scale = FigureScale::of_words(words.quick, words.as_published);
     let folder = (words.folder).unwrap_or_else(|| format!("study-{name}").into());
     let study = named::find(name).expect("a study of this name");
     let mut last = Instant::now();

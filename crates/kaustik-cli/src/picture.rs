@@ -63,10 +63,17 @@ pub(crate) fn refuse_inputs<'a>(
     }
 }
 
-/// The files that a scene is made from, as far as its words name them; those that are none are not there.
+/// The files that a scene is made from, as far as these words name them; those that are none are not there.
+pub(crate) fn scene_files<'a>(
+    scene: &'a str,
+    environment: Option<&'a str>,
+) -> impl Iterator<Item = &'a Path> + Clone {
+    std::iter::once(scene).chain(environment).map(Path::new)
+}
+
+/// The same of a source.
 pub(crate) fn source_files(source: &Source) -> impl Iterator<Item = &Path> + Clone {
-    let environment = source.environment.as_deref().map(Path::new);
-    std::iter::once(Path::new(&source.scene)).chain(environment)
+    scene_files(&source.scene, source.environment.as_deref())
 }
 
 /// A line for whoever wants to read.

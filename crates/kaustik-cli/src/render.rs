@@ -50,8 +50,7 @@ fn inputs(words: &RenderWords) -> impl Iterator<Item = &Path> + Clone {
 }
 
 fn scene_files(words: &RenderWords) -> impl Iterator<Item = &Path> + Clone {
-    let environment = words.environment.as_deref().map(Path::new);
-    std::iter::once(Path::new(&words.scene)).chain(environment)
+    picture::scene_files(&words.scene, words.environment.as_deref())
 }
 
 /// The state to go on from; refuses what could not be kept or read before the scene is loaded.

@@ -77,7 +77,10 @@ impl What {
     fn render(&self, words: &StudyWords, listener: &mut Listener<'_>) -> Result<Done, StudyError> {
         let folder = folder(words);
         match self {
-            Self::Named(named) => named.run(scale(words), words.figure, &folder, listener),
+            Self::Named(named) => {
+                let scale = FigureScale::of_words(words.quick, words.as_published);
+                named.run(scale, words.figure, &folder, listener)
+            }
             Self::File(study) => {
                 let results = Runner::new(study, &folder).run(listener)?;
                 let section = Section {
@@ -113,14 +116,6 @@ fn what(words: &StudyWords) -> Result<What, Failure> {
     }
     let study = Study::load(Path::new(&words.study)).map_err(Failure::input)?;
     Ok(What::File(Box::new(study)))
-}
-
-fn scale(words: &StudyWords) -> FigureScale {
-    match (words.quick, words.as_published) {
-        (true, _) => FigureScale::Quick,
-        (_, true) => FigureScale::AsPublished,
-        _ => FigureScale::Usual,
-    }
 }
 
 /// `study-NAME`, or where a file is called as a paper's study, `study-NAME-toml`: they are not one study.

@@ -36,6 +36,17 @@ pub enum FigureScale {
     AsPublished,
 }
 
+impl FigureScale {
+    /// As a command line asks for it, of whose two words only one may stand.
+    pub fn of_words(quick: bool, as_published: bool) -> Self {
+        match (quick, as_published) {
+            (true, _) => Self::Quick,
+            (_, true) => Self::AsPublished,
+            _ => Self::Usual,
+        }
+    }
+}
+
 /// A figure of a paper as a study.
 #[derive(Clone, Debug)]
 pub struct PaperFigure {
