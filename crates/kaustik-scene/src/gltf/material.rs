@@ -1,3 +1,5 @@
+use kaustik_spectrum::Glass;
+
 use super::json::Cursor;
 use super::reader::Reader;
 use super::texture::Textures;
@@ -128,7 +130,7 @@ fn extensions(
         material.ior = ior(reader, &e)?;
     }
     if let Some(e) = place.extension("KHR_materials_dispersion")? {
-        material.dispersion = reader.number(&e, "dispersion", 0.0, POSITIVE)?;
+        material.dispersion = dispersion(reader, &e, material.ior)?;
     }
     if let Some(e) = place.extension("KHR_materials_specular")? {
         material.specular = Specular {
@@ -156,6 +158,19 @@ fn ior(reader: &mut Reader<'_>, place: &Cursor<'_>) -> Result<f32> {
         Some(ior) if ior.f32()? == 0.0 => Ok(0.0),
         _ => reader.number(place, "ior", 1.5, (1.0, f32::INFINITY)),
     }
+}
+
+/// 20 divided by the Abbe number, where an index that is possible at all wavelengths follows from it.
+fn dispersion(reader: &mut Reader<'_>, place: &Cursor<'_>, ior: f32) -> Result<f32> {
+    let dispersion = reader.number(place, "dispersion", 0.0, POSITIVE)?;
+    if dispersion > 0.0 && ior > 0.0 && Glass::abbe(ior, 20.0 / dispersion).is_err() {
+        let message = format!(
+            "{dispersion} is so much that no index of refraction is possible at all wavelengths; taken as none"
+        );
+        reader.warn(place, message);
+        return Ok(0.0);
+    }
+    Ok(dispersion)
 }
 
 /// The thickness texture is not read: rays find how thick a solid is, and need to know only

@@ -183,6 +183,10 @@ fn odd_numbers_are_brought_into_range() {
             json!({ "emissiveFactor": [20, 0, 0] }),
             "/materials/0/emissiveFactor",
         ),
+        (
+            json!({ "extensions": { "KHR_materials_dispersion": { "dispersion": 1e30 } } }),
+            "/materials/0/extensions/KHR_materials_dispersion",
+        ),
     ] {
         let warning = with_material(value).warned().1;
         assert!(warning.starts_with(pointer), "{warning}");
