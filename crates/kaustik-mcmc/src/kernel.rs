@@ -8,6 +8,10 @@ use crate::{Draws, Mutation, Point, Step, Target};
 /// the unit cube for [`PointKernel`]; `()` for a kernel that moves the values themselves,
 /// as mutations of light paths do (Veach and Guibas 1997).
 ///
+/// States that take proposals back, or have something that belongs to a level, need more than [`propose`](Self::propose):
+/// on [`Point`]s, [`accept`](Self::accept) commits, [`reject`](Self::reject) rolls back and [`exchange`](Self::exchange)
+/// leaves each level its step sizes ([`Proposal::leave_open`](crate::Proposal::leave_open) names the calls).
+///
 /// Each [`propose`](Self::propose) is followed by exactly one of [`accept_move`](Self::accept_move)
 /// and [`reject_move`](Self::reject_move), which call [`accept`](Self::accept) and [`reject`](Self::reject)
 /// unless a kernel says otherwise, as a [`Mixture`](crate::Mixture) does. So a kernel that wraps another

@@ -141,7 +141,8 @@
 //! # Features
 //!
 //! None by default: the dependencies are then `kaustik-pss`, `rand`'s traits, one generator and `libm`.
-//! `testing` adds the kit with proptest's strategies, `serde` the states as files.
+//! `testing` adds the kit with proptest's strategies, `serde` the states as files. (JSON keeps the bits of numbers only with
+//! `serde_json`'s feature `float_roundtrip`; without it, chains are refused when they are read.)
 //!
 //! # Determinism and replay
 //!

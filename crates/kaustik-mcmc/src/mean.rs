@@ -1,3 +1,5 @@
+use std::fmt;
+
 use crate::Estimate;
 
 /// The mean of a stream of numbers and its standard error, by Welford's recurrence.
@@ -92,8 +94,21 @@ impl Mean {
 impl FromIterator<f64> for Mean {
     fn from_iter<I: IntoIterator<Item = f64>>(numbers: I) -> Self {
         let mut mean = Self::new();
-        numbers.into_iter().for_each(|x| mean.push(x));
+        mean.extend(numbers);
         mean
+    }
+}
+
+impl Extend<f64> for Mean {
+    fn extend<I: IntoIterator<Item = f64>>(&mut self, numbers: I) {
+        numbers.into_iter().for_each(|x| self.push(x));
+    }
+}
+
+/// As an [`Estimate`].
+impl fmt::Display for Mean {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        Estimate::from(self).fmt(f)
     }
 }
 

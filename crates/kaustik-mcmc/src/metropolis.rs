@@ -36,6 +36,10 @@ pub struct Metropolis<S, V, const K: usize> {
     /// Steps since the state was entered.
     #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::serial::count"))]
     pub(crate) stay: u64,
+    /// Absent in files that were written before it was there.
+    #[cfg(feature = "serde")]
+    #[serde(default)]
+    exact: crate::serial::ExactNumbers,
 }
 
 /// What the current state has to report when it dies.
@@ -78,6 +82,8 @@ impl<S, V: Default, const K: usize> Metropolis<S, V, K> {
             proposed: V::default(),
             statistics: Statistics::new(),
             stay: 0,
+            #[cfg(feature = "serde")]
+            exact: Default::default(),
         };
         chain.read_densities(family);
         chain
@@ -232,6 +238,8 @@ impl<S, V, const K: usize> Metropolis<S, V, K> {
             proposed: W::default(),
             statistics: self.statistics.clone(),
             stay: self.stay,
+            #[cfg(feature = "serde")]
+            exact: self.exact,
         }
     }
 
@@ -323,7 +331,7 @@ impl<M: Mutation, V: Default, const K: usize> Metropolis<Point<M>, V, K> {
     /// unbiased from the first step, choose the sample from a [`Pool`](crate::Pool).
     pub fn start<T, F, D>(target: &T, family: &F, level: usize, mutation: M, draws: &mut D) -> Self
     where
-        T: Target<Value = V>,
+        T: Target<Value = V> + ?Sized,
         F: Family<V, K> + ?Sized,
         D: Draws + ?Sized,
     {
@@ -349,7 +357,7 @@ impl<M: Mutation, V: Default, const K: usize> Metropolis<Point<M>, V, K> {
         draws: &mut D,
     ) -> Result<Self, StartError>
     where
-        T: Target<Value = V>,
+        T: Target<Value = V> + ?Sized,
         F: Family<V, K> + ?Sized,
         D: Draws + ?Sized,
     {
@@ -374,7 +382,7 @@ impl<M: Mutation, V: Default, const K: usize> Metropolis<Point<M>, V, K> {
         source: &mut dyn Coordinates,
     ) -> Result<Self, StartError>
     where
-        T: Target<Value = V>,
+        T: Target<Value = V> + ?Sized,
         F: Family<V, K> + ?Sized,
     {
         let mut recording = Recording::new(source);
@@ -390,7 +398,7 @@ impl<M: Mutation, V: Default, const K: usize> Metropolis<Point<M>, V, K> {
     /// Statistics go on. Flush before.
     pub fn restart<T, F, D>(&mut self, target: &T, family: &F, draws: &mut D)
     where
-        T: Target<Value = V>,
+        T: Target<Value = V> + ?Sized,
         F: Family<V, K> + ?Sized,
         D: Draws + ?Sized,
     {
@@ -424,7 +432,7 @@ impl<M: Mutation, V: Default, const K: usize> Metropolis<Point<M>, V, K> {
     /// accepted step, and do not [record](Point::record) the state: both go by what the last step's evaluation read.
     pub fn evaluate_anew<T, F, D>(&mut self, target: &T, family: &F, draws: &mut D)
     where
-        T: Target<Value = V>,
+        T: Target<Value = V> + ?Sized,
         F: Family<V, K> + ?Sized,
         D: Draws + ?Sized,
     {
@@ -438,7 +446,7 @@ impl<M: Mutation, V: Default, const K: usize> Metropolis<Point<M>, V, K> {
     /// coordinates gives what it gave before.
     pub fn evaluate_again<T, D>(&mut self, target: &T, value: &mut V, draws: &mut D)
     where
-        T: Target<Value = V>,
+        T: Target<Value = V> + ?Sized,
         D: Draws + ?Sized,
     {
         target.evaluate(&mut self.state.current(draws), value);
@@ -446,7 +454,7 @@ impl<M: Mutation, V: Default, const K: usize> Metropolis<Point<M>, V, K> {
 }
 
 /// Moves a fresh point to an independent sample.
-fn evaluate_independent<T: Target, M: Mutation, D: Draws + ?Sized>(
+fn evaluate_independent<T: Target + ?Sized, M: Mutation, D: Draws + ?Sized>(
     target: &T,
     point: &mut Point<M>,
     value: &mut T::Value,

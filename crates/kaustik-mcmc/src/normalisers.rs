@@ -6,6 +6,7 @@
 //! picture, so the two are different types.
 
 use std::array::from_fn;
+use std::fmt;
 
 use crate::Mean;
 
@@ -41,10 +42,26 @@ impl Estimate {
 
 impl From<Mean> for Estimate {
     fn from(mean: Mean) -> Self {
+        Self::from(&mean)
+    }
+}
+
+impl From<&Mean> for Estimate {
+    fn from(mean: &Mean) -> Self {
         Self {
             value: mean.mean(),
             standard_error: mean.standard_error(),
         }
+    }
+}
+
+/// Value and standard error, both with as many decimals as asked for: `{:.3}` gives `0.463 +- 0.001`. An error that is not
+/// known is infinite.
+impl fmt::Display for Estimate {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        fmt::Display::fmt(&self.value, f)?;
+        f.write_str(" +- ")?;
+        fmt::Display::fmt(&self.standard_error, f)
     }
 }
 

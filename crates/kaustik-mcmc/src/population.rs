@@ -182,7 +182,7 @@ impl<M: Mutation + Clone, V: Default, const K: usize> Population<Point<M>, V, K>
         draws: &mut D,
     ) -> Self
     where
-        T: Target<Value = V>,
+        T: Target<Value = V> + ?Sized,
         F: Family<V, K> + ?Sized,
         D: Draws + ?Sized,
     {

@@ -89,9 +89,10 @@ impl<'a, M: Mutation, D: Draws + ?Sized> Proposal<'a, M, D> {
         self.draws
     }
 
-    /// Ends the borrow without deciding: for a [`Kernel`](crate::Kernel) of one's own on points, whose
-    /// `accept` then calls [`Point::commit`] and whose `reject` calls [`Point::roll_back`], as
-    /// [`PointKernel`](crate::PointKernel)'s do.
+    /// Ends the borrow without deciding: for a [`Kernel`](crate::Kernel) of one's own on points. Its
+    /// `accept` then calls [`Point::commit`] and its `reject` [`Point::roll_back`]; in a [`Ladder`](crate::Ladder)
+    /// its `exchange` calls [`Point::exchange`], or step sizes change places with the points. A kernel that
+    /// wraps a [`PointKernel`](crate::PointKernel) and passes all of these on to it need not know of them.
     ///
     /// What moves or settles the point before that ([`propose`](Point::propose),
     /// [`current`](Point::current), [`settle`](Point::settle), [`set_mutation`](Point::set_mutation),

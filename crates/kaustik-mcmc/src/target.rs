@@ -60,6 +60,14 @@ impl<T: Target + ?Sized> Target for &T {
     }
 }
 
+impl<T: Target + ?Sized> Target for Box<T> {
+    type Value = T::Value;
+
+    fn evaluate(&self, u: &mut dyn Coordinates, value: &mut Self::Value) {
+        (**self).evaluate(u, value);
+    }
+}
+
 /// A target from a closure that returns its value.
 ///
 /// For values that are cheap to make; a target with buffers to reuse implements
@@ -76,11 +84,22 @@ where
 }
 
 /// The target that [`target`] makes.
-#[derive(Clone, Copy)]
 pub struct FnTarget<V, F> {
     function: F,
     value: PhantomData<fn() -> V>,
 }
+
+// By hand: what a target returns need not be `Clone`.
+impl<V, F: Clone> Clone for FnTarget<V, F> {
+    fn clone(&self) -> Self {
+        Self {
+            function: self.function.clone(),
+            value: PhantomData,
+        }
+    }
+}
+
+impl<V, F: Copy> Copy for FnTarget<V, F> {}
 
 impl<V, F> fmt::Debug for FnTarget<V, F> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

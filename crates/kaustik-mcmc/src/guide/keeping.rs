@@ -73,7 +73,8 @@
 //! by `mem::forget` is rolled back in what is written).
 //!
 //! *Formats* must keep the bits of an `f64`. Binary ones do; `serde_json` does with its feature
-//! `float_roundtrip`. Errors that are not known are written as absent, so that JSON can hold them;
+//! `float_roundtrip`. Formats that are text are put to the test: four numbers stand beside each chain, and a reader that changes
+//! them is refused. Errors that are not known are written as absent, so that JSON can hold them;
 //! sums that have overflowed to infinity it cannot.
 //!
 //! *Files from strangers* give a value or an error. What later steps rely on is checked when

@@ -14,7 +14,7 @@ impl<M: Mutation, V: Default, const K: usize> Ladder<Point<M>, V, K> {
     /// [`anneal`](crate::anneal) gives better starts.
     pub fn start<T, F, D>(target: &T, family: &F, mutations: [M; K], draws: &mut D) -> Self
     where
-        T: Target<Value = V>,
+        T: Target<Value = V> + ?Sized,
         F: Family<V, K> + ?Sized,
         D: Draws + ?Sized,
     {
@@ -28,7 +28,7 @@ impl<M: Mutation, V: Default, const K: usize> Ladder<Point<M>, V, K> {
     /// Evaluates all states under a target that has changed: see [`Metropolis::evaluate_anew`].
     pub fn evaluate_anew<T, F, D>(&mut self, target: &T, family: &F, draws: &mut D)
     where
-        T: Target<Value = V>,
+        T: Target<Value = V> + ?Sized,
         F: Family<V, K> + ?Sized,
         D: Draws + ?Sized,
     {

@@ -219,6 +219,10 @@ impl Grid {
     /// last evaluation did not read are brought up to date at the end; so this is the
     /// matrix of the *eager* chain, as one step from everywhere sees it. (On what only
     /// several steps show, see [`Law`](super::Law).)
+    ///
+    /// # Panics
+    /// If the value of a chain is not that of the point where it is: the point was not committed when a proposal was
+    /// accepted, or not rolled back when it was rejected.
     pub fn matrix<T, F, M, const K: usize>(
         &self,
         target: &T,
@@ -234,10 +238,18 @@ impl Grid {
     {
         let start = |state| self.chain(state, target, family, level, mutation.clone());
         let starts: Vec<_> = (0..self.states()).map(start).collect();
+        let densities: Vec<[f64; K]> = starts.iter().map(|chain| chain.densities).collect();
         TransitionMatrix::of(self.states(), self.cells, |from, draws| {
             let mut chain = starts[from].clone();
             step(&mut chain, draws);
-            self.state(&mut chain.state.current(draws))
+            let to = self.state(&mut chain.state.current(draws));
+            let (has, is) = (chain.densities, densities[to]);
+            assert!(
+                has.map(f64::to_bits) == is.map(f64::to_bits),
+                "a step from {from}: the chain's value has densities {has:?}, its point (state {to}) {is:?}; \
+                 does the kernel commit and roll back?"
+            );
+            to
         })
     }
 

@@ -124,8 +124,8 @@
 //! test fail, and keep that as a test. Enumeration finds any fault that is larger than
 //! rounding. A test by samples needs them in proportion to the inverse square of the fault: where
 //! 20,000 starts find 10 % in an exponent, 2 % take some 400,000 (set [`PairedTest::starts`],
-//! [`RankTest::chains`]). Mind that a kernel which never moves is in perfect balance, and one
-//! that never joins two states too: see that the matrix connects them.
+//! [`RankTest::chains`]). Mind that a kernel which never moves is in perfect balance (`assert_ne!` the matrix and
+//! [`TransitionMatrix::identity`]), and one that never joins two states too: see that the matrix connects them.
 //!
 //! Two promises that none of these tests see: that a [move](crate::Move) which says it is
 //! [independent](crate::Move::independent) is a sample of the uniform law (check the mean of

@@ -229,6 +229,8 @@ fn what_cannot_be_is_refused() {
             ("/replicas/0/densities", json!([1.0, 1.0, 1.0])),
             ("/replicas/0/densities/1", json!(-1.0)),
             ("/replicas/0/pending/weight", json!(-1.0)),
+            // what a reader makes of it that rounds twice
+            ("/replicas/0/exact/0", json!(182.075_663_777_778_77)),
             ("/replicas/0/state/time", json!(-1)),
             ("/replicas/0/state/time", json!(i64::MAX)),
             ("/replicas/0/state/large_time", json!(1)),
