@@ -90,7 +90,15 @@ fn closed_sphere_to_half_a_percent() {
 #[ignore = "long"]
 fn glass_disappears_to_half_a_percent() {
     for kind in ["glass", "rough"] {
-        for method in [Method::Path, Method::Bdpt, Method::Pssmlt] {
+        for method in [
+            Method::Path,
+            Method::Bdpt,
+            Method::Pssmlt,
+            Method::Mmlt,
+            Method::Mlt,
+            Method::Erpt,
+            Method::ErptPss,
+        ] {
             assert_one(&format!("furnace?kind={kind}"), method, 2_048, 0.005);
         }
     }

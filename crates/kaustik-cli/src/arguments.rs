@@ -226,7 +226,7 @@ pub(crate) struct InfoWords {
 #[derive(Args, Debug)]
 pub(crate) struct CompareWords {
     /// Pictures, the reference last
-    #[arg(value_name = "IMAGE... REFERENCE", num_args = 2.., required = true)]
+    #[arg(value_name = "IMAGE", num_args = 2.., required = true)]
     pub(crate) images: Vec<PathBuf>,
     /// The other half of the reference: its noise then cancels
     #[arg(long, value_name = "REFERENCE2")]

@@ -15,6 +15,15 @@ pub(crate) fn run(words: &CompareWords) -> Result<ExitCode, Failure> {
         .ok_or_else(|| Failure::Input("expected pictures and a reference".to_owned()))?;
     let reference = read(reference)?;
     let half = words.half.as_deref().map(read).transpose()?;
+    if half
+        .as_ref()
+        .is_some_and(|half| half.rgb() == reference.rgb())
+    {
+        return Err(Failure::Input(
+            "the two halves of the reference are the same picture: expected two of other seeds"
+                .to_owned(),
+        ));
+    }
     let names: Vec<String> = images
         .iter()
         .map(|path| path.display().to_string())

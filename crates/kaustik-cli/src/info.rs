@@ -85,7 +85,7 @@ fn contents(scene: &Description) -> Lines {
         })
         .count();
     let lights = names(scene.lights.iter().map(|light| &light.name));
-    let lights = format!("{lights} points, spots and suns; {emissive} emissive materials");
+    let lights = format!("points, spots and suns {lights}; {emissive} emissive materials");
     lines.add("lights", &lights);
     let cameras: Vec<String> = scene.cameras.iter().enumerate().map(camera).collect();
     lines.add("cameras", &names(cameras.iter()));

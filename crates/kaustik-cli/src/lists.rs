@@ -16,6 +16,13 @@ pub(crate) fn scenes(words: &SceneWords) -> Result<ExitCode, Failure> {
         let name = name.strip_prefix("builtin:").unwrap_or(name);
         let description = builtin::load(name).map_err(Failure::input)?;
         check_writable(path).map_err(Failure::input)?;
+        let ending = path.extension().map(|ending| ending.to_ascii_lowercase());
+        if !ending.is_some_and(|ending| ending == "glb" || ending == "gltf") {
+            return Err(Failure::Input(format!(
+                "{}: --export writes glTF: expected a name that ends in .glb or .gltf",
+                path.display()
+            )));
+        }
         gltf::export(&description, path).map_err(Failure::other)?;
         return Ok(ExitCode::SUCCESS);
     }

@@ -19,6 +19,12 @@ pub(crate) fn check<'a>(
     inputs: &(impl Iterator<Item = &'a Path> + Clone),
 ) -> Result<(), Failure> {
     for path in words.files() {
+        if path.as_os_str() == "-" {
+            return Err(Failure::Input(
+                "-: pictures and statistics do not go to standard output: expected the name of a file (./- is one)"
+                    .to_owned(),
+            ));
+        }
         refuse_inputs(path, inputs.clone())?;
         check_writable(path).map_err(Failure::input)?;
     }

@@ -16,7 +16,7 @@ pub enum Outcome {
     Complete,
     /// Stopped from outside; the picture is right for what was done.
     Stopped,
-    /// Nothing in the scene brings light to the camera: the picture is black.
+    /// Nothing that was tried brings light to the camera: the picture is black.
     Black,
 }
 

@@ -227,6 +227,16 @@ impl<'a> Work<'a> {
                 image.push_layer(layer)?;
             }
         }
+        let is_black = || {
+            image
+                .rgb()
+                .iter()
+                .all(|plane| plane.iter().all(|&v| v == 0.0))
+        };
+        let outcome = match outcome {
+            Outcome::Complete if is_black() => Outcome::Black,
+            other => other,
+        };
         Ok(Rendered {
             image,
             statistics,

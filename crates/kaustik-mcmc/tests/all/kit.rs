@@ -3,16 +3,13 @@
 use std::panic::catch_unwind;
 
 use kaustik_mcmc::testing::{
-    Enumerator, Grid, GridStep, PairedTest, RankTest, TransitionMatrix, assert_deposits,
-    assert_detailed_balance, assert_invariant, assert_reversible, assert_stationary,
+    Enumerator, PairedTest, RankTest, TransitionMatrix, assert_deposits, assert_detailed_balance,
+    assert_invariant, assert_reversible, assert_stationary,
 };
-use kaustik_mcmc::{
-    Coordinates, Draws, Exponential, Ignore, Kernel, Move, Mutation, Point, PointKernel, Stream,
-    Target, Uniform, acceptance, decide, target,
-};
+use kaustik_mcmc::{Draws, Exponential, Mutation, Uniform, acceptance, decide};
 
 /// What a failing assertion says.
-fn complaint(run: impl FnOnce() + std::panic::UnwindSafe) -> String {
+pub(crate) fn complaint(run: impl FnOnce() + std::panic::UnwindSafe) -> String {
     let panic = catch_unwind(run).expect_err("nothing was found");
     panic.downcast_ref::<String>().expect("a message").clone()
 }
@@ -90,61 +87,6 @@ fn a_kernel_that_stays_is_no_proof() {
         let nothing = complaint(stays(test));
         assert!(nothing.contains("nothing to rank"), "{nothing}");
     }
-}
-
-/// Moves points as a [`PointKernel`] does, but may forget what comes after the decision.
-struct Forgetful<T> {
-    kernel: PointKernel<T>,
-    accepts: bool,
-    rejects: bool,
-}
-
-impl<T: Target, M: Mutation> Kernel<Point<M>> for Forgetful<T> {
-    type Value = T::Value;
-
-    fn propose<D: Draws + ?Sized>(
-        &self,
-        state: &mut Point<M>,
-        current: &T::Value,
-        proposed: &mut T::Value,
-        draws: &mut D,
-    ) -> Move {
-        self.kernel.propose(state, current, proposed, draws)
-    }
-
-    fn accept(&self, state: &mut Point<M>) {
-        if self.accepts {
-            Kernel::<Point<M>>::accept(&self.kernel, state);
-        }
-    }
-
-    fn reject(&self, state: &mut Point<M>) {
-        if self.rejects {
-            Kernel::<Point<M>>::reject(&self.kernel, state);
-        }
-    }
-}
-
-/// A kernel that never commits leaves its point where it was, in perfect balance: its value tells.
-#[test]
-fn a_point_that_is_not_where_its_value_is_is_named() {
-    let target = target(|u: &mut dyn Coordinates| u.get(Stream::Camera, 0));
-    let family = |x: &f64| [*x];
-    let grid = Grid::new(5, &[(Stream::Camera, 0)]);
-    let matrix = |accepts, rejects| {
-        let kernel = Forgetful {
-            kernel: PointKernel::new(&target, 0.3),
-            accepts,
-            rejects,
-        };
-        let step = GridStep::symmetric(5, 1);
-        grid.matrix(&target, &family, 0, &step, |chain, draws| {
-            chain.step(&kernel, &family, draws, &mut Ignore);
-        })
-    };
-    assert_detailed_balance(&matrix(true, true), &grid.densities(&target, &family, 0));
-    let apart = complaint(|| drop(matrix(false, true)));
-    assert!(apart.contains("does the kernel commit"), "{apart}");
 }
 
 /// Matrices compose as the programs do.

@@ -22,3 +22,4 @@ mod resume;
 mod roll_back;
 mod stationarity;
 mod unbiased;
+mod uncommitted;

@@ -1,5 +1,5 @@
 //! Rule 5 alone lacks the cosine where the light departs, and nothing else. (That it must not lack it is found by
-//! `invariance`: "the cosine before a mirror".)
+//! `faults`, where that cosine is one of the factors, and by `rules`.)
 
 use kaustik_mcmc::{Kernel, generator};
 
