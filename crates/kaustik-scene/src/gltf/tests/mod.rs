@@ -8,6 +8,7 @@ mod animation;
 mod any;
 mod crafted;
 mod decoders;
+mod environment;
 mod file;
 mod formats;
 mod geometry;
