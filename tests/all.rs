@@ -22,6 +22,7 @@ mod vocabulary;
 mod agreement;
 /// The same bits for any number of threads, and across a glTF file.
 mod bits;
+mod black;
 /// The scale of a chain's picture and its error.
 mod brightness;
 /// A second path tracer, and what it takes to tell a wrong one from a right one.

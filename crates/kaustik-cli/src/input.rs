@@ -9,6 +9,7 @@ use kaustik::scene::environment::{clean_radiance, load_hdr};
 use kaustik::scene::{Description, builtin, gltf};
 
 use crate::Failure;
+use crate::picture::ending;
 
 /// A scene as the user named it.
 pub(crate) struct Input {
@@ -118,10 +119,7 @@ pub(crate) fn environment(text: &str) -> Result<(EnvironmentDescription, u64), F
 }
 
 fn environment_image(path: &Path) -> Result<(ImageData, u64), Failure> {
-    let is_exr = path
-        .extension()
-        .is_some_and(|e| e.eq_ignore_ascii_case("exr"));
-    if !is_exr {
+    if ending(path).as_deref() != Some("exr") {
         return load_hdr(path)
             .map(|decoded| (decoded.image, decoded.cleaned))
             .map_err(|error| Failure::input_by(&error));

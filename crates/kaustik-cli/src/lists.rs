@@ -8,6 +8,7 @@ use kaustik::scene::{builtin, gltf};
 use kaustik::{Key, Method};
 
 use crate::arguments::{MethodWords, SceneWords};
+use crate::picture::ending;
 use crate::{Failure, output};
 
 /// Lists the built-in scenes, or exports one.
@@ -15,14 +16,13 @@ pub(crate) fn scenes(words: &SceneWords) -> Result<ExitCode, Failure> {
     if let (Some(name), Some(path)) = (&words.name, &words.export) {
         let name = name.strip_prefix("builtin:").unwrap_or(name);
         let description = builtin::load(name).map_err(Failure::input)?;
-        check_writable(path).map_err(Failure::input)?;
-        let ending = path.extension().map(|ending| ending.to_ascii_lowercase());
-        if !ending.is_some_and(|ending| ending == "glb" || ending == "gltf") {
+        if !matches!(ending(path).as_deref(), Some("glb" | "gltf")) {
             return Err(Failure::Input(format!(
                 "{}: --export writes glTF: expected a name that ends in .glb or .gltf",
                 path.display()
             )));
         }
+        check_writable(path).map_err(Failure::input)?;
         gltf::export(&description, path).map_err(Failure::other)?;
         return Ok(ExitCode::SUCCESS);
     }

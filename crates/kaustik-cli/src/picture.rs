@@ -28,10 +28,7 @@ pub(crate) fn check<'a>(
         refuse_inputs(path, inputs.clone())?;
         check_writable(path).map_err(Failure::input)?;
     }
-    let kind = |path: &Option<PathBuf>| {
-        let extension = path.as_ref().and_then(|path| path.extension());
-        extension.map(|extension| extension.to_string_lossy().to_lowercase())
-    };
+    let kind = |path: &Option<PathBuf>| path.as_deref().and_then(ending);
     if let Some(other) = kind(&words.output).filter(|kind| kind != "exr") {
         return Err(Failure::Input(format!(
             "-o writes EXR, and is given a file that ends in .{other}: expected .exr (--png writes PNG)"
@@ -49,6 +46,12 @@ pub(crate) fn check<'a>(
         );
     }
     Ok(())
+}
+
+/// What the name of a file ends in, in small letters.
+pub(crate) fn ending(path: &Path) -> Option<String> {
+    let ending = path.extension()?;
+    Some(ending.to_string_lossy().to_lowercase())
 }
 
 /// Refuses an output that is one of the inputs.
@@ -150,9 +153,15 @@ pub(crate) fn report(words: &OutputWords, outcome: Outcome, statistics: &RenderS
         output::note(
             "note: nothing that was tried brings light to the camera: the picture is black",
         );
-        return;
+    } else {
+        output::note(&summary(statistics));
+        note_what_methods_say(statistics);
     }
-    output::note(&summary(statistics));
+    // A picture may be black because all of its light was left out.
+    warn_of_losses(statistics);
+}
+
+fn note_what_methods_say(statistics: &RenderStatistics) {
     if let Some(replicas) = &statistics.replicas {
         for notice in replicas.notices() {
             output::note(&notice);
@@ -168,6 +177,10 @@ pub(crate) fn report(words: &OutputWords, outcome: Outcome, statistics: &RenderS
             output::note(&notice);
         }
     }
+}
+
+/// Contributions that are not in the picture.
+fn warn_of_losses(statistics: &RenderStatistics) {
     let lost = statistics.nonfinite + statistics.film.non_finite + statistics.film.too_large;
     if lost > 0 {
         output::note(&format!(
