@@ -20,6 +20,8 @@ mod vocabulary;
 
 /// Methods agree in the mean; planted faults are found.
 mod agreement;
+/// Every method comes to pictures of another renderer.
+mod another_renderer;
 /// The same bits for any number of threads, and across a glTF file.
 mod bits;
 mod black;
@@ -63,6 +65,8 @@ mod motion;
 mod outside;
 /// Photon methods: as the radius shrinks, and against each other.
 mod photon;
+/// Photon methods against each other and against bidirectional paths, tile by tile.
+mod photon_by_tile;
 /// Samples and steps of renders, shown once more.
 mod replay;
 /// Replica exchange: variants, parts, replicas that do not run.

@@ -55,7 +55,7 @@ fn threads_do_not_show() {
     }
 }
 
-/// There is a ladder of chains of photons for each few thousand light paths: only many of them make several,
+/// There is a ladder of chains of photons for each hundred thousand light paths or so: only many of them make several,
 /// which threads share.
 #[test]
 fn threads_do_not_show_in_ladders_of_photons() {
@@ -68,7 +68,7 @@ fn threads_do_not_show_in_ladders_of_photons() {
     ] {
         let with = |ladders, threads| {
             let mut settings = settings(method, 16, 2);
-            settings.options.photon.photons = 50_000;
+            settings.options.photon.photons = Some(400_000);
             settings.options.ladders = ladders;
             settings.threads = threads;
             bits(&picture(&scene, &settings))

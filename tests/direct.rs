@@ -47,6 +47,7 @@ fn assert_agree(name: &str, a: &[Tile], b: &[Tile], share: f64) {
         rejected,
         uncertain,
         worst_error,
+        ..
     } = agree(a, b, |_| true, share);
     assert!(rejected.is_empty(), "{name}: {rejected:?}");
     assert!(uncertain.is_empty(), "{name}: {uncertain:?}, {worst_error}");

@@ -29,8 +29,11 @@ fn pilot(settings: &mut RenderSettings) {
     settings.options.pilot = 20_000;
 }
 
-/// `bdpt` first: the others are held against it. A path tracer last.
-const METHODS: [Contender; 8] = [
+/// Whose walks start at the camera, and end at lamps at best.
+const FROM_THE_CAMERA: usize = 3;
+
+/// `bdpt` first: the others are held against it. Those from the camera last.
+const METHODS: [Contender; 12] = [
     WHOLE,
     short(Method::Pssmlt, 64, |settings| {
         pilot(settings);
@@ -53,12 +56,28 @@ const METHODS: [Contender; 8] = [
         pilot(settings);
         settings.options.builder = Builder::Bidirectional;
     }),
+    short(Method::Annealing, 64, |_| {}),
+    short(Method::Light, 64, |_| {}),
     short(Method::Path, 64, |_| {}),
+    Contender {
+        variant: " simple",
+        ..short(Method::Pssmlt, 128, |settings| {
+            pilot(settings);
+            settings.options.builder = Builder::Simple;
+        })
+    },
+    Contender {
+        variant: " endpoint",
+        ..short(Method::Pssmlt, 128, |settings| {
+            pilot(settings);
+            settings.options.builder = Builder::Endpoint;
+        })
+    },
 ];
 
-/// Where light comes through glass or water from a narrow lamp or the sun: a path tracer may not meet it in any seed, and knows
+/// Where light comes through glass or water from a narrow lamp or the sun: walks from the camera may not meet it in any seed, and know
 /// nothing of it.
-const WITHOUT_PATH: &[Contender] = METHODS.split_at(METHODS.len() - 1).0;
+const WITH_LIGHT_PATHS: &[Contender] = METHODS.split_at(METHODS.len() - FROM_THE_CAMERA).0;
 
 const LOOK: Look = Look {
     seeds: 16,
@@ -110,11 +129,11 @@ agree_on! {
     every_method_agrees_on_mirror_statue: "mirror-statue", &METHODS, QUARTER;
     every_method_agrees_on_dinner_hall: "dinner-hall", &METHODS, DOORWAY;
     every_method_agrees_on_villa: "villa", &METHODS, QUARTER;
-    every_method_agrees_on_underwater: "underwater", WITHOUT_PATH, QUARTER;
+    every_method_agrees_on_underwater: "underwater", WITH_LIGHT_PATHS, QUARTER;
     every_method_agrees_on_canyon: "canyon", &METHODS, QUARTER;
     every_method_agrees_on_mirror_balls: "mirror-balls", &METHODS, QUARTER;
     every_method_agrees_on_tea_time: "tea-time", &METHODS, QUARTER;
-    every_method_agrees_on_prism: "prism", WITHOUT_PATH, QUARTER;
+    every_method_agrees_on_prism: "prism", WITH_LIGHT_PATHS, QUARTER;
     every_method_agrees_on_material_ball: "material-ball", &METHODS, QUARTER;
     every_method_agrees_on_glass_ball: "material-ball?material=glass", &METHODS, QUARTER;
 }

@@ -246,7 +246,7 @@ fn all_light_paths_replayed_are_the_picture() {
     let mut settings = settings(Method::Sppm, SIDE, ITERATIONS);
     settings.options.ladders = 2;
     settings.options.pilot = 500;
-    settings.options.photon.photons = PHOTONS;
+    settings.options.photon.photons = Some(PHOTONS);
     settings.options.photon.radius = 20.0;
     let image = picture(&scene, &settings);
     let film = |mean| Film::with_layout(&settings.layout(), Quantum::from_mean(mean));

@@ -82,7 +82,7 @@ pub(crate) fn resumed(
 pub(crate) fn cases() -> Vec<(String, RenderSettings)> {
     let settings = |method| {
         let mut settings = settings(method, SIDE, 12);
-        settings.options.photon.photons = 1_000;
+        settings.options.photon.photons = Some(1_000);
         if method == Method::Annealing {
             // several rounds, each of 1,000 particles
             settings.options.particles = 1_000;

@@ -78,7 +78,7 @@ pub(crate) fn settings(method: Method, side: u32, spp: u64) -> RenderSettings {
     settings.options.particles = 1_000;
     // from each sample, so that there is little chance in how many there are
     (settings.options.chains, settings.options.length) = (1.0, 8);
-    settings.options.photon.photons = 2_000;
+    settings.options.photon.photons = Some(2_000);
     settings.options.photon.burn_in = 4;
     settings
 }
@@ -318,6 +318,16 @@ pub(crate) struct Verdict {
     pub(crate) uncertain: Vec<usize>,
     /// The largest relative pooled standard error.
     pub(crate) worst_error: f64,
+    /// By how much the second is brighter in each tile that counts, as a share of the first, and the standard error of that.
+    pub(crate) differences: Vec<Difference>,
+}
+
+/// Between two methods in a tile.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Difference {
+    pub(crate) tile: usize,
+    pub(crate) share: f64,
+    pub(crate) error: f64,
 }
 
 /// Welch's test in every channel of every tile that `counts`, Sidak-corrected to 0.01 in all.
@@ -334,6 +344,14 @@ pub(crate) fn agree(a: &[Tile], b: &[Tile], counts: impl Fn(usize) -> bool, shar
         let pooled = (a.variance + b.variance).sqrt();
         if a.mean > 0.0 { pooled / a.mean } else { 0.0 }
     };
+    let difference = |&tile: &usize| {
+        let [a, b] = [a[tile].luminance.mean, b[tile].luminance.mean];
+        Difference {
+            tile,
+            share: if a > 0.0 { b / a - 1.0 } else { 0.0 },
+            error: error(tile),
+        }
+    };
     Verdict {
         rejected: tiles.iter().copied().filter(differs).collect(),
         uncertain: tiles
@@ -342,6 +360,7 @@ pub(crate) fn agree(a: &[Tile], b: &[Tile], counts: impl Fn(usize) -> bool, shar
             .filter(|&tile| error(tile) > share)
             .collect(),
         worst_error: tiles.iter().map(|&tile| error(tile)).fold(0.0, f64::max),
+        differences: tiles.iter().map(difference).collect(),
     }
 }
 

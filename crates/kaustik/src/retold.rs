@@ -192,7 +192,7 @@ fn chains_of_photons_are_retold() {
     ] {
         let mut settings = settings(method);
         // As few as give two ladders, of uneven length.
-        settings.options.photon.photons = 2 * 16_384 + chains as u64;
+        settings.options.photon.photons = Some(2 * 16_384 + chains as u64);
         settings.options.photon.pace = Pace::Periods(pace);
         retell_photons(&settings, &pace[..chains]);
     }
@@ -250,7 +250,7 @@ impl<'a> Course<'a> {
     fn new(settings: &RenderSettings, periods: &'a [u32]) -> Self {
         let photon = &settings.options.photon;
         let rate: f64 = periods.iter().map(|&period| 1.0 / f64::from(period)).sum();
-        let all = (photon.photons as f64 / rate).ceil() as u64;
+        let all = (settings.photons() as f64 / rate).ceil() as u64;
         let burn_in = photon.burn_in;
         Self {
             periods,
@@ -344,7 +344,7 @@ fn states_change_nothing() {
     let scene = scene();
     for method in [Method::PhotonSpatial, Method::PhotonVisibility] {
         let mut settings = settings(method);
-        settings.options.photon.photons = 40_000;
+        settings.options.photon.photons = Some(40_000);
         let pool = pool(settings.threads).expect("threads");
         let state = pool.install(|| {
             let mut engine = engine(&scene, &settings).expect("an engine");

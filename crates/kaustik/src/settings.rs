@@ -124,6 +124,13 @@ impl RenderSettings {
         self.layout().crop.area()
     }
 
+    /// Light paths of an iteration of a photon method. Points and what photons cannot carry take a pixel's time each iteration: in large
+    /// pictures few light paths would be a small part of the work.
+    pub(crate) fn photons(&self) -> u64 {
+        let suited = || self.pixels().saturating_mul(2).clamp(250_000, 100_000_000);
+        self.options.photon.photons.unwrap_or_else(suited)
+    }
+
     /// Steps of a ladder whose steps all count alike.
     pub(crate) fn planned(&self, ladder: u32) -> u64 {
         match self.budget {

@@ -62,7 +62,7 @@ fn settings(method: Method, change: impl FnOnce(&mut RenderSettings)) -> RenderS
     let options = &mut settings.options;
     options.ladders = 3;
     options.pilot = 2000;
-    options.photon.photons = 1000;
+    options.photon.photons = Some(1000);
     options.particles = 256;
     // Every sample with light has chains.
     (options.chains, options.length) = (3.0, 20);

@@ -66,7 +66,7 @@ fn films(method: Method, threads: usize, change: impl Fn(&mut Options)) -> usize
     };
     settings.options.pilot = 2_000;
     settings.options.particles = 1_000;
-    settings.options.photon.photons = 4_000;
+    settings.options.photon.photons = Some(4_000);
     change(&mut settings.options);
     // glass: all replicas run
     let scene = scene("glass-cube?light=0.8");

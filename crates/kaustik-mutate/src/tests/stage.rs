@@ -181,6 +181,11 @@ pub(crate) fn stage(name: &str) -> Stage {
             .add(metal(0.0), floor(0.0, 3.0))
             .add(lamp(4.0), ceiling(Vec3::Y * 6.0, 6.0)),
         "moving" => moving(plate(diffuse([0.6, 0.5, 0.7]))),
+        // what moves is lit through a veil at some times only
+        "moving-veil" => moving(plate(diffuse([0.6, 0.5, 0.7]))).add(
+            veil(),
+            rectangle(Vec3::new(0.5, 1.2, -0.5), Vec3::Z * 0.5, Vec3::X * 0.4),
+        ),
         "moving-mirror" => moving(plate(metal(0.0)).lens(0.3, 2.5)),
         "moving-glass" => {
             let sinks = [([0.0, 0.1, 0.0], [1.0; 3]), ([0.0, -0.6, 0.3], [1.0; 3])];

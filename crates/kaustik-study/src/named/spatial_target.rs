@@ -36,7 +36,7 @@ fn entry(scale: FigureScale, name: &str, method: Method, more: &[&str]) -> Metho
     let mut settings = settings(scale, "pilot=2000", more);
     settings.push(match scale {
         FigureScale::Quick => "photons=2000".to_owned(),
-        FigureScale::Usual => "photons=100000".to_owned(),
+        FigureScale::Usual => "photons=250000".to_owned(),
         FigureScale::AsPublished => "photons=10000000".to_owned(),
     });
     if method == Method::Sppm {

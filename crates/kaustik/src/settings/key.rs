@@ -74,7 +74,7 @@ pub const KEYS: &[Key] = &[
         default: "64",
         range: "1 to 4096",
         meaning: "independent chains or streams of samples; part of the result, unlike --threads (photon chains: fewer, if an \
-                  iteration would not give each of their chains 4096 steps in the mean)",
+                  iteration would not give each of their chains 31,250 steps in the mean)",
         methods: EVERY,
     },
     Key {

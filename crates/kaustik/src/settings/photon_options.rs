@@ -11,8 +11,8 @@ use crate::settings::options::setting::{
 /// Settings that only photon methods read. Each is named as its key, or as said.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PhotonOptions {
-    /// Light paths of an iteration, 1000 to 100,000,000.
-    pub photons: u64,
+    /// Light paths of an iteration, 1000 to 100,000,000; `None`: 250,000, or two a pixel where that is more.
+    pub photons: Option<u64>,
     /// Lobes of this GGX roughness or more show the light of photons, in [0, 1].
     pub roughness: f64,
     /// Radius within which a photon counts, in widths of a pixel as it lies on the surface, in [0.01, 100].
@@ -93,7 +93,7 @@ pub enum Normalisation {
 impl Default for PhotonOptions {
     fn default() -> Self {
         Self {
-            photons: 250_000,
+            photons: None,
             roughness: 0.39,
             radius: 1.0,
             reduction: None,
@@ -134,10 +134,10 @@ const REGIONS: &[Method] = &[Method::PhotonSpatial, Method::PhotonImage];
 /// Light paths of an iteration.
 pub(crate) const LIGHT_PATHS: Key = Key {
     name: "photons",
-    default: "250000",
-    range: "1000 to 100000000",
+    default: "auto",
+    range: "auto|1000 to 100000000",
     meaning: "light paths of an iteration; each iteration sees the scene from new points and with new wavelengths (the \
-                  paper on the spatial target function: 10 million)",
+                  paper on the spatial target function: 10 million). auto: 250,000, or two for each pixel where that is more",
     methods: PHOTONS,
 };
 /// Where measurement points stand.
@@ -317,7 +317,10 @@ impl PhotonOptions {
     /// The setting of a key; `None` if photons have no such key.
     pub(crate) fn setting(&mut self, key: &str) -> Option<AnySetting<'_>> {
         Some(match key {
-            "photons" => integer(&mut self.photons, 1_000..=100_000_000),
+            "photons" => optional(&mut self.photons, "auto", |text| {
+                let count = text.parse().ok();
+                count.filter(|count| (1_000..=100_000_000).contains(count))
+            }),
             "roughness" => number(&mut self.roughness, |alpha| (0.0..=1.0).contains(&alpha)),
             "radius" => number(&mut self.radius, |widths| (0.01..=100.0).contains(&widths)),
             "reduction" => optional(&mut self.reduction, "off", |text| {
@@ -396,6 +399,7 @@ mod tests {
         assert_ne!(options.photon, PhotonOptions::default());
         for wrong in [
             "photons=10",
+            "photons=many",
             "roughness=2",
             "radius=0",
             "reduction=1",

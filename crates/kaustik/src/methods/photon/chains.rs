@@ -7,6 +7,8 @@ mod periods;
 mod replay;
 mod start;
 mod sums;
+#[cfg(test)]
+mod tests;
 
 use std::io;
 use std::sync::atomic::AtomicBool;

@@ -86,7 +86,7 @@ impl<'a> Stage<'a> {
             },
             scale: settings.scale(),
             seed: settings.seed,
-            photons: options.photon.photons,
+            photons: settings.photons(),
             iterations: 0,
             walk: MeasurementWalk {
                 settings: builder,

@@ -14,9 +14,12 @@ use crate::engine::Nonfinite;
 use crate::methods::photon::stage::Stage;
 use crate::sampling::streams;
 
-/// Chains take so many steps an iteration at least, in the mean over a ladder, or there are fewer ladders: means of
-/// short chains under targets that have just changed are off, and many ladders do not mend that.
-const LEAST_STEPS: u64 = 4096;
+/// Chains take so many steps an iteration at least, in the mean over a ladder, or there are fewer ladders.
+///
+/// Much of the full target's mass is in states that the first chain of a ladder meets once in tens of thousands of steps. Until each ladder has
+/// one at its top, its lower chains lose to the top what they find of them: what is left to these is too bright. Many
+/// ladders do not mend that. Unit tests, which keep all that happens in an iteration, have several ladders of fewer steps.
+const LEAST_STEPS: u64 = if cfg!(test) { 4096 } else { 31_250 };
 
 impl<const K: usize> PhotonChains<K> {
     /// First states from uniform light paths, in proportion to each target; rough normalisers from the same.
@@ -52,15 +55,15 @@ impl<const K: usize> PhotonChains<K> {
 }
 
 /// Uniform light paths, each from a generator of its own.
-struct Pilot<'t, const K: usize> {
-    target: PhotonTarget<'t>,
-    levels: PhotonLevels<K>,
-    generators: SampleGenerators,
+pub(super) struct Pilot<'t, const K: usize> {
+    pub(super) target: PhotonTarget<'t>,
+    pub(super) levels: PhotonLevels<K>,
+    pub(super) generators: SampleGenerators,
 }
 
 impl<const K: usize> Pilot<'_, K> {
     /// The densities of the first so many.
-    fn samples(&self, count: usize) -> Vec<[f64; K]> {
+    pub(super) fn samples(&self, count: usize) -> Vec<[f64; K]> {
         let evaluate = |value: &mut PhotonValue, index: usize| {
             let draws = self.generators.at(index as u64);
             (self.target).evaluate(&mut Independent::new(draws), value);

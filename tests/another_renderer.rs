@@ -1,0 +1,243 @@
+//! Pictures of another renderer: four small scenes with the means of its tiles, to which every method must come.
+//!
+//! Its path tracer follows 32 edges, with a box filter of a pixel. Of its pictures, 128x128, the folder
+//! `another_renderer` has the mean of each tile of 16x16 pixels and the standard error of that, three scenes in grey (where spectral
+//! renderers and those of three colours must agree) and one spectral, its reflectances uplifted by another table.
+
+use std::collections::BTreeMap;
+
+use kaustik::scene::{Description, gltf};
+use kaustik::{Builder, Method, Normaliser, RenderSettings, Starts};
+
+use crate::support::{Runs, TILE, compile, picture, settings, tile_means};
+
+const SIDE: u32 = 128;
+/// Of the other renderer's tiles, along a side of the picture.
+const TILES: usize = 8;
+/// Of ours along a side of one of its.
+const FINER: usize = SIDE as usize / TILE / TILES;
+
+/// What the other renderer has found of each tile, row by row: red, green, blue, or grey alone.
+type Tiles = Vec<Vec<f64>>;
+
+/// Independent renders of each method.
+const SEEDS: u64 = 8;
+/// A mean of so few is off by more than so many of its standard errors once in five thousand times (Student's t).
+const SURE: f64 = 7.0;
+
+/// A scene of the folder.
+#[derive(Clone, Copy)]
+struct Check {
+    name: &'static str,
+    bytes: &'static [u8],
+    /// By how much brightness may differ, as a share.
+    brightness: f64,
+    /// The same of a tile.
+    tile: f64,
+}
+
+macro_rules! check {
+    ($name:literal, $brightness:literal, $tile:literal) => {
+        Check {
+            name: $name,
+            bytes: include_bytes!(concat!("another_renderer/", $name, ".glb")),
+            brightness: $brightness,
+            tile: $tile,
+        }
+    };
+}
+
+const GREY: Check = check!("cornell-gray", 0.003, 0.01);
+/// A perfect mirror and smooth glass, with normals at their vertices; a caustic.
+const RING: Check = check!("ring-sphere-gray", 0.003, 0.01);
+/// A wall of rough metal, without what scatters between its facets.
+const GLOSSY: Check = check!("glossy-backwall-gray", 0.003, 0.01);
+const SPECTRAL: Check = check!("cornell-spectral", 0.005, 0.02);
+
+impl Check {
+    fn description(&self) -> Description {
+        let options = gltf::LoadOptions::default();
+        let loaded = gltf::load_bytes(self.bytes, self.name, &options);
+        loaded.expect("a sound file").description
+    }
+
+    /// Means, and their standard errors.
+    fn reference(&self) -> [Tiles; 2] {
+        let text = include_str!("another_renderer/tiles.json");
+        let all: BTreeMap<String, BTreeMap<String, Tiles>> =
+            serde_json::from_str(text).expect("tiles");
+        ["means", "errors"].map(|of| all[self.name][of].clone())
+    }
+
+    /// Ours where it differs.
+    fn differences(&self, description: &Description, how: How) -> Vec<String> {
+        let scene = compile(description, SIDE);
+        let [means, errors] = self.reference();
+        let colours = means[0].len();
+        let runs: Vec<Vec<Vec<f64>>> = (0..SEEDS)
+            .map(|seed| {
+                let mut settings = settings(how.method, SIDE, how.spp);
+                settings.seed = seed;
+                settings.max_depth = 32;
+                settings.options.pilot = 50_000;
+                settings.options.compensation = self.name != GLOSSY.name;
+                (how.change)(&mut settings);
+                coarser(&tile_means(&picture(&scene, &settings)), colours)
+            })
+            .collect();
+        let mut found = Vec::new();
+        let mut doubts = Vec::new();
+        for tile in 0..TILES * TILES {
+            for colour in 0..colours {
+                let ours: Vec<f64> = runs.iter().map(|run| run[tile][colour]).collect();
+                let told = Told::of(&ours, means[tile][colour], errors[tile][colour]);
+                doubts.push(told.error);
+                if told.share.abs() > self.tile.max(SURE * told.error) {
+                    found.push(format!("tile {tile}, colour {colour}: {told:?}"));
+                }
+            }
+        }
+        let whole = |tiles: &[Vec<f64>]| tiles.iter().flatten().sum::<f64>();
+        let ours: Vec<f64> = runs.iter().map(|run| whole(run)).collect();
+        let squares: f64 = errors.iter().flatten().map(|error| error * error).sum();
+        let told = Told::of(&ours, whole(&means), squares.sqrt());
+        doubts.sort_by(f64::total_cmp);
+        let median = doubts[doubts.len() / 2];
+        how.say(self.name, &told, median, &found);
+        if told.share.abs() > self.brightness.max(SURE * told.error) {
+            found.push(format!("brightness: {told:?}"));
+        }
+        if median > 0.5 * self.tile || told.error > 0.5 * self.brightness {
+            found.push(format!("known too little: {median}, {told:?}"));
+        }
+        found
+    }
+}
+
+/// By how much we are brighter, and the standard error of that, both as shares of the other renderer's.
+#[derive(Clone, Copy, Debug)]
+struct Told {
+    share: f64,
+    error: f64,
+}
+
+impl Told {
+    fn of(ours: &[f64], theirs: f64, error: f64) -> Self {
+        let runs = Runs::of(ours);
+        Self {
+            share: runs.mean / theirs - 1.0,
+            error: runs.variance.sqrt().hypot(error) / theirs,
+        }
+    }
+}
+
+/// Means of the other renderer's tiles, from ours, which are finer; of three colours or of grey.
+fn coarser(tiles: &[[f64; 3]], colours: usize) -> Vec<Vec<f64>> {
+    let mut means = vec![vec![0.0; colours]; TILES * TILES];
+    for (index, [r, g, b]) in tiles.iter().enumerate() {
+        let (x, y) = (index % (TILES * FINER), index / (TILES * FINER));
+        let mean = &mut means[y / FINER * TILES + x / FINER];
+        let values = match colours {
+            1 => vec![0.2126 * r + 0.7152 * g + 0.0722 * b],
+            _ => vec![*r, *g, *b],
+        };
+        for (mean, value) in mean.iter_mut().zip(values) {
+            *mean += value / (FINER * FINER) as f64;
+        }
+    }
+    means
+}
+
+/// A method, and for how long.
+#[derive(Clone, Copy)]
+struct How {
+    method: Method,
+    spp: u64,
+    change: fn(&mut RenderSettings),
+}
+
+const fn how(method: Method, spp: u64, change: fn(&mut RenderSettings)) -> How {
+    How {
+        method,
+        spp,
+        change,
+    }
+}
+
+impl How {
+    #[expect(clippy::print_stdout, reason = "figures for whoever runs it")]
+    fn say(self, name: &str, told: &Told, median: f64, found: &[String]) {
+        println!(
+            "{name} by {}: brightness {:+.5} +- {:.5}, median error of a tile {median:.4}, off {found:?}",
+            self.method, told.share, told.error
+        );
+    }
+}
+
+const METHODS: [How; 9] = [
+    how(Method::Path, 512, |_| {}),
+    how(Method::Bdpt, 256, |_| {}),
+    how(Method::Pssmlt, 512, |settings| {
+        settings.options.builder = Builder::Bidirectional;
+        settings.options.p_large = 0.6;
+    }),
+    how(Method::Mmlt, 1024, |settings| {
+        settings.options.pilot = 1_000_000;
+        settings.options.normaliser = Normaliser::Initial;
+    }),
+    how(Method::Relt, 512, |_| {}),
+    how(Method::Mlt, 1024, |_| {}),
+    how(Method::Erpt, 64, |settings| {
+        settings.options.seeds = Starts::Bidirectional;
+    }),
+    how(Method::ErptPss, 64, |settings| {
+        settings.options.builder = Builder::Bidirectional;
+    }),
+    // Discs of a quarter of a pixel's radius, where light is joined across edges but little.
+    how(Method::Sppm, 64, |settings| {
+        settings.options.photon.photons = Some(400_000);
+        settings.options.photon.radius = 0.25;
+    }),
+];
+
+#[test]
+fn bdpt_comes_to_grey_walls_and_faults_are_found() {
+    let bdpt = how(Method::Bdpt, 8, |_| {});
+    let right = GREY.description();
+    let off = GREY.differences(&right, bdpt);
+    assert!(off.is_empty(), "{off:?}");
+    // Walls that reflect a fiftieth less.
+    let mut darker = right.clone();
+    for material in &mut darker.materials {
+        for channel in &mut material.base_color[..3] {
+            *channel *= 0.98;
+        }
+    }
+    // A path that ends early.
+    let cut = how(Method::Bdpt, 8, |settings| settings.max_depth = 5);
+    for (description, how) in [(&darker, bdpt), (&right, cut)] {
+        let off = GREY.differences(description, how);
+        assert!(!off.is_empty());
+    }
+}
+
+macro_rules! come_to {
+    ($($name:ident: $check:expr;)*) => {$(
+        #[test]
+        #[ignore = "long"]
+        fn $name() {
+            let description = $check.description();
+            for how in METHODS {
+                let off = $check.differences(&description, how);
+                assert!(off.is_empty(), "{}: {off:?}", how.method);
+            }
+        }
+    )*};
+}
+
+come_to! {
+    every_method_comes_to_grey_walls: GREY;
+    every_method_comes_to_ring_and_sphere: RING;
+    every_method_comes_to_a_glossy_wall: GLOSSY;
+    every_method_comes_to_spectral_walls: SPECTRAL;
+}
