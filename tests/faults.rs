@@ -69,7 +69,11 @@ fn cases() -> Vec<Case> {
             &["photons=130000", "pilot=1000"],
         ),
         case("photon-density", photons(), &["photons=5000", "pilot=1000"]),
-        case("photon-spatial", photons(), &["photons=5000", "pilot=1000"]),
+        case(
+            "photon-spatial",
+            photons(),
+            &["photons=5000", "pilot=1000", "burnin=64"],
+        ),
         case("photon-image", photons(), &["photons=5000", "pilot=1000"]),
     ];
     for method in ["pssmlt", "mmlt", "relt", "mlt", "annealing"] {

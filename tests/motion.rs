@@ -253,7 +253,7 @@ fn every_method_shows_the_mean_of_still_pictures() {
 fn photons(method: Method, iterations: u64, photons: u64) -> RenderSettings {
     let mut settings = settings(method, SIDE, iterations);
     settings.options.photon.photons = Some(photons);
-    settings.options.photon.burn_in = 64;
+    settings.options.photon.burn_in = Some(64);
     settings
 }
 

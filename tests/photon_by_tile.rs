@@ -1,6 +1,6 @@
 //! Photon methods tile by tile: with discs of a pixel all have the same error of the kernel, and with discs that shrink none.
 
-use kaustik::{Method, RenderSettings};
+use kaustik::{Method, PhotonOptions, RenderSettings};
 
 use crate::support::{Difference, Verdict};
 use crate::windows::{Contender, Look, SEEDS, SPARED, TILES, assert_equal, compare, wanted};
@@ -12,8 +12,14 @@ const SPPM: Contender = Contender {
     block: TILES,
     first: 8,
     error: 0.0065,
-    change: |settings| settings.options.pilot = 100_000,
+    change: by_default,
 };
+
+/// As users have it.
+fn by_default(settings: &mut RenderSettings) {
+    settings.options.pilot = 100_000;
+    settings.options.photon = PhotonOptions::default();
+}
 
 const fn chains(method: Method) -> Contender {
     Contender { method, ..SPPM }
@@ -128,7 +134,7 @@ photons_agree! {
 
 /// A fifth of a pixel's radius: the error of the kernel goes with its area, and is one part in twenty-five of that of a pixel's disc.
 fn small_discs(settings: &mut RenderSettings) {
-    (SPPM.change)(settings);
+    by_default(settings);
     settings.options.photon.radius = 0.2;
 }
 
@@ -206,7 +212,10 @@ fn assert_small_discs(words: &str, method: Method) {
 fn large_discs_are_found() {
     let large = Contender {
         variant: " large discs",
-        change: |settings| settings.options.photon.radius = 2.0,
+        change: |settings| {
+            by_default(settings);
+            settings.options.photon.radius = 2.0;
+        },
         ..small(Method::Sppm)
     };
     let look = Look {

@@ -79,7 +79,7 @@ pub(crate) fn settings(method: Method, side: u32, spp: u64) -> RenderSettings {
     // from each sample, so that there is little chance in how many there are
     (settings.options.chains, settings.options.length) = (1.0, 8);
     settings.options.photon.photons = Some(2_000);
-    settings.options.photon.burn_in = 4;
+    settings.options.photon.burn_in = Some(4);
     settings
 }
 

@@ -30,7 +30,7 @@ fn settings(method: Method) -> RenderSettings {
     options.pilot = 1000;
     options.particles = 1000;
     options.photon.remainder = false;
-    options.photon.burn_in = 3;
+    options.photon.burn_in = Some(3);
     // Wide enough for some to be met, and not by every photon.
     options.photon.radius = 0.5;
     settings
@@ -251,7 +251,7 @@ impl<'a> Course<'a> {
         let photon = &settings.options.photon;
         let rate: f64 = periods.iter().map(|&period| 1.0 / f64::from(period)).sum();
         let all = (settings.photons() as f64 / rate).ceil() as u64;
-        let burn_in = photon.burn_in;
+        let burn_in = photon.burn_in.expect("one is set");
         Self {
             periods,
             burn_in,

@@ -4,9 +4,7 @@ use kaustik_estimate::{Combine, Refinement, Witnesses};
 
 use crate::settings::key::Key;
 use crate::settings::method::Method;
-use crate::settings::options::setting::{
-    AnySetting, by, finite, integer, number, optional, switch, word,
-};
+use crate::settings::options::setting::{AnySetting, by, finite, number, optional, switch, word};
 
 /// Settings that only photon methods read. Each is named as its key, or as said.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,8 +21,9 @@ pub struct PhotonOptions {
     pub remainder: bool,
     /// Acceptance that the sizes of small steps are driven to, in [0.01, 0.99].
     pub acceptance: f64,
-    /// `burnin`: steps of each chain that are discarded at the start of an iteration.
-    pub burn_in: u64,
+    /// `burnin`: steps of each chain that are discarded at the start of an iteration, up to 100,000; `None`: 64, and where targets go by the points
+    /// at least a sixteenth of those that the last chain takes.
+    pub burn_in: Option<u64>,
     /// How the chains of a ladder make one picture.
     pub combine: Combine,
     /// Chains of a ladder.
@@ -99,7 +98,7 @@ impl Default for PhotonOptions {
             reduction: None,
             remainder: true,
             acceptance: 0.234,
-            burn_in: 64,
+            burn_in: None,
             combine: Combine::Balance,
             levels: LadderSize::Four,
             pace: Pace::Auto,
@@ -188,10 +187,11 @@ pub(crate) const ACCEPTANCE: Key = Key {
 /// What does not count.
 pub(crate) const BURN_IN: Key = Key {
     name: "burnin",
-    default: "64",
-    range: "0 to 100000",
+    default: "auto",
+    range: "auto|0 to 100000",
     meaning: "steps of each chain at the start of an iteration that are discarded, because the targets have just changed \
-                  (the paper: 10,000, of one ladder and 10 million paths)",
+                  (the paper: 10,000, of one ladder and 10 million paths). auto: 64; of all but photon-visibility a sixteenth of \
+                  the steps that the last chain takes, if that is more",
     methods: CHAINS,
 };
 /// How chains make one picture.
@@ -328,7 +328,10 @@ impl PhotonOptions {
             }),
             "remainder" => switch(&mut self.remainder),
             "acceptance" => number(&mut self.acceptance, |rate| (0.01..=0.99).contains(&rate)),
-            "burnin" => integer(&mut self.burn_in, 0..=100_000),
+            "burnin" => optional(&mut self.burn_in, "auto", |text| {
+                let count = text.parse().ok();
+                count.filter(|count| *count <= 100_000)
+            }),
             "combine" => word(&mut self.combine, COMBINES),
             "levels" => word(&mut self.levels, LADDER_SIZES),
             "pace" => by(&mut self.pace, Pace::parse, Pace::text),
@@ -410,6 +413,7 @@ mod tests {
             "pace=1:1:1:0",
             "pace=1:1:1:65",
             "pace=fast",
+            "burnin=100001",
             "tf=half",
             "refinement=soon",
         ] {

@@ -50,6 +50,12 @@ const FIRST_STEP: f64 = 0.1;
 /// By how much step sizes learn from an iteration, and how fast that falls with their number.
 const GAIN: f64 = 1.0;
 const GAIN_DECAY: f64 = 0.6;
+/// Steps of each chain that tell nothing where targets change little: new points take a few from the dark.
+const LEAST_BURN_IN: u64 = 64;
+/// Where they go by the points, one step of so many of the last chain. In each iteration other states are the rare ones of high targets, in regions that
+/// hardly any light reaches: as long as the last chain is not yet in one, what it brings of all others is too bright.
+const BURNT_IN: u64 = 16;
+
 /// Ladders of K chains each: the first draws uniform light paths, the others follow targets.
 pub(super) struct PhotonChains<const K: usize> {
     levels: PhotonLevels<K>,
@@ -307,11 +313,19 @@ impl<const K: usize> PhotonChains<K> {
 
     /// The sweeps that so many ladders take in any iteration.
     fn course(&self, stage: &Stage<'_>, ladders: usize) -> Course<K> {
-        Course {
-            burn_in: self.options.burn_in,
+        let course = Course {
+            burn_in: 0,
             sweeps: self.periods.sweeps(stage.photons),
             ladders: ladders as u64,
             periods: self.periods,
+        };
+        let suited = || match self.levels.0.iter().any(|kind| kind.asks_of_points()) {
+            true => course.count(K - 1) / course.ladders / BURNT_IN,
+            false => 0,
+        };
+        Course {
+            burn_in: (self.options.burn_in).unwrap_or_else(|| suited().max(LEAST_BURN_IN)),
+            ..course
         }
     }
 
