@@ -52,8 +52,8 @@ const GAIN: f64 = 1.0;
 const GAIN_DECAY: f64 = 0.6;
 /// Steps of each chain that tell nothing where targets change little: new points take a few from the dark.
 const LEAST_BURN_IN: u64 = 64;
-/// Where they go by the points, one step of so many of the last chain. In each iteration other states are the rare ones of high targets, in regions that
-/// hardly any light reaches: as long as the last chain is not yet in one, what it brings of all others is too bright.
+/// Where they go by the points, one step of so many of the last chain. In each iteration other states are the rare ones of high targets:
+/// as long as the last chain is not yet in one, what it brings of all others is too bright.
 const BURNT_IN: u64 = 16;
 
 /// Ladders of K chains each: the first draws uniform light paths, the others follow targets.
