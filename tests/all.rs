@@ -67,6 +67,8 @@ mod outside;
 mod photon;
 /// Photon methods against each other and against bidirectional paths, tile by tile.
 mod photon_by_tile;
+/// Photons beside walls and behind veils.
+mod photon_walls;
 /// Samples and steps of renders, shown once more.
 mod replay;
 /// Replica exchange: variants, parts, replicas that do not run.

@@ -6,12 +6,14 @@
 
 use std::collections::BTreeMap;
 
+use kaustik::Method;
 use kaustik::scene::{Description, gltf};
-use kaustik::{Builder, Method, Normaliser, RenderSettings, Starts};
 
-use crate::support::{Runs, TILE, compile, picture, settings, tile_means};
+use crate::support::{Runs, TILE, compile, from_both_sides, picture, settings, tile_means};
 
 const SIDE: u32 = 128;
+/// The other renderer's longest paths.
+const EDGES: u32 = 32;
 /// Of the other renderer's tiles, along a side of the picture.
 const TILES: usize = 8;
 /// Of ours along a side of one of its.
@@ -69,19 +71,28 @@ impl Check {
         ["means", "errors"].map(|of| all[self.name][of].clone())
     }
 
-    /// Ours where it differs.
-    fn differences(&self, description: &Description, how: How) -> Vec<String> {
+    /// Where ours differs, with paths of so many edges at most.
+    #[expect(clippy::print_stdout, reason = "figures for whoever runs it")]
+    fn differences(
+        &self,
+        description: &Description,
+        (method, spp): How,
+        max_depth: u32,
+    ) -> Vec<String> {
         let scene = compile(description, SIDE);
         let [means, errors] = self.reference();
         let colours = means[0].len();
         let runs: Vec<Vec<Vec<f64>>> = (0..SEEDS)
             .map(|seed| {
-                let mut settings = settings(how.method, SIDE, how.spp);
+                let mut settings = settings(method, SIDE, spp);
                 settings.seed = seed;
-                settings.max_depth = 32;
+                settings.max_depth = max_depth;
                 settings.options.pilot = 50_000;
                 settings.options.compensation = self.name != GLOSSY.name;
-                (how.change)(&mut settings);
+                from_both_sides(&mut settings);
+                // Discs of a quarter of a pixel's radius, where light is joined across edges but little.
+                settings.options.photon.photons = Some(400_000);
+                settings.options.photon.radius = 0.25;
                 coarser(&tile_means(&picture(&scene, &settings)), colours)
             })
             .collect();
@@ -103,7 +114,10 @@ impl Check {
         let told = Told::of(&ours, whole(&means), squares.sqrt());
         doubts.sort_by(f64::total_cmp);
         let median = doubts[doubts.len() / 2];
-        how.say(self.name, &told, median, &found);
+        println!(
+            "{} by {method}: brightness {:+.5} +- {:.5}, median error of a tile {median:.4}, off {found:?}",
+            self.name, told.share, told.error
+        );
         if told.share.abs() > self.brightness.max(SURE * told.error) {
             found.push(format!("brightness: {told:?}"));
         }
@@ -148,63 +162,26 @@ fn coarser(tiles: &[[f64; 3]], colours: usize) -> Vec<Vec<f64>> {
     means
 }
 
-/// A method, and for how long.
-#[derive(Clone, Copy)]
-struct How {
-    method: Method,
-    spp: u64,
-    change: fn(&mut RenderSettings),
-}
-
-const fn how(method: Method, spp: u64, change: fn(&mut RenderSettings)) -> How {
-    How {
-        method,
-        spp,
-        change,
-    }
-}
-
-impl How {
-    #[expect(clippy::print_stdout, reason = "figures for whoever runs it")]
-    fn say(self, name: &str, told: &Told, median: f64, found: &[String]) {
-        println!(
-            "{name} by {}: brightness {:+.5} +- {:.5}, median error of a tile {median:.4}, off {found:?}",
-            self.method, told.share, told.error
-        );
-    }
-}
+/// A method and its samples a pixel.
+type How = (Method, u64);
 
 const METHODS: [How; 9] = [
-    how(Method::Path, 512, |_| {}),
-    how(Method::Bdpt, 256, |_| {}),
-    how(Method::Pssmlt, 512, |settings| {
-        settings.options.builder = Builder::Bidirectional;
-        settings.options.p_large = 0.6;
-    }),
-    how(Method::Mmlt, 1024, |settings| {
-        settings.options.pilot = 1_000_000;
-        settings.options.normaliser = Normaliser::Initial;
-    }),
-    how(Method::Relt, 512, |_| {}),
-    how(Method::Mlt, 1024, |_| {}),
-    how(Method::Erpt, 64, |settings| {
-        settings.options.seeds = Starts::Bidirectional;
-    }),
-    how(Method::ErptPss, 64, |settings| {
-        settings.options.builder = Builder::Bidirectional;
-    }),
-    // Discs of a quarter of a pixel's radius, where light is joined across edges but little.
-    how(Method::Sppm, 64, |settings| {
-        settings.options.photon.photons = Some(400_000);
-        settings.options.photon.radius = 0.25;
-    }),
+    (Method::Path, 512),
+    (Method::Bdpt, 256),
+    (Method::Pssmlt, 512),
+    (Method::Mmlt, 1024),
+    (Method::Relt, 512),
+    (Method::Mlt, 1024),
+    (Method::Erpt, 64),
+    (Method::ErptPss, 64),
+    (Method::Sppm, 64),
 ];
 
 #[test]
 fn bdpt_comes_to_grey_walls_and_faults_are_found() {
-    let bdpt = how(Method::Bdpt, 8, |_| {});
+    let bdpt = (Method::Bdpt, 8);
     let right = GREY.description();
-    let off = GREY.differences(&right, bdpt);
+    let off = GREY.differences(&right, bdpt, EDGES);
     assert!(off.is_empty(), "{off:?}");
     // Walls that reflect a fiftieth less.
     let mut darker = right.clone();
@@ -213,10 +190,9 @@ fn bdpt_comes_to_grey_walls_and_faults_are_found() {
             *channel *= 0.98;
         }
     }
-    // A path that ends early.
-    let cut = how(Method::Bdpt, 8, |settings| settings.max_depth = 5);
-    for (description, how) in [(&darker, bdpt), (&right, cut)] {
-        let off = GREY.differences(description, how);
+    // And paths that end early.
+    for (description, edges) in [(&darker, EDGES), (&right, 5)] {
+        let off = GREY.differences(description, bdpt, edges);
         assert!(!off.is_empty());
     }
 }
@@ -228,8 +204,8 @@ macro_rules! come_to {
         fn $name() {
             let description = $check.description();
             for how in METHODS {
-                let off = $check.differences(&description, how);
-                assert!(off.is_empty(), "{}: {off:?}", how.method);
+                let off = $check.differences(&description, how, EDGES);
+                assert!(off.is_empty(), "{}: {off:?}", how.0);
             }
         }
     )*};

@@ -1,10 +1,10 @@
 //! Methods agree on every built-in scene, to some percent a tile: those that [`agreement`](crate::agreement) and
 //! [`by_tile`](crate::by_tile) know to half a percent are few, and have no textures, sky or dispersion.
 
-use kaustik::{Builder, Method, Normaliser, RenderSettings, Starts};
+use kaustik::{Builder, Method, RenderSettings};
 
-use crate::support::Verdict;
-use crate::windows::{Contender, Look, TILES, assert_equal, compare, wanted};
+use crate::support::from_both_sides;
+use crate::windows::{Contender, Look, TILES, assert_known_equal};
 
 /// The whole image at once, for a few rounds.
 const WHOLE: Contender = Contender {
@@ -29,33 +29,23 @@ fn pilot(settings: &mut RenderSettings) {
     settings.options.pilot = 20_000;
 }
 
+fn both_sides(settings: &mut RenderSettings) {
+    pilot(settings);
+    from_both_sides(settings);
+}
+
 /// Whose walks start at the camera, and end at lamps at best.
 const FROM_THE_CAMERA: usize = 3;
 
 /// `bdpt` first: the others are held against it. Those from the camera last.
 const METHODS: [Contender; 12] = [
     WHOLE,
-    short(Method::Pssmlt, 64, |settings| {
-        pilot(settings);
-        settings.options.builder = Builder::Bidirectional;
-        settings.options.p_large = 0.6;
-    }),
-    // A sample shows one strategy: it takes more of them until starts know of all light. What scales the picture by the same
-    // samples is unbiased for any number of them.
-    short(Method::Mmlt, 256, |settings| {
-        settings.options.pilot = 1_000_000;
-        settings.options.normaliser = Normaliser::Initial;
-    }),
+    short(Method::Pssmlt, 64, both_sides),
+    short(Method::Mmlt, 256, both_sides),
     short(Method::Relt, 64, |_| {}),
     short(Method::Mlt, 256, pilot),
-    short(Method::Erpt, 16, |settings| {
-        pilot(settings);
-        settings.options.seeds = Starts::Bidirectional;
-    }),
-    short(Method::ErptPss, 16, |settings| {
-        pilot(settings);
-        settings.options.builder = Builder::Bidirectional;
-    }),
+    short(Method::Erpt, 16, both_sides),
+    short(Method::ErptPss, 16, both_sides),
     short(Method::Annealing, 64, |_| {}),
     short(Method::Light, 64, |_| {}),
     short(Method::Path, 64, |_| {}),
@@ -86,39 +76,18 @@ const LOOK: Look = Look {
     rounds: 3,
 };
 
-/// Tiles that are known to the share, and differ. Of the others Welch's test knows nothing: where one seed in ten meets
-/// what is bright, means are not normal.
-fn differs(verdict: &Verdict) -> Vec<usize> {
-    let known = |tile: &usize| !verdict.uncertain.contains(tile);
-    verdict.rejected.iter().copied().filter(known).collect()
-}
-
 /// Tiles that are to be known at least, or a comparison says nothing.
 const QUARTER: usize = TILES * TILES / 4;
 
 /// A doorway is bright, the room before it is lit by what comes through: that takes hours to know so well.
 const DOORWAY: usize = 4;
 
-/// Nothing that is known differs from `bdpt`.
-fn assert_agreement_on(words: &str, methods: &[Contender], least_known: usize) {
-    let told = compare(words, &wanted(methods), LOOK);
-    for told in told
-        .iter()
-        .filter(|(pair, _)| pair[0].method == Method::Bdpt)
-    {
-        let ([_, rival], verdict) = told;
-        let known = TILES * TILES - verdict.uncertain.len();
-        assert!(known >= least_known, "{words}, {rival}: {verdict:?}");
-        assert_equal(words, told, LOOK, differs);
-    }
-}
-
 macro_rules! agree_on {
     ($($name:ident: $words:literal, $methods:expr, $least_known:expr;)*) => {$(
         #[test]
         #[ignore = "long"]
         fn $name() {
-            assert_agreement_on($words, $methods, $least_known);
+            assert_known_equal($words, $methods, LOOK, $least_known);
         }
     )*};
 }

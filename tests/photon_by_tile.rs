@@ -3,7 +3,9 @@
 use kaustik::{Method, PhotonOptions, RenderSettings};
 
 use crate::support::{Difference, Verdict};
-use crate::windows::{Contender, Look, SEEDS, SPARED, TILES, assert_equal, compare, wanted};
+use crate::windows::{
+    Contender, Look, SEEDS, SPARED, TILES, assert_known_equal, compare, with_the_first,
+};
 
 /// The whole image, in iterations of as many light paths as by default: chains are long only there.
 const SPPM: Contender = Contender {
@@ -73,41 +75,16 @@ fn few(settings: &mut RenderSettings) {
 #[test]
 fn photons_agree_roughly_and_a_missing_bounce_is_found() {
     let methods = METHODS.map(|contender| short(contender, few));
-    for ([_, rival], verdict) in against_the_first("cornell", &methods, SHORT) {
+    let told = compare("cornell", &methods, SHORT);
+    for ([_, rival], verdict) in with_the_first(told, &methods) {
         assert!(verdict.rejected.is_empty(), "{rival}: {verdict:?}");
     }
     let cut = short(chains(Method::PhotonSpatial), |settings| {
         few(settings);
         settings.max_depth = 2;
     });
-    for (_, verdict) in against_the_first("cornell", &[methods[0], cut], SHORT) {
+    for (_, verdict) in compare("cornell", &[methods[0], cut], SHORT) {
         assert!(!verdict.rejected.is_empty(), "{verdict:?}");
-    }
-}
-
-/// The verdicts on the first contender and each other.
-fn against_the_first(
-    words: &str,
-    contenders: &[Contender],
-    look: Look,
-) -> Vec<([Contender; 2], Verdict)> {
-    let first = contenders[0].method;
-    let told = compare(words, &wanted(contenders), look);
-    told.into_iter()
-        .filter(|(pair, _)| pair[0].method == first)
-        .collect()
-}
-
-/// No tile that is known differs from that of independent photons; so many are known.
-fn assert_agreement(words: &str, look: Look, least_known: usize) {
-    for told in against_the_first(words, &METHODS, look) {
-        let ([_, rival], verdict) = &told;
-        let known = verdict.differences.len() - verdict.uncertain.len();
-        assert!(known >= least_known, "{words}, {rival}: {verdict:?}");
-        assert_equal(words, &told, look, |verdict| {
-            let known = |tile: &usize| !verdict.uncertain.contains(tile);
-            verdict.rejected.iter().copied().filter(known).collect()
-        });
     }
 }
 
@@ -117,7 +94,7 @@ macro_rules! photons_agree {
         #[test]
         #[ignore = "long; KAUSTIK_KEEP keeps what is done"]
         fn $name() {
-            assert_agreement($words, $look, $least_known);
+            assert_known_equal($words, &METHODS, $look, $least_known);
         }
     )*};
 }
@@ -177,6 +154,12 @@ const BDPT: Contender = Contender {
     ..SPPM
 };
 
+/// A percent is seen.
+const SMALL: Look = Look {
+    share: 0.004,
+    ..LONG
+};
+
 fn small(method: Method) -> Contender {
     Contender {
         variant: " small discs",
@@ -188,11 +171,7 @@ fn small(method: Method) -> Contender {
 }
 
 fn assert_small_discs(words: &str, method: Method) {
-    let look = Look {
-        share: 0.004,
-        ..LONG
-    };
-    let [(_, verdict)] = &compare(words, &[BDPT, small(method)], look)[..] else {
+    let [(_, verdict)] = &compare(words, &[BDPT, small(method)], SMALL)[..] else {
         panic!("one verdict on two");
     };
     let beyond = beyond_a_percent(verdict);
@@ -218,11 +197,7 @@ fn large_discs_are_found() {
         },
         ..small(Method::Sppm)
     };
-    let look = Look {
-        share: 0.004,
-        ..LONG
-    };
-    for (_, verdict) in compare("cornell", &[BDPT, large], look) {
+    for (_, verdict) in compare("cornell", &[BDPT, large], SMALL) {
         assert!(beyond_a_percent(&verdict).len() > 2 * SPARED, "{verdict:?}");
     }
 }

@@ -16,7 +16,7 @@ use kaustik::scene::description::{
     CameraDescription, InstanceDescription, MaterialDescription, Projection,
 };
 use kaustik::scene::{Description, Scene, SceneOptions, builtin};
-use kaustik::{Budget, Control, Method, RenderSettings, render};
+use kaustik::{Budget, Builder, Control, Method, Normaliser, RenderSettings, Starts, render};
 
 /// A built-in scene with its camera for a square image.
 pub(crate) fn scene(words: &str, side: u32) -> Scene {
@@ -81,6 +81,20 @@ pub(crate) fn settings(method: Method, side: u32, spp: u64) -> RenderSettings {
     settings.options.photon.photons = Some(2_000);
     settings.options.photon.burn_in = Some(4);
     settings
+}
+
+/// Where a path tracer seldom finds the light: paths from both sides, and starts that know of all light.
+pub(crate) fn from_both_sides(settings: &mut RenderSettings) {
+    let options = &mut settings.options;
+    match settings.method {
+        Method::Pssmlt => (options.builder, options.p_large) = (Builder::Bidirectional, 0.6),
+        // A sample shows one strategy: it takes more of them until starts know of all light. What scales the picture by the same
+        // samples is unbiased for any number of them.
+        Method::Mmlt => (options.pilot, options.normaliser) = (1_000_000, Normaliser::Initial),
+        Method::Erpt => options.seeds = Starts::Bidirectional,
+        Method::ErptPss => options.builder = Builder::Bidirectional,
+        _ => {}
+    }
 }
 
 /// The picture of a render.
@@ -320,6 +334,15 @@ pub(crate) struct Verdict {
     pub(crate) worst_error: f64,
     /// By how much the second is brighter in each tile that counts, as a share of the first, and the standard error of that.
     pub(crate) differences: Vec<Difference>,
+}
+
+impl Verdict {
+    /// Tiles that are known to the share, and differ. Of the others Welch's test knows nothing: where one seed in ten meets
+    /// what is bright, means are not normal.
+    pub(crate) fn known_to_differ(&self) -> Vec<usize> {
+        let known = |tile: &usize| !self.uncertain.contains(tile);
+        self.rejected.iter().copied().filter(known).collect()
+    }
 }
 
 /// Between two methods in a tile.

@@ -334,3 +334,29 @@ pub(crate) fn assert_equal(
         );
     }
 }
+
+/// Asserts that no tile that is known differs between the first contender and any other that is wanted, and that so many are known.
+pub(crate) fn assert_known_equal(
+    words: &str,
+    contenders: &[Contender],
+    look: Look,
+    least_known: usize,
+) {
+    let told = compare(words, &wanted(contenders), look);
+    for told in with_the_first(told, contenders) {
+        let ([_, rival], verdict) = &told;
+        let known = TILES * TILES - verdict.uncertain.len();
+        assert!(known >= least_known, "{words}, {rival}: {verdict:?}");
+        assert_equal(words, &told, look, Verdict::known_to_differ);
+    }
+}
+
+/// Of verdicts on each two those on the first contender, whose method no other has, and another.
+pub(crate) fn with_the_first(
+    told: Vec<([Contender; 2], Verdict)>,
+    contenders: &[Contender],
+) -> impl Iterator<Item = ([Contender; 2], Verdict)> {
+    let first = contenders[0].method;
+    told.into_iter()
+        .filter(move |(pair, _)| pair[0].method == first)
+}

@@ -142,6 +142,11 @@ impl<const K: usize> PhotonLevels<K> {
     pub fn has(&self, kind: PhotonTargetKind) -> bool {
         self.0.contains(&kind)
     }
+
+    /// Does a chain follow a target that asks for more of a point than whether it is touched?
+    pub fn ask_of_points(&self) -> bool {
+        self.0.iter().any(|kind| kind.asks_of_points())
+    }
 }
 
 impl<const K: usize> Family<PhotonValue, K> for PhotonLevels<K> {

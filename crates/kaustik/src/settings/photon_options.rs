@@ -4,7 +4,9 @@ use kaustik_estimate::{Combine, Refinement, Witnesses};
 
 use crate::settings::key::Key;
 use crate::settings::method::Method;
-use crate::settings::options::setting::{AnySetting, by, finite, number, optional, switch, word};
+use crate::settings::options::setting::{
+    AnySetting, by, finite, number, optional, optional_integer, switch, word,
+};
 
 /// Settings that only photon methods read. Each is named as its key, or as said.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -317,10 +319,7 @@ impl PhotonOptions {
     /// The setting of a key; `None` if photons have no such key.
     pub(crate) fn setting(&mut self, key: &str) -> Option<AnySetting<'_>> {
         Some(match key {
-            "photons" => optional(&mut self.photons, "auto", |text| {
-                let count = text.parse().ok();
-                count.filter(|count| (1_000..=100_000_000).contains(count))
-            }),
+            "photons" => optional_integer(&mut self.photons, "auto", 1_000..=100_000_000),
             "roughness" => number(&mut self.roughness, |alpha| (0.0..=1.0).contains(&alpha)),
             "radius" => number(&mut self.radius, |widths| (0.01..=100.0).contains(&widths)),
             "reduction" => optional(&mut self.reduction, "off", |text| {
@@ -328,10 +327,7 @@ impl PhotonOptions {
             }),
             "remainder" => switch(&mut self.remainder),
             "acceptance" => number(&mut self.acceptance, |rate| (0.01..=0.99).contains(&rate)),
-            "burnin" => optional(&mut self.burn_in, "auto", |text| {
-                let count = text.parse().ok();
-                count.filter(|count| *count <= 100_000)
-            }),
+            "burnin" => optional_integer(&mut self.burn_in, "auto", 0..=100_000),
             "combine" => word(&mut self.combine, COMBINES),
             "levels" => word(&mut self.levels, LADDER_SIZES),
             "pace" => by(&mut self.pace, Pace::parse, Pace::text),

@@ -6,6 +6,7 @@ mod mark;
 mod periods;
 mod replay;
 mod start;
+mod step_sizes;
 mod sums;
 #[cfg(test)]
 mod tests;
@@ -18,8 +19,8 @@ use kaustik_estimate::{
 };
 use kaustik_film::{Counters, Film, Image, Layer, Quantum};
 use kaustik_mcmc::{
-    Acceptance, AcceptanceAdaptation, Draws, Ignore, Ladder, Mean, Pcg64Dxsm, Point, PointKernel,
-    Power, Statistics, generator,
+    AcceptanceAdaptation, Draws, Ladder, Mean, Pcg64Dxsm, Point, PointKernel, Power, Statistics,
+    generator,
 };
 use kaustik_path::Event;
 use kaustik_spectrum::{Rgb, Xyz};
@@ -39,17 +40,6 @@ use crate::{ChainStatistics, PhotonOptions, RenderError, RenderSettings, StepId}
 use iteration::{Course, Iteration, Unheard};
 use periods::Periods;
 
-/// Before the first iteration step sizes learn for so many rounds at most.
-const WARM_UP_ROUNDS: u64 = 48;
-/// Sweeps of each.
-const WARM_UP_SWEEPS: u64 = 64;
-/// It ends when every level accepts as much as it should, but for this much.
-const WARM: f64 = 0.04;
-/// Size of the first steps: between what suits a scene of which all is seen and one of which a thousandth is.
-const FIRST_STEP: f64 = 0.1;
-/// By how much step sizes learn from an iteration, and how fast that falls with their number.
-const GAIN: f64 = 1.0;
-const GAIN_DECAY: f64 = 0.6;
 /// Steps of each chain that tell nothing where targets change little: new points take a few from the dark.
 const LEAST_BURN_IN: u64 = 64;
 /// Where they go by the points, one step of so many of the last chain. In each iteration other states are the rare ones of high targets:
@@ -120,10 +110,7 @@ impl<const K: usize> PhotonChains<K> {
             && levels.0.get(1) == Some(&PhotonTargetKind::Visibility)
             && !stage.moves()
             && options.reduction.is_none();
-        let adaptation = AcceptanceAdaptation::new(Power::new(FIRST_STEP))
-            .with_target(options.acceptance)
-            .with_gain(GAIN, GAIN_DECAY)
-            .in_logarithms();
+        let adaptation = step_sizes::adaptation(options.acceptance);
         let mut chains = Self {
             levels,
             options,
@@ -151,30 +138,6 @@ impl<const K: usize> PhotonChains<K> {
         Ok(chains)
     }
 
-    /// Finds step sizes for the first targets. Then learning begins anew: targets get narrower with every
-    /// iteration that knows more regions.
-    fn warm_up(&mut self, stage: &Stage<'_>) {
-        let wanted = self.options.acceptance;
-        for _ in 0..WARM_UP_ROUNDS {
-            let before: [Acceptance; K] = std::array::from_fn(|level| self.small_steps(level));
-            self.sweep_all(stage, WARM_UP_SWEEPS);
-            let is_warm = |level: usize| {
-                let off = self.small_steps(level).since(&before[level]).rate() - wanted;
-                let size = self.adaptations[level].mutation().size();
-                // steps that go everywhere cannot be rejected more often
-                off.abs() < WARM || off > 0.0 && size >= 1.0
-            };
-            let warm = (1..K).all(is_warm);
-            self.adapt();
-            if warm {
-                break;
-            }
-        }
-        for adaptation in &mut self.adaptations {
-            adaptation.begin_anew();
-        }
-    }
-
     fn target<'t>(&'t self, stage: &'t Stage<'_>) -> PhotonTarget<'t> {
         PhotonTarget {
             scene: stage.scene(),
@@ -182,39 +145,6 @@ impl<const K: usize> PhotonChains<K> {
             map: stage.map(),
             targets: self.targets.of_points(),
         }
-    }
-
-    /// Sweeps that tell nothing.
-    fn sweep_all(&mut self, stage: &Stage<'_>, sweeps: u64) {
-        let mut ladders = std::mem::take(&mut self.ladders);
-        let target = self.target(stage);
-        let kernels = kernels::<K>(&target);
-        ladders.par_iter_mut().with_max_len(1).for_each(|chains| {
-            let Chains { ladder, draws, .. } = chains;
-            for _ in 0..sweeps {
-                ladder.sweep(&kernels, &self.levels, draws, &mut Ignore);
-            }
-        });
-        self.ladders = ladders;
-    }
-
-    /// New step sizes for every level, from what all ladders have accepted.
-    fn adapt(&mut self) {
-        for level in 1..K {
-            let total = self.small_steps(level);
-            let mutation = self.adaptations[level].end_round(&total);
-            for chains in &mut self.ladders {
-                (chains.ladder).set_mutation(level, mutation, &mut chains.draws);
-            }
-        }
-    }
-
-    fn small_steps(&self, level: usize) -> Acceptance {
-        let mut total = Acceptance::default();
-        for chains in &self.ladders {
-            total.merge(chains.ladder.replicas()[level].statistics().small());
-        }
-        total
     }
 
     /// Reads states under targets that have changed. Where other wavelengths or points have left a chain in
@@ -313,20 +243,18 @@ impl<const K: usize> PhotonChains<K> {
 
     /// The sweeps that so many ladders take in any iteration.
     fn course(&self, stage: &Stage<'_>, ladders: usize) -> Course<K> {
-        let course = Course {
-            burn_in: 0,
+        let mut course = Course {
+            burn_in: LEAST_BURN_IN,
             sweeps: self.periods.sweeps(stage.photons),
             ladders: ladders as u64,
             periods: self.periods,
         };
-        let suited = || match self.levels.0.iter().any(|kind| kind.asks_of_points()) {
-            true => course.count(K - 1) / course.ladders / BURNT_IN,
-            false => 0,
-        };
-        Course {
-            burn_in: (self.options.burn_in).unwrap_or_else(|| suited().max(LEAST_BURN_IN)),
-            ..course
+        if self.levels.ask_of_points() {
+            let steps = course.count(K - 1) / course.ladders;
+            course.burn_in = course.burn_in.max(steps / BURNT_IN);
         }
+        course.burn_in = self.options.burn_in.unwrap_or(course.burn_in);
+        course
     }
 
     /// The unit of films.

@@ -89,7 +89,7 @@ impl<const K: usize> Targets<K> {
         Self {
             space,
             normals,
-            plain: !levels.0.iter().any(|kind| kind.asks_of_points()),
+            plain: !levels.ask_of_points(),
             regions,
             refinement: options.refinement,
             sums,

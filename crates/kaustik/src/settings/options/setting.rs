@@ -61,6 +61,20 @@ where
     by(value, read, T::to_string)
 }
 
+/// A word for nothing, or an integer of a range.
+pub(crate) fn optional_integer<'a, T>(
+    value: &'a mut Option<T>,
+    nothing: &'static str,
+    range: RangeInclusive<T>,
+) -> AnySetting<'a>
+where
+    T: FromStr + ToString + PartialOrd + 'a,
+{
+    optional(value, nothing, move |text| {
+        text.parse().ok().filter(|n| range.contains(n))
+    })
+}
+
 /// A finite number for which `holds`.
 pub(crate) fn number(value: &mut f64, holds: fn(f64) -> bool) -> AnySetting<'_> {
     let read = move |text: &str| finite(text).filter(|&x| holds(x));

@@ -7,7 +7,8 @@ use kaustik_spectrum::WavelengthSampling;
 
 use super::Options;
 use super::setting::{
-    AnySetting, by, finite, integer, number, optional, range, reasoned, switch, word,
+    AnySetting, by, finite, integer, number, optional, optional_integer, range, reasoned, switch,
+    word,
 };
 use crate::settings::choices::{
     Builder, Caustics, Colours, Direct, Energy, EvenSamples, Jitter, Normaliser, SmallStep, Starts,
@@ -48,9 +49,7 @@ impl Options {
             "particles" => integer(&mut self.particles, 1_000..=1_000_000),
             "length" => integer(&mut self.length, 1..=100_000),
             "chains" => number(&mut self.chains, |n| (0.01..=100.0).contains(&n)),
-            "consecutive" => optional(&mut self.consecutive, "off", |text| {
-                text.parse().ok().filter(|n| (1..=100_000).contains(n))
-            }),
+            "consecutive" => optional_integer(&mut self.consecutive, "off", 1..=100_000),
             "proposed" => optional(&mut self.proposed, "off", |text| {
                 finite(text).filter(|kappa| (1.0..=1e6).contains(kappa))
             }),

@@ -8,7 +8,8 @@ use kaustik_mcmc::{
 use rayon::prelude::*;
 
 use super::periods::Periods;
-use super::{Chains, FIRST_STEP, PhotonChains};
+use super::step_sizes::FIRST_STEP;
+use super::{Chains, PhotonChains};
 use crate::RenderSettings;
 use crate::engine::Nonfinite;
 use crate::methods::photon::stage::Stage;
