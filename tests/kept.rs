@@ -74,13 +74,13 @@ fn a_render_goes_on_where_it_was_and_on_to_more() {
     for method in methods() {
         // rounds of annealing are long
         let [few, more] = if method == "annealing" {
-            ["12", "40"]
+            ["30", "40"]
         } else {
             ["2", "6"]
         };
         let said = done(&words(method, few, &["-o", &part, "--checkpoint", &state]));
         assert!(said.contains("1 states in"), "{said}");
-        done(&words(
+        let resumed = done(&words(
             method,
             more,
             &["-o", &whole, "--resume", &state, "--threads", "3"],
@@ -88,6 +88,11 @@ fn a_render_goes_on_where_it_was_and_on_to_more() {
         done(&words(method, more, &["-o", &through]));
         assert!(picture(&whole) == picture(&through), "{method}");
         assert!(picture(&whole) != picture(&part), "{method}");
+        // Of less than there is it says so.
+        let less = done(&words(method, "1", &["-o", &whole, "--resume", &state]));
+        assert!(picture(&whole) == picture(&part), "{method}");
+        let told = [resumed, less].map(|said| said.contains("held more than was asked for"));
+        assert_eq!(told, [false, true], "{method}");
     }
 }
 

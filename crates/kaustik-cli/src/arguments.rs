@@ -95,7 +95,7 @@ pub(crate) struct RenderWords {
     /// Most memory that loading the scene may take, for instance 500M or 4G [default: 1G and 16 bytes for each byte of its files]
     #[arg(long, value_name = "SIZE", value_parser = size)]
     pub(crate) max_memory: Option<u64>,
-    /// A setting of the method (see `kaustik methods NAME`); may be repeated
+    /// A setting of the method (see `kaustik methods NAME`); may be repeated, and of one key the last counts
     #[arg(long = "set", value_name = "KEY=VALUE")]
     pub(crate) settings: Vec<String>,
     /// Write the state to this file now and then, and at the end

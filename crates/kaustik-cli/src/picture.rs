@@ -222,11 +222,11 @@ fn summary(statistics: &RenderStatistics) -> String {
         if chain.longest_stay > 0 {
             line += &format!(", longest stay {}", chain.longest_stay);
         }
-        line += &format!(
-            ", b = {} +- {}",
-            significant(chain.normalisation),
-            significant(chain.normalisation_error)
-        );
+        line += &format!(", b = {}", significant(chain.normalisation));
+        // one round of a population tells none
+        if chain.normalisation_error.is_finite() {
+            line += &format!(" +- {}", significant(chain.normalisation_error));
+        }
     }
     line
 }
@@ -317,5 +317,11 @@ mod tests {
             let line = line(method);
             assert!(!line.contains("longest stay"), "{line}");
         }
+    }
+
+    #[test]
+    fn an_error_that_nothing_tells_is_not_told() {
+        let line = line(Method::Annealing);
+        assert!(line.contains(", b = ") && !line.contains("+-"), "{line}");
     }
 }

@@ -79,7 +79,11 @@ pub(crate) fn line(progress: &Progress) -> String {
         );
     }
     if let Some([b, error]) = progress.normalisation {
-        line += &format!(", b {b:.5} +- {error:.1e}");
+        line += &format!(", b {b:.5}");
+        // one round of its own tells none
+        if error.is_finite() {
+            line += &format!(" +- {error:.1e}");
+        }
     }
     line
 }

@@ -150,6 +150,7 @@ fn finish(
     } else {
         note_layers(words, outcome, &rendered);
         note_start(words, settings, &statistics);
+        note_budget(words, &statistics);
         let rendered = match checkpoints.kept() {
             Some(state) if outcome == Outcome::Stopped => soon_written(words, state, rendered),
             _ => rendered,
@@ -194,6 +195,19 @@ fn note_start(words: &RenderWords, settings: &RenderSettings, statistics: &Rende
         "note: the start took {start:.1} s, more than half of --time; a smaller --set {key} (now {value}) makes it shorter"
     );
     remark(&words.outputs, &note);
+}
+
+/// Says so where a state already held more than was asked for.
+fn note_budget(words: &RenderWords, statistics: &RenderStatistics) {
+    let Some(path) = &words.resume else { return };
+    if statistics
+        .planned
+        .is_some_and(|planned| statistics.steps > planned)
+    {
+        let path = path.display();
+        let note = format!("note: {path} held more than was asked for: nothing was added to it");
+        remark(&words.outputs, &note);
+    }
 }
 
 /// More samples of pictures take more than a second to compress.

@@ -26,6 +26,9 @@ pub struct RenderStatistics {
     pub ladders: u32,
     /// Samples or mutations.
     pub steps: u64,
+    /// How many of them the budget allows, in the units that the method takes them in; `None` by time, and of merges. A state may
+    /// hold more.
+    pub planned: Option<u64>,
     /// Samples or mutations a pixel.
     pub per_pixel: f64,
     /// Wall-clock seconds of sampling.

@@ -109,6 +109,7 @@ impl<'a> Work<'a> {
             let round_start = Instant::now();
             let plan: Vec<u64> = ladders.clone().zip(&done).map(steps).collect();
             let taken = pool.install(|| engine.advance(&plan, control.stop));
+            let round = round_start.elapsed().as_secs_f64().max(1e-6);
             self.steps += taken;
             done.iter_mut().zip(&plan).for_each(|(done, n)| *done += n);
             let progress = self.progress(engine);
@@ -122,12 +123,14 @@ impl<'a> Work<'a> {
             if control.stopped() {
                 return Ok(Outcome::Stopped);
             }
-            if plan.iter().all(|&steps| steps == 0) || self.out_of_time() {
+            // Grow gently toward rounds of the wanted length, never past twice the last.
+            let ratio = ROUND.as_secs_f64() / round;
+            let wanted = ((chunk as f64 * ratio.clamp(0.5, 2.0)) as u64).max(1);
+            let fits = self.grains_left(round / chunk as f64);
+            if plan.iter().all(|&steps| steps == 0) || fits == 0 {
                 return Ok(Outcome::Complete);
             }
-            // Grow gently toward rounds of the wanted length, never past twice the last.
-            let ratio = ROUND.as_secs_f64() / round_start.elapsed().as_secs_f64().max(1e-6);
-            chunk = ((chunk as f64 * ratio.clamp(0.5, 2.0)) as u64).max(1);
+            chunk = wanted.min(fits);
         }
     }
 
@@ -206,6 +209,7 @@ impl<'a> Work<'a> {
             seed: settings.seed,
             ladders: settings.options.ladders,
             steps: self.steps,
+            planned: self.planned(engine),
             per_pixel: self.steps as f64 / settings.pixels() as f64,
             seconds,
             pilot_seconds: self.pilot.as_secs_f64(),
@@ -244,8 +248,27 @@ impl<'a> Work<'a> {
         })
     }
 
-    fn out_of_time(&self) -> bool {
-        matches!(self.settings.budget, Budget::Time(limit) if self.elapsed() >= limit)
+    /// How many grains of so many seconds the time has room for. A grain may be an iteration of seconds: it is begun if it ends
+    /// nearer to the limit than the render is now.
+    fn grains_left(&self, seconds: f64) -> u64 {
+        let Budget::Time(limit) = self.settings.budget else {
+            return u64::MAX;
+        };
+        let left = limit.saturating_sub(self.elapsed()).as_secs_f64();
+        (left / seconds).round() as u64
+    }
+
+    /// Steps of all ladders of this process, where the budget tells.
+    fn planned(&self, engine: &dyn Engine) -> Option<u64> {
+        match self.settings.budget {
+            // of a merge, which takes what there is
+            Budget::Time(_) | Budget::Total(0) => None,
+            Budget::PerPixel(_) | Budget::Total(_) => {
+                let ladders = self.settings.ladder_range();
+                let planned = ladders.map(|ladder| engine.planned(ladder, self.settings));
+                Some(planned.fold(0, u64::saturating_add))
+            }
+        }
     }
 
     pub(crate) fn progress(&self, engine: &dyn Engine) -> Progress {
@@ -253,9 +276,7 @@ impl<'a> Work<'a> {
         let fraction = match self.settings.budget {
             Budget::Time(limit) => elapsed.as_secs_f64() / limit.as_secs_f64().max(1e-9),
             Budget::PerPixel(_) | Budget::Total(_) => {
-                let ladders = self.settings.ladder_range();
-                let planned = ladders.map(|ladder| engine.planned(ladder, self.settings));
-                let planned = planned.fold(0, u64::saturating_add);
+                let planned = self.planned(engine).unwrap_or_default();
                 self.steps as f64 / planned.max(1) as f64
             }
         };
@@ -276,5 +297,30 @@ impl<'a> Work<'a> {
             acceptance: chain.map(|c| [c.small_acceptance, c.large_acceptance]),
             normalisation: chain.map(|c| [c.normalisation, c.normalisation_error]),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Method, small};
+
+    #[test]
+    fn what_ends_nearer_to_the_limit_is_begun() {
+        const SIDE: u32 = 8;
+        let scene = small::scene("cornell", [SIDE; 2]);
+        let left = |budget, seconds| {
+            let settings = RenderSettings {
+                budget,
+                ..small::settings(Method::Sppm, [SIDE; 2])
+            };
+            Work::new(&scene, &settings).grains_left(seconds)
+        };
+        let hour = Budget::Time(Duration::from_hours(1));
+        assert_eq!(left(hour, 359.0), 10);
+        assert_eq!(left(hour, 7000.0), 1);
+        assert_eq!(left(hour, 7400.0), 0);
+        assert_eq!(left(Budget::Time(Duration::ZERO), 1e-6), 0);
+        assert_eq!(left(Budget::PerPixel(1), 7400.0), u64::MAX);
     }
 }

@@ -28,6 +28,7 @@ const FAULTS: &[(Kind, &[(Factor, &str)])] = &[
     (
         MULTICHAIN,
         &[
+            (Raster, "wide-gallery"),
             (CosToLight, "gallery"),
             (DistanceToLight, "gallery"),
             (CosBeforeRunToLight, "gallery"),
@@ -108,11 +109,9 @@ const FAULTS: &[(Kind, &[(Factor, &str)])] = &[
 ];
 
 /// Factors that a kernel asks for and that cancel there and back: it keeps the string of scatterings, and
-/// with it the media; or makes as many points of the lens and of the raster there as back. And one that
-/// varies too little over what `MULTICHAIN` moves in these scenes: its line of code is `LENS`'s as well,
-/// where it is found. `TIME` keeps what is seen where.
+/// with it the media; or makes as many points of the lens and of the raster there as back. `TIME` keeps what is
+/// seen where.
 const EVEN: &[(Kind, &[Factor])] = &[
-    (MULTICHAIN, &[Raster]),
     (CAUSTIC, &[Index]),
     (BIDIRECTIONAL, &[LensPdf]),
     (SUBPATH, &[RasterPdf, LensPdf]),

@@ -81,6 +81,20 @@ fn lit() -> Stage {
     room().add(lamp(4.0), ceiling(Vec3::new(0.5, 2.4, -0.8), 0.6))
 }
 
+/// A lamp that faces a wall that is a mirror.
+fn gallery(yfov: f32) -> Stage {
+    view(yfov)
+        .add(diffuse([0.7, 0.6, 0.5]), floor(0.0, 3.0))
+        .add(
+            metal(0.0),
+            rectangle(Vec3::new(-1.4, 1.5, 0.0), Vec3::Y * 1.5, Vec3::Z * 3.0),
+        )
+        .add(
+            lamp(4.0),
+            rectangle(Vec3::new(-0.4, 1.4, -0.6), Vec3::Z * 1.2, Vec3::Y * 0.8),
+        )
+}
+
 fn slope() -> Mesh {
     let up = Vec3::new(0.0, 0.5, 0.7);
     rectangle(Vec3::new(0.8, 0.4, -0.3), up, Vec3::X * 0.7)
@@ -144,17 +158,8 @@ pub(crate) fn stage(name: &str) -> Stage {
     let above = Vec3::new(1.0, 2.0, 0.5);
     match name {
         "diffuse" => lit(),
-        // a lamp that faces a wall that is a mirror
-        "gallery" => view(0.9)
-            .add(diffuse([0.7, 0.6, 0.5]), floor(0.0, 3.0))
-            .add(
-                metal(0.0),
-                rectangle(Vec3::new(-1.4, 1.5, 0.0), Vec3::Y * 1.5, Vec3::Z * 3.0),
-            )
-            .add(
-                lamp(4.0),
-                rectangle(Vec3::new(-0.4, 1.4, -0.6), Vec3::Z * 1.2, Vec3::Y * 0.8),
-            ),
+        "gallery" => gallery(0.9),
+        "wide-gallery" => gallery(2.2),
         // normals that lean
         "leaning" => lit().add(metal(0.0), leaning(slope())),
         "leaning-glossy" => lit().add(metal(0.4), leaning(slope())),

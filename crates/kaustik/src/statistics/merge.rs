@@ -161,6 +161,7 @@ impl RenderStatistics {
     /// Adds another render's, of another seed: what adds up, and without what does not.
     pub(crate) fn add(&mut self, other: &Self) {
         self.steps += other.steps;
+        self.planned = None;
         self.per_pixel += other.per_pixel;
         self.seconds += other.seconds;
         self.pilot_seconds += other.pilot_seconds;
