@@ -181,17 +181,17 @@ fn a_negligible_replica_is_dropped_and_its_light_kept() {
 /// they find some seldom it runs.
 #[test]
 fn a_specific_replica_that_nobody_needs_is_dropped_and_its_light_kept() {
-    let with = |words| {
-        let done = rendered(words, &settings(Method::Relt, 16, 256));
+    let with = |words, spp| {
+        let done = rendered(words, &settings(Method::Relt, 16, spp));
         let replicas = done.statistics.replicas.expect("statistics of replicas");
         (means(&done.image), replicas)
     };
-    let (picture, replicas) = with("furnace?kind=glass");
+    let (picture, replicas) = with("furnace?kind=glass", 256);
     assert_eq!((replicas.levels.len(), replicas.scouts), (1, 0));
     for mean in picture {
         assert!((mean - 1.0).abs() < 0.02, "{mean}");
     }
-    let (picture, replicas) = with("prism?light=0.4");
+    let (picture, replicas) = with("prism?light=0.4", 2048);
     assert_eq!((replicas.levels.len(), replicas.scouts), (3, 0));
     let why = &replicas.notices()[0];
     assert!(
@@ -202,7 +202,7 @@ fn a_specific_replica_that_nobody_needs_is_dropped_and_its_light_kept() {
     for (found, wanted) in picture.into_iter().zip(samples) {
         assert!((found / wanted - 1.0).abs() < 0.1, "{found} {wanted}");
     }
-    let (_, replicas) = with("glass-cube");
+    let (_, replicas) = with("glass-cube", 256);
     assert!(replicas.dropped.is_none() && replicas.levels.len() == 4);
     // nothing is left to even samples where there are none
     let mut alone = settings(Method::Relt, 16, 16);

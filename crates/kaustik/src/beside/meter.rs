@@ -10,6 +10,7 @@
 
 mod grid;
 mod look;
+mod places;
 mod samples;
 
 use std::io;
@@ -28,6 +29,7 @@ use crate::sampling::streams;
 use crate::state::{Reader, StateError, Writer};
 use crate::{Builder, Method, Normaliser, RenderSettings, StepId};
 use look::Look;
+pub(crate) use places::{Hunt, Places};
 use samples::{At, Samples, Scratch, WORTH};
 
 /// Samples a pass in each cell that join two walks, for methods that do not know the rest of the light by themselves.
@@ -36,6 +38,8 @@ const JOINED_SAMPLES: u64 = 6;
 const SCOUTS: u64 = 16;
 /// Passes that tell how well the meter knows the light, and are no part of what it says of it.
 const TRIALS: Range<u64> = (1 << 40)..(1 << 40) + 4;
+/// Passes that tell where chains may start, and are part of nothing else.
+const PLACES: Range<u64> = TRIALS.end..TRIALS.end + 6;
 /// A meter whose estimate would have less than this weight beside the method's own is not run.
 const LEAST_WEIGHT: f64 = 0.25;
 /// Passes before the first mutation.
@@ -235,21 +239,32 @@ impl<'a> Meter<'a> {
 
     /// What the sample of this number says of the light of its cell: the sum over a pass's is the cell's.
     fn sample(&self, step: u64, scratch: &mut Scratch) -> f64 {
+        let (at, joins) = self.at(step);
+        if joins {
+            self.samples.join(at, scratch) / self.joined as f64
+        } else {
+            self.samples.scout(at, scratch).light / self.scouts(at.cell)
+        }
+    }
+
+    /// Where the sample of this number is made, and whether it joins two walks.
+    fn at(&self, step: u64) -> (At, bool) {
         let (pass, number) = (step / self.samples_a_pass(), step % self.samples_a_pass());
         let cell = self.first.partition_point(|first| *first <= number) - 1;
         let number = number - self.first[cell];
-        let scouts = self.first[cell + 1] - self.first[cell] - self.joined;
-        let at = |first: u64| At {
+        let joins = number < self.joined;
+        let at = At {
             step,
             pass,
             cell,
-            index: number - first,
+            index: if joins { number } else { number - self.joined },
         };
-        if number < self.joined {
-            self.samples.join(at(0), scratch) / self.joined as f64
-        } else {
-            self.samples.scout(at(self.joined), scratch).light / scouts as f64
-        }
+        (at, joins)
+    }
+
+    /// How many scouts go out in a cell in a pass.
+    fn scouts(&self, cell: usize) -> f64 {
+        (self.first[cell + 1] - self.first[cell] - self.joined) as f64
     }
 
     /// Tells what happens in the sample of this number; `None` where there is nothing to measure.

@@ -2,7 +2,9 @@
 
 use kaustik_estimate::{ScalarTarget, SpecularSplit};
 use kaustik_mcmc::{Exponential, Independent, Point, SampleGenerators, Step};
-use kaustik_path::{Bidirectional, Contributions, Form, PathBuilder, Sighting, sight_branches};
+use kaustik_path::{
+    Bidirectional, Contributions, Find, Form, PathBuilder, Sighting, sight_branches,
+};
 use kaustik_scene::Scene;
 
 use super::grid::Grid;
@@ -53,7 +55,7 @@ pub(super) struct Samples<'a> {
 
 /// What a thread needs to make them.
 pub(super) struct Scratch {
-    point: Point<Exponential>,
+    pub(super) point: Point<Exponential>,
     value: Contributions,
     /// Contributions of the last sample that were not finite.
     pub(super) nonfinite: u32,
@@ -117,6 +119,23 @@ impl<'a> Samples<'a> {
             nonfinite,
         } = scratch;
         *nonfinite = 0;
+        seen.sighting = self.search(at, point, &mut |mut find| {
+            let light = self.light(&mut find, value);
+            *nonfinite += value.nonfinite();
+            seen.light += find.weight * light;
+            seen.square += find.weight * light * light;
+            seen.finds += 1;
+        });
+        seen
+    }
+
+    /// Goes where a scout goes, and tells what it finds, in its order.
+    pub(super) fn search(
+        &self,
+        at: At,
+        point: &mut Point<Exponential>,
+        found: &mut dyn FnMut(Find<'_>),
+    ) -> Sighting {
         let (corner, size) = self.grid.place(at.cell);
         let mut draws = self.generators.at(at.step);
         // It remembers its coordinates, which branches and evaluations ask for again.
@@ -124,20 +143,19 @@ impl<'a> Samples<'a> {
         let scramble = self.scramble(!at.pass, at.cell);
         let mut u = Stratified::new(&mut proposal, corner, size, at.index, scramble);
         let settings = &self.builder.settings;
-        seen.sighting = sight_branches(settings, self.scene, BRANCHES, &mut u, &mut |find| {
-            let builder = Bidirectional {
-                settings: find.settings,
-                ..self.builder
-            };
-            builder.build(self.scene, find.u, value);
-            *nonfinite += value.nonfinite();
-            let light = SpecularSplit::of(value, self.target).specular;
-            seen.light += find.weight * light;
-            seen.square += find.weight * light * light;
-            seen.finds += 1;
-        });
+        let sighting = sight_branches(settings, self.scene, BRANCHES, &mut u, found);
         proposal.reject();
-        seen
+        sighting
+    }
+
+    /// The light that a find stands for.
+    pub(super) fn light(&self, find: &mut Find<'_>, value: &mut Contributions) -> f64 {
+        let builder = Bidirectional {
+            settings: find.settings,
+            ..self.builder
+        };
+        builder.build(self.scene, find.u, value);
+        SpecularSplit::of(value, self.target).specular
     }
 
     /// Passes are independent of each other: their spread tells their error.

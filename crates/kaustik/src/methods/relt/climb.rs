@@ -13,6 +13,7 @@ use rayon::prelude::*;
 use super::kernels::{Mutation, kernels, mutation};
 use super::scouts::{Scouts, scouting};
 use super::start::{Started, State, samples};
+use crate::beside::meter::{Hunt, Places};
 use crate::sampling::streams;
 use crate::{EvenSamples, Method, RenderSettings};
 
@@ -22,6 +23,8 @@ pub(crate) const MOVES: usize = 2;
 const MOST_PARTICLES: u64 = 1_000_000;
 /// Before an annealing so many scouts a particle go out, or fewer if fewer go out a sweep.
 const FIRST_SCOUTS: u32 = 16;
+/// The same where those of a meter go out as well, which find more in less time.
+const FIRST_SCOUTS_BESIDE: u32 = 4;
 /// Where of its scouts more than this share are effective ones, independent samples know its light as well as a chain
 /// does: the heuristic shares it best.
 const EASY: f64 = 1e-2;
@@ -40,6 +43,8 @@ pub(super) struct Climb<'a, const K: usize> {
     attempt: u32,
     particles: u64,
     scouts: Scouts<'a, K>,
+    /// Where a meter's scouts have found more of what those look for.
+    places: Option<Places<'a>>,
 }
 
 /// An attempt on its way up.
@@ -65,8 +70,13 @@ impl<'a, const K: usize> Climb<'a, K> {
     ) -> Self {
         let family = ReplicaFamily::new(set, settings.options.target);
         let particles = (settings.options.particles << attempt).min(MOST_PARTICLES);
+        let hunt = Hunt::new(target, settings);
+        let most = match hunt {
+            Some(_) => FIRST_SCOUTS_BESIDE,
+            None => FIRST_SCOUTS,
+        };
         let count = match scouting(set) {
-            Some(each) => particles * u64::from(each.min(FIRST_SCOUTS)),
+            Some(each) => particles * u64::from(each.min(most)),
             None => 0,
         };
         let ladder = streams::annealing(attempt, K + 1);
@@ -79,9 +89,11 @@ impl<'a, const K: usize> Climb<'a, K> {
             attempt,
             particles,
             scouts: Scouts::send(target, family, settings, ladder, count),
+            places: None,
         };
-        if let Some(share) = easy.unwrap_or_else(|| climb.is_easy()) {
-            climb.leave_specular(share);
+        match (easy.unwrap_or_else(|| climb.is_easy()), hunt) {
+            (Some(share), _) => climb.leave_specular(share),
+            (None, hunt) => climb.places = hunt.and_then(|hunt| hunt.places(&family)),
         }
         climb
     }
@@ -203,7 +215,7 @@ impl<'a, const K: usize> Climb<'a, K> {
                 Err(Extinct { .. }) => population = None,
             }
         }
-        let there = self.scouts.normaliser(level);
+        let there = self.scouted(level);
         if elsewhere.value + there.value <= 0.0 {
             return Err(Extinct { level });
         }
@@ -253,6 +265,31 @@ impl<'a, const K: usize> Climb<'a, K> {
             });
     }
 
+    /// Integral of a replica's density over where scouts find light.
+    fn scouted(&self, level: usize) -> Estimate {
+        match &self.places {
+            Some(places) => places.normaliser(&self.family, level),
+            None => self.scouts.normaliser(level),
+        }
+    }
+
+    /// Densities by which a replica chooses among finds.
+    fn of_finds(&self, level: usize) -> Vec<f64> {
+        match &self.places {
+            Some(places) => places.densities(&self.family, level),
+            None => self.scouts.densities(level),
+        }
+    }
+
+    /// A find as a replica's first state.
+    fn find(&self, found: usize, level: usize) -> State {
+        let mutation = mutation(&self.set, self.settings.options.steps, level);
+        match &self.places {
+            Some(places) => places.again(found, mutation),
+            None => self.scouts.again(found, mutation),
+        }
+    }
+
     /// A state for each ladder of this process: a particle, which stand for an integral of `elsewhere`, or what a
     /// scout found. All ladders choose, so that a share of them starts as it would among all.
     fn choose(
@@ -264,28 +301,56 @@ impl<'a, const K: usize> Climb<'a, K> {
     ) -> Vec<State> {
         let range = self.settings.ladder_range();
         let mut chosen = Vec::with_capacity(range.len());
-        let densities = self.scouts.densities(level);
-        let there = if level == 0 {
-            0.0
-        } else {
-            self.scouts.normaliser(level).value
-        };
-        for ladder in 0..self.settings.options.ladders {
-            if there > 0.0 && draws.index(&[elsewhere, there]) == 1 {
-                let found = draws.index(&densities);
-                if range.contains(&ladder) {
-                    let mutation = mutation(&self.set, self.settings.options.steps, level);
-                    chosen.push(self.scouts.again(found, mutation));
-                }
+        // Particles are all alike.
+        let mut weights = vec![elsewhere];
+        if level > 0 {
+            let finds = self.of_finds(level);
+            let all = finds.iter().sum::<f64>();
+            let scale = if all > 0.0 {
+                self.scouted(level).value / all
             } else {
-                let particle = population.and_then(|population| population.choose(draws));
-                if range.contains(&ladder) {
-                    chosen.extend(particle.map(|p| (p.state().clone(), p.value().clone())));
-                }
-            }
+                0.0
+            };
+            weights.extend(finds.iter().map(|find| find * scale));
+        }
+        let ladders = 0..self.settings.options.ladders;
+        for (ladder, choice) in ladders
+            .clone()
+            .zip(spread_evenly(&weights, ladders.len(), draws))
+        {
+            let state = match choice.checked_sub(1) {
+                Some(found) => range.contains(&ladder).then(|| self.find(found, level)),
+                None => population
+                    .and_then(|population| population.choose(draws))
+                    .filter(|_| range.contains(&ladder))
+                    .map(|particle| (particle.state().clone(), particle.value().clone())),
+            };
+            chosen.extend(state);
         }
         chosen
     }
+}
+
+/// So many indices, of each as many as its weight's share, rounded up or down (Kitagawa 1996), in random order.
+fn spread_evenly(weights: &[f64], count: usize, draws: &mut Pcg64Dxsm) -> Vec<usize> {
+    let step = weights.iter().sum::<f64>() / count as f64;
+    let mut next = draws.uniform() * step;
+    let (mut sum, mut chosen) = (0.0, Vec::with_capacity(count));
+    for (index, weight) in weights.iter().enumerate() {
+        sum += weight;
+        while next < sum && chosen.len() < count {
+            chosen.push(index);
+            next += step;
+        }
+    }
+    // rounding
+    let last = weights.iter().rposition(|weight| *weight > 0.0);
+    chosen.resize(count, last.unwrap_or_default());
+    for last in (1..count).rev() {
+        let other = (draws.uniform() * (last + 1) as f64) as usize;
+        chosen.swap(last, other);
+    }
+    chosen
 }
 
 /// Effective number of weighted samples: the square of the sum over the sum of squares.
@@ -323,4 +388,51 @@ fn all_densities<const K: usize>(
     let known = checked_densities(family, value)
         .unwrap_or_else(|| from_fn(|k| f64::from(u8::from(k == 0))));
     from_fn(|k| known.get(k).copied().unwrap_or_default())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn choices_are_spread_evenly() {
+        let weights = [0.5, 0.0, 2.25, 1.0, 0.25];
+        let (mut rng, mut sums, mut first) = (generator(5, 0), [0; 5], [0; 5]);
+        const ROUNDS: u32 = 4000;
+        for _ in 0..ROUNDS {
+            let chosen = spread_evenly(&weights, 6, &mut rng);
+            assert_eq!(chosen.len(), 6);
+            for (index, weight) in weights.iter().enumerate() {
+                let count = chosen.iter().filter(|i| **i == index).count();
+                let due = weight * 1.5;
+                assert!(
+                    (count as f64 - due).abs() < 1.0,
+                    "{index}: {count} of {due}"
+                );
+                sums[index] += count;
+            }
+            first[chosen[0]] += 1;
+        }
+        for (index, weight) in weights.iter().enumerate() {
+            let share = weight / 4.0;
+            let of_all = sums[index] as f64 / f64::from(6 * ROUNDS);
+            let of_first = f64::from(first[index]) / f64::from(ROUNDS);
+            assert!(
+                (of_all - share).abs() < 0.01,
+                "{index}: {of_all} of {share}"
+            );
+            // in any order: the first is as any other
+            assert!(
+                (of_first - share).abs() < 0.03,
+                "{index}: {of_first} of {share}"
+            );
+        }
+    }
+
+    #[test]
+    fn one_weight_is_always_chosen() {
+        let mut rng = generator(5, 1);
+        assert_eq!(spread_evenly(&[0.0, 3.0, 0.0], 3, &mut rng), [1; 3]);
+        assert_eq!(spread_evenly(&[1e-300], 2, &mut rng), [0; 2]);
+    }
 }
