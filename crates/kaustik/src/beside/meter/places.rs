@@ -34,6 +34,8 @@ struct Place {
     /// The mean of the sum over all places of this times a function of the point is the function's integral over where
     /// there is such light.
     weight: f64,
+    /// The same times the light that is looked for, X + Y + Z.
+    light: f64,
 }
 
 impl<'a> Hunt<'a> {
@@ -83,11 +85,13 @@ impl<'a> Hunt<'a> {
             self.target.evaluate(find.u, value);
             let all = SpecularSplit::of(value, ScalarTarget::Xyz).specular;
             if part > 0.0 && all > 0.0 && sound(value) {
+                let weight = find.weight * (part / all) / scouts;
                 places.push(Place {
                     step,
                     number,
                     classes: value.by_class(self.scalar),
-                    weight: find.weight * (part / all) / scouts,
+                    weight,
+                    light: weight * all,
                 });
             }
             number += 1;
@@ -97,6 +101,11 @@ impl<'a> Hunt<'a> {
 }
 
 impl Places<'_> {
+    /// The light, X + Y + Z, that such paths bring to the window in the mean.
+    pub(crate) fn light(&self) -> f64 {
+        self.found.iter().map(|place| place.light).sum()
+    }
+
     /// Each find's share of the integral of a replica's density over where there is such light.
     pub(crate) fn densities<const K: usize>(
         &self,
@@ -195,28 +204,34 @@ mod tests {
     #[test]
     fn places_and_scouts_know_the_same_integral() {
         for words in ["glass-cube?light=0.8", "water-cornell?light=0.8"] {
-            let (mut places, mut scouts) = (Mean::new(), Mean::new());
+            // of densities, and of light
+            let (mut places, mut scouts) = ([Mean::new(); 2], [Mean::new(); 2]);
             for seed in 0..8 {
                 hunted(words, seed, |found, family, target, settings| {
                     let known = found.normaliser(family, K - 1);
                     let sum: f64 = found.densities(family, K - 1).iter().sum();
                     assert!((sum / known.value - 1.0).abs() < 1e-9);
-                    places.push(known.value);
+                    places[0].push(known.value);
+                    places[1].push(found.light());
                     let company = Scouts::send(target, *family, settings, 3, 1_000_000);
-                    scouts.push(company.normaliser(K - 1).value);
+                    scouts[0].push(company.normaliser(K - 1).value);
+                    let (light, sent) = company.light();
+                    scouts[1].push(light.iter().sum::<f64>() / sent as f64);
                 });
             }
-            let z = |factor: f64| {
-                let errors = (factor * places.standard_error()).hypot(scouts.standard_error());
-                (factor * places.mean() - scouts.mean()) / errors
-            };
-            assert!(
-                z(1.0).abs() < 4.0,
-                "{words}: {}, {places:?}, {scouts:?}",
-                z(1.0)
-            );
-            // The test of the test: each find counted for too much.
-            assert!(z(1.3) > 4.0, "{words}: {}, {places:?}, {scouts:?}", z(1.3));
+            for (places, scouts) in places.iter().zip(&scouts) {
+                let z = |factor: f64| {
+                    let errors = (factor * places.standard_error()).hypot(scouts.standard_error());
+                    (factor * places.mean() - scouts.mean()) / errors
+                };
+                assert!(
+                    z(1.0).abs() < 4.0,
+                    "{words}: {}, {places:?}, {scouts:?}",
+                    z(1.0)
+                );
+                // The test of the test: each find counted for too much.
+                assert!(z(1.3) > 4.0, "{words}: {}, {places:?}, {scouts:?}", z(1.3));
+            }
         }
     }
 

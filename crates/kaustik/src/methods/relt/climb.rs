@@ -173,10 +173,15 @@ impl<'a, const K: usize> Climb<'a, K> {
         let light = (pool.iter())
             .flat_map(|(_, light)| [light.specular, light.other])
             .sum::<f64>();
-        let mean = match &scouted {
-            // Where no particle has met light, scouts may have.
-            (found, sent) if light <= 0.0 => found.iter().sum::<f64>() / (*sent).max(1) as f64,
-            _ => light / self.particles as f64,
+        let (found, sent) = &scouted;
+        let of_scouts = found.iter().sum::<f64>() / (*sent).max(1) as f64;
+        // Where no particle has met light, scouts may have.
+        let mean = if light > 0.0 {
+            light / self.particles as f64
+        } else if of_scouts > 0.0 {
+            of_scouts
+        } else {
+            self.places.as_ref().map_or(0.0, Places::light)
         };
         Started {
             starts: Vec::new(),

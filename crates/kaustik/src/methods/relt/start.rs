@@ -86,8 +86,8 @@ pub(crate) struct Started {
     /// Effective numbers of particles by replica: of the first population weighed at once, and of the
     /// annealed one before it is resampled at that level.
     pub(crate) effective: Vec<[f64; 2]>,
-    /// Mean of X + Y + Z over the last attempt's samples, or over its scouts where these alone met light; 0
-    /// if nobody did.
+    /// Mean of X + Y + Z over the last attempt's samples, or over its scouts or the meter's where these alone met
+    /// light; 0 if nobody did.
     pub(crate) mean: f64,
     /// Particles of the last attempt.
     pub(crate) particles: u64,
