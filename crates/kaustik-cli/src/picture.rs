@@ -222,7 +222,12 @@ fn summary(statistics: &RenderStatistics) -> String {
         if chain.longest_stay > 0 {
             line += &format!(", longest stay {}", chain.longest_stay);
         }
-        line += &format!(", b = {}", significant(chain.normalisation));
+        // Points and wavelengths of an iteration have a target, and a scale, of their own.
+        let of = match statistics.photons {
+            Some(_) => " of the last iteration",
+            None => "",
+        };
+        line += &format!(", b{of} = {}", significant(chain.normalisation));
         // one round of a population tells none
         if chain.normalisation_error.is_finite() {
             line += &format!(" +- {}", significant(chain.normalisation_error));
@@ -317,6 +322,12 @@ mod tests {
             let line = line(method);
             assert!(!line.contains("longest stay"), "{line}");
         }
+    }
+
+    #[test]
+    fn photons_tell_whose_scale_they_tell() {
+        let line = line(Method::PhotonVisibility);
+        assert!(line.contains(", b of the last iteration = "), "{line}");
     }
 
     #[test]

@@ -185,9 +185,10 @@ pub struct ChainStatistics {
     /// Mean acceptance of large steps.
     pub large_acceptance: f64,
     /// Estimate of the integral of the scalar contribution (the setting `target`: X + Y + Z, or luminance) that scales
-    /// the image; without what samples beside the chains see to.
+    /// the image; without what samples beside the chains see to. Of photon methods the integral of the last target of the
+    /// last iteration, which scales that one alone.
     pub normalisation: f64,
-    /// Its standard error.
+    /// Its standard error; of photon methods given that iteration's points and wavelengths.
     pub normalisation_error: f64,
     /// Share of `normalisation`, in [0, 1], that comes from samples taken only to measure brightness (the
     /// meter); the rest comes from samples that the method takes anyway. For `relt`: the same for the
