@@ -197,7 +197,7 @@ fn note_start(words: &RenderWords, settings: &RenderSettings, statistics: &Rende
     remark(&words.outputs, &note);
 }
 
-/// Says so where a state already held more than was asked for.
+/// Says so where a state held so much that the picture has more than was asked for.
 fn note_budget(words: &RenderWords, statistics: &RenderStatistics) {
     let Some(path) = &words.resume else { return };
     if statistics
@@ -205,7 +205,9 @@ fn note_budget(words: &RenderWords, statistics: &RenderStatistics) {
         .is_some_and(|planned| statistics.steps > planned)
     {
         let path = path.display();
-        let note = format!("note: {path} held more than was asked for: nothing was added to it");
+        let note = format!(
+            "note: what {path} held is all in the picture, which has more than was asked for"
+        );
         remark(&words.outputs, &note);
     }
 }

@@ -316,7 +316,7 @@ mod tests {
             };
             Work::new(&scene, &settings).grains_left(seconds)
         };
-        let hour = Budget::Time(Duration::from_hours(1));
+        let hour = Budget::Time(Duration::from_secs(3600));
         assert_eq!(left(hour, 359.0), 10);
         assert_eq!(left(hour, 7000.0), 1);
         assert_eq!(left(hour, 7400.0), 0);

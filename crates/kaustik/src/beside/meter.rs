@@ -38,8 +38,6 @@ const JOINED_SAMPLES: u64 = 6;
 const SCOUTS: u64 = 16;
 /// Passes that tell how well the meter knows the light, and are no part of what it says of it.
 const TRIALS: Range<u64> = (1 << 40)..(1 << 40) + 4;
-/// Passes that tell where chains may start, and are part of nothing else.
-const PLACES: Range<u64> = TRIALS.end..TRIALS.end + 6;
 /// A meter whose estimate would have less than this weight beside the method's own is not run.
 const LEAST_WEIGHT: f64 = 0.25;
 /// Passes before the first mutation.

@@ -323,8 +323,8 @@ pub const KEYS: &[Key] = &[
         name: "particles",
         default: "10000",
         range: "1000 to 1000000",
-        meaning: "particles of the population annealing at the start: they choose the first states and fix the constants of \
-                  the weights and the film's quantum; and of each round of annealing",
+        meaning: "particles of the population annealing at the start: they choose, with what scouts find, the first states and fix the \
+                  constants of the weights and the film's quantum; and of each round of annealing",
         methods: REPLICAS,
     },
     Key {

@@ -1,18 +1,27 @@
 //! Places where scouts of a meter have found light, for the first states of chains that follow it.
 
+use std::ops::Range;
+
 use kaustik_estimate::{PathTarget, ReplicaFamily, ScalarTarget, SpecularSplit};
 use kaustik_mcmc::{Estimate, Exponential, Mutation, Point, Target, checked_densities};
 use kaustik_path::{Class, Contributions, Find};
 use rayon::prelude::*;
 
 use super::samples::Scratch;
-use super::{Fit, Meter, PLACES};
+use super::{Fit, Meter, TRIALS};
 use crate::RenderSettings;
+
+/// Passes of a hunt, for as many particles as are usual; for more, as many times as many.
+const PASSES: u64 = 6;
+const USUAL_PARTICLES: u64 = 10_000;
+/// How many times as many at most: no annealing has more particles.
+const MOST_FOLD: u64 = 100;
 
 /// Passes of a meter that are used for nothing else, so that where chains start does not depend on what scales their
 /// picture.
 pub(crate) struct Hunt<'a> {
     meter: Meter<'a>,
+    passes: Range<u64>,
     target: PathTarget<'a>,
     /// Of what densities are made.
     scalar: ScalarTarget,
@@ -39,11 +48,19 @@ struct Place {
 }
 
 impl<'a> Hunt<'a> {
-    /// `None` where there is nothing that a meter looks for.
-    pub(crate) fn new(target: PathTarget<'a>, settings: &RenderSettings) -> Option<Self> {
+    /// For an attempt at an annealing of so many particles. `None` where there is nothing that a meter looks for.
+    pub(crate) fn new(
+        target: PathTarget<'a>,
+        settings: &RenderSettings,
+        (attempt, particles): (u32, u64),
+    ) -> Option<Self> {
         let (meter, _) = Meter::prepared(target.scene, settings, Fit::ANY)?;
+        // With fewer particles the grid has fewer cells instead.
+        let passes = PASSES * (particles / USUAL_PARTICLES).clamp(1, MOST_FOLD);
+        let first = TRIALS.end + u64::from(attempt) * PASSES * MOST_FOLD;
         Some(Self {
             meter,
+            passes: first..first + passes,
             target,
             scalar: settings.options.target,
         })
@@ -51,7 +68,8 @@ impl<'a> Hunt<'a> {
 
     /// Goes, and comes back with places where replicas of a family have densities; `None` if there are none.
     pub(crate) fn places<const K: usize>(self, family: &ReplicaFamily<K>) -> Option<Places<'a>> {
-        let [first, last] = [PLACES.start, PLACES.end].map(|p| p * self.meter.samples_a_pass());
+        let [first, last] = [self.passes.start, self.passes.end];
+        let [first, last] = [first, last].map(|pass| pass * self.meter.samples_a_pass());
         let sound = |value: &Contributions| checked_densities(family, value).is_some();
         let found: Vec<Vec<Place>> = (0..(last - first) as usize)
             .into_par_iter()
@@ -77,7 +95,7 @@ impl<'a> Hunt<'a> {
         if joins {
             return places;
         }
-        let passes = (PLACES.end - PLACES.start) as f64;
+        let passes = (self.passes.end - self.passes.start) as f64;
         let scouts = self.meter.scouts(at.cell) * samples.grid.count() as f64 * passes;
         samples.search(at, &mut scratch.point, &mut |mut find| {
             // A find stands for some lengths of the paths at its point; others may stand for the rest.
@@ -107,7 +125,7 @@ impl Places<'_> {
     }
 
     /// Each find's share of the integral of a replica's density over where there is such light.
-    pub(crate) fn densities<const K: usize>(
+    pub(crate) fn shares<const K: usize>(
         &self,
         family: &ReplicaFamily<K>,
         level: usize,
@@ -195,7 +213,7 @@ mod tests {
             nonfinite: &nonfinite,
         };
         let family = ReplicaFamily::new(&settings.options.replica_set(), settings.options.target);
-        let hunt = Hunt::new(target, &settings).expect("glass is seen");
+        let hunt = Hunt::new(target, &settings, (0, 10_000)).expect("glass is seen");
         let places = hunt.places(&family).expect("light");
         judge(&places, &family, target, &settings);
     }
@@ -209,7 +227,7 @@ mod tests {
             for seed in 0..8 {
                 hunted(words, seed, |found, family, target, settings| {
                     let known = found.normaliser(family, K - 1);
-                    let sum: f64 = found.densities(family, K - 1).iter().sum();
+                    let sum: f64 = found.shares(family, K - 1).iter().sum();
                     assert!((sum / known.value - 1.0).abs() < 1e-9);
                     places[0].push(known.value);
                     places[1].push(found.light());

@@ -70,7 +70,7 @@ impl<'a, const K: usize> Climb<'a, K> {
     ) -> Self {
         let family = ReplicaFamily::new(set, settings.options.target);
         let particles = (settings.options.particles << attempt).min(MOST_PARTICLES);
-        let hunt = Hunt::new(target, settings);
+        let hunt = Hunt::new(target, settings, (attempt, particles));
         let most = match hunt {
             Some(_) => FIRST_SCOUTS_BESIDE,
             None => FIRST_SCOUTS,
@@ -123,7 +123,11 @@ impl<'a, const K: usize> Climb<'a, K> {
     pub(super) fn run(&self) -> (Started, Option<Extinct>, Sighting) {
         let mut ascent = self.begin();
         let extinct = (1..self.count()).find_map(|level| self.climb(&mut ascent, level).err());
-        (ascent.started, extinct, self.scouts.furthest)
+        let sighted = match &self.places {
+            Some(_) => Sighting::Light,
+            None => self.scouts.furthest,
+        };
+        (ascent.started, extinct, sighted)
     }
 
     /// Independent samples, and the uniform replica's states among them.
@@ -278,10 +282,10 @@ impl<'a, const K: usize> Climb<'a, K> {
         }
     }
 
-    /// Densities by which a replica chooses among finds.
-    fn of_finds(&self, level: usize) -> Vec<f64> {
+    /// By what a replica chooses among finds: weights times its densities.
+    fn shares_of_finds(&self, level: usize) -> Vec<f64> {
         match &self.places {
-            Some(places) => places.densities(&self.family, level),
+            Some(places) => places.shares(&self.family, level),
             None => self.scouts.densities(level),
         }
     }
@@ -309,7 +313,7 @@ impl<'a, const K: usize> Climb<'a, K> {
         // Particles are all alike.
         let mut weights = vec![elsewhere];
         if level > 0 {
-            let finds = self.of_finds(level);
+            let finds = self.shares_of_finds(level);
             let all = finds.iter().sum::<f64>();
             let scale = if all > 0.0 {
                 self.scouted(level).value / all
@@ -336,7 +340,8 @@ impl<'a, const K: usize> Climb<'a, K> {
     }
 }
 
-/// So many indices, of each as many as its weight's share, rounded up or down (Kitagawa 1996), in random order.
+/// Systematic resampling: so many indices, of each as many as its weight's share, rounded up or down (Kitagawa 1996), in
+/// random order.
 fn spread_evenly(weights: &[f64], count: usize, draws: &mut Pcg64Dxsm) -> Vec<usize> {
     let step = weights.iter().sum::<f64>() / count as f64;
     let mut next = draws.uniform() * step;
