@@ -300,11 +300,13 @@ mod tests {
             method,
             width: 8,
             height: 8,
-            budget: Budget::PerPixel(4),
+            // some sweeps of every ladder of replicas: most are even samples
+            budget: Budget::PerPixel(64),
             ..RenderSettings::default()
         };
         (settings.options.pilot, settings.options.particles) = (1000, 1000);
         settings.options.chains = 1.0;
+        settings.options.photon.photons = Some(1000);
         let rendered = render(&scene, &settings, &mut Control::default()).expect("a render");
         summary(&rendered.statistics)
     }
