@@ -4,8 +4,8 @@ use std::time::{Duration, Instant};
 
 use glam::Vec3;
 use kaustik::film::Image;
-use kaustik::geometry::Mesh;
 use kaustik::scene::description::{EnvironmentDescription, Lens, MaterialDescription};
+use kaustik::scene::testing::rectangle;
 use kaustik::scene::{Scene, builtin};
 use kaustik::{
     Budget, Builder, Control, Direct, EvenSamples, Method, RenderSettings, Rendered, Strategies,
@@ -160,17 +160,8 @@ fn what_is_seen_through_glass_is_there_once() {
 /// samples; and so is a large one.
 #[test]
 fn lamps_of_any_size_are_seen() {
-    let corner = |x: f32, y: f32| Vec3::new(0.13 + 0.01 * x, 0.17 + 0.01 * y, 0.0);
-    let quad = Mesh {
-        positions: vec![
-            corner(-1.0, -1.0),
-            corner(1.0, -1.0),
-            corner(1.0, 1.0),
-            corner(-1.0, 1.0),
-        ],
-        indices: vec![[0, 1, 2], [0, 2, 3]],
-        ..Mesh::default()
-    };
+    let centre = Vec3::new(0.13, 0.17, 0.0);
+    let quad = rectangle(centre, Vec3::X * 0.01, Vec3::Y * 0.01);
     let bright = MaterialDescription {
         emissive: [1e3; 3],
         ..MaterialDescription::default()

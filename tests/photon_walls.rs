@@ -5,6 +5,7 @@ use kaustik::film::Image;
 use kaustik::geometry::Mesh;
 use kaustik::scene::Scene;
 use kaustik::scene::description::{AlphaMode, MaterialDescription};
+use kaustik::scene::testing::rectangle;
 use kaustik::{Control, Method, RenderSettings, render};
 
 use crate::photon::{SIDE, luminance, photons, reference};
@@ -23,17 +24,7 @@ fn paper() -> MaterialDescription {
 
 /// A square around the z axis that looks along it.
 fn screen(z: f32, half: f32) -> Mesh {
-    let corner = |x: f32, y: f32| Vec3::new(x * half, y * half, z);
-    Mesh {
-        positions: vec![
-            corner(-1.0, -1.0),
-            corner(1.0, -1.0),
-            corner(1.0, 1.0),
-            corner(-1.0, 1.0),
-        ],
-        indices: vec![[0, 1, 2], [0, 2, 3]],
-        ..Mesh::default()
-    }
+    rectangle(Vec3::Z * z, Vec3::X * half, Vec3::Y * half)
 }
 
 /// A wall behind veils of this alpha, in the light of a lamp: each method is as bright as bidirectional paths.

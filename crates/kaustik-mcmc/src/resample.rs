@@ -29,6 +29,19 @@ impl Resampling {
         sums: &mut Vec<f64>,
         draws: &mut D,
     ) {
+        self.copies_in_all(weights.len(), weights, copies, sums, draws);
+    }
+
+    /// The same for so many copies in all, more or fewer than there are members: member i gets an expected number of
+    /// count w_i / sum w.
+    pub fn copies_in_all<D: Draws + ?Sized>(
+        self,
+        count: usize,
+        weights: &[f64],
+        copies: &mut Vec<u32>,
+        sums: &mut Vec<f64>,
+        draws: &mut D,
+    ) {
         sums.clear();
         sums.push(0.0);
         let mut sum = 0.0;
@@ -39,9 +52,9 @@ impl Resampling {
         copies.clear();
         copies.resize(weights.len(), 0);
         match self {
-            Self::Systematic => systematic(sums, copies, draws),
+            Self::Systematic => systematic(count, sums, copies, draws),
             Self::Multinomial => {
-                for _ in 0..weights.len() {
+                for _ in 0..count {
                     let chosen = descend(weights.len(), |i| sums[i], draws);
                     copies[chosen] += 1;
                 }
@@ -57,8 +70,8 @@ impl Resampling {
 /// narrowed down: it is known to lie in [low, high), and only a fraction between the two
 /// asks for a decision, with known odds (so that the enumerator can follow). That happens
 /// about ln N times.
-fn systematic<D: Draws + ?Sized>(sums: &[f64], copies: &mut [u32], draws: &mut D) {
-    let (count, total) = (copies.len() as f64, sums[sums.len() - 1]);
+fn systematic<D: Draws + ?Sized>(count: usize, sums: &[f64], copies: &mut [u32], draws: &mut D) {
+    let (count, total) = (count as f64, sums[sums.len() - 1]);
     let (mut low, mut high) = (0.0, 1.0);
     let mut before = 0.0;
     for (copies, sum) in copies.iter_mut().zip(&sums[1..]) {
@@ -124,16 +137,20 @@ mod tests {
 
     proptest! {
         #[test]
-        fn expected_copies_are_proportional_to_weights(weights in weights()) {
+        fn expected_copies_are_proportional_to_weights(weights in weights(), count in 1..6usize) {
             let (n, total) = (weights.len(), weights.iter().sum::<f64>());
             for scheme in BOTH {
-                let law = enumerate(1, |draws| copies(scheme, &weights, draws));
+                let law = enumerate(1, |draws| {
+                    let (mut copies, mut sums) = (Vec::new(), Vec::new());
+                    scheme.copies_in_all(count, &weights, &mut copies, &mut sums, draws);
+                    copies
+                });
                 let mut mean = vec![0.0; n];
                 for (copies, p) in &law {
-                    prop_assert_eq!(copies.iter().sum::<u32>() as usize, n);
+                    prop_assert_eq!(copies.iter().sum::<u32>() as usize, count);
                     for i in 0..n {
                         mean[i] += p * f64::from(copies[i]);
-                        let expected = n as f64 * weights[i] / total;
+                        let expected = count as f64 * weights[i] / total;
                         if scheme == Resampling::Systematic {
                             prop_assert!((f64::from(copies[i]) - expected).abs() < 1.0 + 1e-9);
                         }
@@ -141,7 +158,7 @@ mod tests {
                     }
                 }
                 for i in 0..n {
-                    prop_assert!((mean[i] - n as f64 * weights[i] / total).abs() < 1e-12);
+                    prop_assert!((mean[i] - count as f64 * weights[i] / total).abs() < 1e-12);
                 }
             }
         }

@@ -14,6 +14,7 @@ use super::kernels::{Mutation, kernels, mutation};
 use super::scouts::{Scouts, scouting};
 use super::start::{Started, State, samples};
 use crate::beside::meter::{Hunt, Places};
+use crate::sampling::shuffle::Shuffle;
 use crate::sampling::streams;
 use crate::{EvenSamples, Method, RenderSettings};
 
@@ -282,11 +283,11 @@ impl<'a, const K: usize> Climb<'a, K> {
         }
     }
 
-    /// By what a replica chooses among finds: weights times its densities.
+    /// Each find's share of that integral.
     fn shares_of_finds(&self, level: usize) -> Vec<f64> {
         match &self.places {
             Some(places) => places.shares(&self.family, level),
-            None => self.scouts.densities(level),
+            None => self.scouts.shares(level),
         }
     }
 
@@ -313,20 +314,10 @@ impl<'a, const K: usize> Climb<'a, K> {
         // Particles are all alike.
         let mut weights = vec![elsewhere];
         if level > 0 {
-            let finds = self.shares_of_finds(level);
-            let all = finds.iter().sum::<f64>();
-            let scale = if all > 0.0 {
-                self.scouted(level).value / all
-            } else {
-                0.0
-            };
-            weights.extend(finds.iter().map(|find| find * scale));
+            weights.extend(self.shares_of_finds(level));
         }
-        let ladders = 0..self.settings.options.ladders;
-        for (ladder, choice) in ladders
-            .clone()
-            .zip(spread_evenly(&weights, ladders.len(), draws))
-        {
+        let ladders = self.settings.options.ladders as usize;
+        for (ladder, choice) in (0..).zip(spread_evenly(&weights, ladders, draws)) {
             let state = match choice.checked_sub(1) {
                 Some(found) => range.contains(&ladder).then(|| self.find(found, level)),
                 None => population
@@ -343,24 +334,16 @@ impl<'a, const K: usize> Climb<'a, K> {
 /// Systematic resampling: so many indices, of each as many as its weight's share, rounded up or down (Kitagawa 1996), in
 /// random order.
 fn spread_evenly(weights: &[f64], count: usize, draws: &mut Pcg64Dxsm) -> Vec<usize> {
-    let step = weights.iter().sum::<f64>() / count as f64;
-    let mut next = draws.uniform() * step;
-    let (mut sum, mut chosen) = (0.0, Vec::with_capacity(count));
-    for (index, weight) in weights.iter().enumerate() {
-        sum += weight;
-        while next < sum && chosen.len() < count {
-            chosen.push(index);
-            next += step;
-        }
-    }
-    // rounding
-    let last = weights.iter().rposition(|weight| *weight > 0.0);
-    chosen.resize(count, last.unwrap_or_default());
-    for last in (1..count).rev() {
-        let other = (draws.uniform() * (last + 1) as f64) as usize;
-        chosen.swap(last, other);
-    }
-    chosen
+    let (mut copies, mut sums) = (Vec::new(), Vec::new());
+    Resampling::Systematic.copies_in_all(count, weights, &mut copies, &mut sums, draws);
+    let copies = copies.iter().enumerate();
+    let chosen: Vec<usize> = copies
+        .flat_map(|(index, &copies)| std::iter::repeat_n(index, copies as usize))
+        .collect();
+    let order = Shuffle::new(count as u64, draws.uniform().to_bits());
+    (0..count as u64)
+        .map(|place| chosen[order.at(place) as usize])
+        .collect()
 }
 
 /// Effective number of weighted samples: the square of the sum over the sum of squares.

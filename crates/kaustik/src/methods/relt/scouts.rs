@@ -141,7 +141,7 @@ impl<'a, const K: usize> Scouts<'a, K> {
 
     /// Integral of a replica's density over the region.
     pub(crate) fn normaliser(&self, level: usize) -> Estimate {
-        let mut mean: Mean = self.densities(level).into_iter().collect();
+        let mut mean: Mean = self.densities(level).collect();
         mean.push_zeros(self.count - self.found.len() as u64);
         Estimate {
             value: mean.mean(),
@@ -153,10 +153,18 @@ impl<'a, const K: usize> Scouts<'a, K> {
         }
     }
 
+    /// Each find's share of [`normaliser`](Self::normaliser).
+    pub(crate) fn shares(&self, level: usize) -> Vec<f64> {
+        let sent = self.count as f64;
+        self.densities(level)
+            .map(|density| density / sent)
+            .collect()
+    }
+
     /// A replica's density at each find.
-    pub(crate) fn densities(&self, level: usize) -> Vec<f64> {
-        let densities = |find: &Find| self.family.of_classes(&find.classes)[level];
-        self.found.iter().map(densities).collect()
+    fn densities(&self, level: usize) -> impl Iterator<Item = f64> {
+        let density = move |find: &Find| self.family.of_classes(&find.classes)[level];
+        self.found.iter().map(density)
     }
 
     /// Effective share of those that found light: the mean squared over the mean of squares.
