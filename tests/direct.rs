@@ -5,7 +5,6 @@ use std::time::{Duration, Instant};
 use glam::Vec3;
 use kaustik::film::Image;
 use kaustik::scene::description::{EnvironmentDescription, Lens, MaterialDescription};
-use kaustik::scene::testing::rectangle;
 use kaustik::scene::{Scene, builtin};
 use kaustik::{
     Budget, Builder, Control, Direct, EvenSamples, Method, RenderSettings, Rendered, Strategies,
@@ -13,7 +12,8 @@ use kaustik::{
 };
 
 use crate::support::{
-    Tile, Verdict, agree, compile, describe, means, scene, settings, tiles_of, tiles_of_seeds,
+    Tile, Verdict, agree, compile, describe, means, scene, settings, square, tiles_of,
+    tiles_of_seeds,
 };
 
 const SIDE: u32 = 16;
@@ -160,8 +160,7 @@ fn what_is_seen_through_glass_is_there_once() {
 /// samples; and so is a large one.
 #[test]
 fn lamps_of_any_size_are_seen() {
-    let centre = Vec3::new(0.13, 0.17, 0.0);
-    let quad = rectangle(centre, Vec3::X * 0.01, Vec3::Y * 0.01);
+    let quad = square(Vec3::new(0.13, 0.17, 0.0), 0.01);
     let bright = MaterialDescription {
         emissive: [1e3; 3],
         ..MaterialDescription::default()

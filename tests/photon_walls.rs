@@ -5,11 +5,10 @@ use kaustik::film::Image;
 use kaustik::geometry::Mesh;
 use kaustik::scene::Scene;
 use kaustik::scene::description::{AlphaMode, MaterialDescription};
-use kaustik::scene::testing::rectangle;
 use kaustik::{Control, Method, RenderSettings, render};
 
 use crate::photon::{SIDE, luminance, photons, reference};
-use crate::support::{compile, describe, means, picture, settings};
+use crate::support::{compile, describe, means, picture, settings, square};
 
 /// Diffuse, on both sides.
 fn paper() -> MaterialDescription {
@@ -24,7 +23,7 @@ fn paper() -> MaterialDescription {
 
 /// A square around the z axis that looks along it.
 fn screen(z: f32, half: f32) -> Mesh {
-    rectangle(Vec3::Z * z, Vec3::X * half, Vec3::Y * half)
+    square(Vec3::Z * z, half)
 }
 
 /// A wall behind veils of this alpha, in the light of a lamp: each method is as bright as bidirectional paths.

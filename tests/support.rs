@@ -33,6 +33,21 @@ pub(crate) fn compile(description: &Description, side: u32) -> Scene {
     Scene::new(description, &options).expect("a sound scene")
 }
 
+/// A square that looks along the z axis, from `-half` to `half` around a place.
+pub(crate) fn square(centre: Vec3, half: f32) -> Mesh {
+    let corner = |x: f32, y: f32| centre + half * Vec3::new(x, y, 0.0);
+    Mesh {
+        positions: vec![
+            corner(-1.0, -1.0),
+            corner(1.0, -1.0),
+            corner(1.0, 1.0),
+            corner(-1.0, 1.0),
+        ],
+        indices: vec![[0, 1, 2], [0, 2, 3]],
+        ..Mesh::default()
+    }
+}
+
 /// A pinhole camera that looks down -z, and things that stand where their meshes say.
 pub(crate) fn describe(
     eye: Vec3,
