@@ -265,6 +265,8 @@ mod tests {
             per_pixel: -1.0,
             measured,
             matched,
+            quarters: [-1.0; 2],
+            colours: Vec::new(),
             statistics: serde_json::Value::Null,
         };
         let all = Figure::ALL.map(|figure| figure.of(&cell) as i32);

@@ -205,7 +205,7 @@ fn blank(title: &str, about: &str, scale: FigureScale) -> Study {
     let (side, seeds, threads, error, most) = match scale {
         FigureScale::Quick => (24, 2, 1, 0.5, 2),
         FigureScale::Usual => (128, 5, 1, 0.03, 32),
-        FigureScale::AsPublished => (512, 3, 0, 0.02, 64),
+        FigureScale::AsPublished => (512, 5, 0, 0.02, 64),
     };
     Study {
         title: title.to_owned(),
@@ -348,7 +348,7 @@ mod tests {
         assert_eq!(new(8, &[4]), 8, "independent photons, villa and water");
         let all: std::collections::BTreeSet<String> = figures.iter().flat_map(renders).collect();
         // five seeds of 20 seconds each
-        assert_eq!((all.len() * 100) / 60, 120);
+        assert_eq!((all.len() * 100) / 60, 126);
     }
 
     #[test]

@@ -6,8 +6,10 @@ use kaustik::film::metrics::{
 use kaustik::film::{Image, Keep};
 use serde_json::Value;
 
+use crate::figure::mean_and_error;
+use crate::parts::{Parts, luminances};
 use crate::store::Record;
-use crate::{Study, StudyError};
+use crate::{SceneEntry, Study, StudyError};
 
 /// A study with all that came of it.
 #[derive(Clone, Debug)]
@@ -57,6 +59,8 @@ pub struct Group {
     pub cells: Vec<Cell>,
     /// Spread over the seeds; `None` for one seed or black pictures.
     pub nsd: Option<Nsd>,
+    /// Standard error of its mean as a share, by leaving out one seed at a time (the jackknife); NaN for fewer than three.
+    pub nsd_error: f64,
 }
 
 /// One finished render.
@@ -72,6 +76,10 @@ pub struct Cell {
     pub measured: Measured,
     /// The same with the brightness set right.
     pub matched: Measured,
+    /// Root mean square relative difference over the darkest and over the brightest quarter of the lit pixels.
+    pub quarters: [f64; 2],
+    /// Mean linear red, green, blue of each close-up of the scene, or of the whole picture if there is none.
+    pub colours: Vec<[f64; 3]>,
     /// What the render said of itself (`kaustik::RenderStatistics`).
     pub statistics: Value,
 }
@@ -92,6 +100,8 @@ pub struct Shown {
     pub difference: Vec<f32>,
     /// NSD of each pixel over the seeds at the last budget (`film::metrics::nsd_map`); `None` for one seed.
     pub nsd: Option<Vec<f32>>,
+    /// Size of the relative difference of each pixel, the mean over the seeds at the last budget.
+    pub error: Vec<f32>,
 }
 
 impl ReferenceResult {
@@ -128,35 +138,35 @@ type Read<'a> = dyn Fn(usize, u64, usize, Keep) -> Result<(Record, Image), Study
 /// Measures all pictures of a scene; no more than one group of them is in memory at a time.
 pub(crate) fn evaluate(
     study: &Study,
+    scene: &SceneEntry,
     reference: ReferenceResult,
     read: &Read<'_>,
 ) -> Result<SceneResults, StudyError> {
     let (mut groups, mut shown) = (Vec::new(), Vec::new());
+    let parts = Parts::of(&reference.image, &scene.close_ups);
     for method in 0..study.methods.len() {
-        let mut nsd = None;
+        let mut last = Vec::new();
         for budget in 0..study.budgets.amounts.len() {
-            let mut images = Vec::new();
+            last.clear();
             let mut cells = Vec::new();
             for &seed in &study.seeds {
                 let (record, image) = read(method, seed, budget, Keep::Main)?;
-                cells.push(cell(seed, record, &image, &reference)?);
-                images.push(image);
+                cells.push(cell(seed, record, &image, &reference, &parts)?);
+                last.push(image);
             }
-            let all: Vec<&Image> = images.iter().collect();
-            if budget + 1 == study.budgets.amounts.len() {
-                nsd = nsd_map(&all, &reference.image);
-            }
+            let all: Vec<&Image> = last.iter().collect();
             groups.push(Group {
                 method,
                 budget,
                 cells,
                 nsd: nsd_beside(&all, &reference.image),
+                nsd_error: nsd_error(&all, &reference.image),
             });
         }
         let seed = study.seeds[0];
         let (_, image) = read(method, seed, study.budgets.amounts.len() - 1, Keep::All)?;
         let is_matched = study.matched.contains(&study.methods[method].name);
-        shown.push(show(method, seed, image, is_matched, &reference, nsd)?);
+        shown.push(show(method, seed, image, is_matched, &reference, &last)?);
     }
     Ok(SceneResults {
         reference,
@@ -165,14 +175,43 @@ pub(crate) fn evaluate(
     })
 }
 
-/// As the page shows it.
+/// Standard error of the NSD of pictures as a share: what leaving out one at a time changes.
+fn nsd_error(images: &[&Image], reference: &Image) -> f64 {
+    let without = |index: usize| {
+        let mut others = images.to_vec();
+        others.remove(index);
+        nsd_beside(&others, reference).map_or(f64::NAN, |nsd| nsd.mean)
+    };
+    let values: Vec<f64> = (0..images.len()).map(without).collect();
+    let [mean, error] = mean_and_error(&values);
+    // Each of n is that of n - 1, which have n - 2 in common: they spread less than means of their own would.
+    error * (values.len() as f64 - 1.0) / mean
+}
+
+/// Size of the relative difference of each pixel, the mean over pictures; 0 where the reference is black.
+fn mean_error(images: &[Image], reference: &Image) -> Vec<f32> {
+    let wanted = luminances(reference.rgb());
+    let mut sums = vec![0.0; wanted.len()];
+    for image in images {
+        for ((sum, found), wanted) in sums.iter_mut().zip(luminances(image.rgb())).zip(&wanted) {
+            *sum += (found - wanted).abs() / wanted;
+        }
+    }
+    let mean = |(sum, wanted): (f64, &f64)| match *wanted > 0.0 {
+        true => (sum / images.len() as f64) as f32,
+        false => 0.0,
+    };
+    sums.into_iter().zip(&wanted).map(mean).collect()
+}
+
+/// As the page shows it; `last` are the pictures of all seeds.
 fn show(
     method: usize,
     seed: u64,
     image: Image,
     is_matched: bool,
     reference: &ReferenceResult,
-    nsd: Option<Vec<f32>>,
+    last: &[Image],
 ) -> Result<Shown, StudyError> {
     let factor = match is_matched {
         true => brightness_factor(&image, &reference.reference()).ok_or_else(size)?,
@@ -184,7 +223,8 @@ fn show(
         image,
         factor: factor as f32,
         difference: Vec::new(),
-        nsd,
+        nsd: nsd_map(&last.iter().collect::<Vec<_>>(), &reference.image),
+        error: mean_error(last, &reference.image),
     };
     shown.difference = difference(&shown.on_page(), &reference.reference()).ok_or_else(size)?;
     Ok(shown)
@@ -199,14 +239,18 @@ fn cell(
     record: Record,
     image: &Image,
     reference: &ReferenceResult,
+    parts: &Parts,
 ) -> Result<Cell, StudyError> {
     let reference = reference.reference();
+    let difference = difference(image, &reference).ok_or_else(size)?;
     Ok(Cell {
         seed,
         seconds: record.seconds,
         per_pixel: record.per_pixel,
         measured: measure(image, &reference).ok_or_else(size)?,
         matched: matched(image, &reference).ok_or_else(size)?,
+        quarters: parts.root_mean_squares(&difference),
+        colours: parts.colours(image),
         statistics: record.statistics,
     })
 }

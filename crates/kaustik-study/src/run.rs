@@ -147,7 +147,7 @@ impl<'a> Runner<'a> {
                 let lost = || StudyError::page(&name, "was rendered, and cannot be read again");
                 work.store.read(&key, keep).ok_or_else(lost)
             };
-            scenes.push(evaluate(study, reference, &read)?);
+            scenes.push(evaluate(study, entry, reference, &read)?);
         }
         Ok(Results {
             study: study.clone(),

@@ -1,9 +1,9 @@
 //! How claims are measured.
 
-use kaustik::film::Image;
-
+use super::rivals::lower;
 use crate::chart::number;
-use crate::{Figure, Finding, Group, Results, SceneResults, Verdict};
+use crate::parts::{Parts, luminances, quarters};
+use crate::{Figure, Finding, Group, Results, SceneResults, Verdict, mean_and_error};
 
 /// A scene by name with its place in the study.
 pub(super) fn scene<'a>(results: &'a Results, name: &str) -> Option<&'a SceneResults> {
@@ -42,72 +42,6 @@ pub(super) fn acceptance(results: &Results, place: &str, rates: &[(&str, f64)]) 
         parts.push(format!("{name}: {:.1} % of small steps", 100.0 * rate));
     }
     Finding::new(parts.join("; "), holds)
-}
-
-/// Luminance of a pixel, linear Rec.709.
-fn luminance([r, g, b]: [f32; 3]) -> f64 {
-    0.2126 * f64::from(r) + 0.7152 * f64::from(g) + 0.0722 * f64::from(b)
-}
-
-pub(super) fn luminances(planes: [&[f32]; 3]) -> Vec<f64> {
-    let pixels = planes[0].iter().zip(planes[1]).zip(planes[2]);
-    pixels.map(|((r, g), b)| luminance([*r, *g, *b])).collect()
-}
-
-/// Pixels of the reference in the darkest and in the brightest quarter, black ones left out.
-fn quarters(reference: &Image) -> [Vec<usize>; 2] {
-    let y = luminances(reference.rgb());
-    let mut lit: Vec<usize> = (0..y.len()).filter(|&i| y[i] > 0.0).collect();
-    lit.sort_by(|&a, &b| y[a].total_cmp(&y[b]));
-    let quarter = lit.len().div_ceil(4);
-    [lit[..quarter].to_vec(), lit[lit.len() - quarter..].to_vec()]
-}
-
-/// In the darkest quarter of the picture the error of `better` is below that of `worse`.
-pub(super) fn lower_in_the_dark(
-    results: &Results,
-    place: &str,
-    better: &str,
-    worse: &str,
-) -> Finding {
-    let Some(scene) = scene(results, place) else {
-        return Finding::open("not rendered");
-    };
-    let [dark, bright] = quarters(&scene.reference.image);
-    let error = |name: &str, pixels: &[usize]| {
-        let shown = scene
-            .shown
-            .iter()
-            .find(|s| Some(s.method) == method(results, name))?;
-        let squares = pixels
-            .iter()
-            .map(|&i| f64::from(shown.difference[i]).powi(2));
-        Some((squares.sum::<f64>() / pixels.len().max(1) as f64).sqrt())
-    };
-    let all = [
-        (better, &dark),
-        (worse, &dark),
-        (better, &bright),
-        (worse, &bright),
-    ];
-    let all: Option<Vec<f64>> = all
-        .iter()
-        .map(|(name, pixels)| error(name, pixels))
-        .collect();
-    match all.as_deref() {
-        Some(&[a, b, c, d]) => Finding::new(
-            format!(
-                "{place}, root mean square relative difference: darkest quarter {better} {}, {worse} {}; brightest \
-                 quarter {}, {}",
-                number(a),
-                number(b),
-                number(c),
-                number(d)
-            ),
-            a < b,
-        ),
-        _ => Finding::open("not rendered"),
-    }
 }
 
 /// A replica's share of the light is larger in the darkest quarter of the picture than in the brightest.
@@ -200,78 +134,106 @@ pub(super) fn fewer_shadow_rays(
     }
 }
 
-/// Mean colours of a method and of the reference over a scene's first close-up, or the whole picture.
-fn tints(results: &Results, place: &str, name: &str) -> Option<[[f64; 3]; 2]> {
-    let scene_of = scene(results, place)?;
-    let shown = (scene_of.shown.iter()).find(|s| Some(s.method) == method(results, name))?;
+/// Mean colour of a close-up: red, green, blue with the standard error of each.
+type Tint = [[f64; 2]; 3];
+
+/// Of each close-up by a method, over the seeds.
+fn tints(results: &Results, place: &str, name: &str) -> Option<Vec<Tint>> {
+    let colours = last(results, place, name)?.cells.iter();
+    tints_of(&colours.map(|cell| &cell.colours[..]).collect::<Vec<_>>())
+}
+
+/// Of each close-up by the reference, from its halves.
+fn reference_tints(results: &Results, place: &str) -> Option<Vec<Tint>> {
     let entry = results.study.scenes.iter().find(|s| s.name == place)?;
-    let part = |image: &Image| match entry.close_ups.first() {
-        Some(window) => image.cropped(*window).ok(),
-        None => Some(image.clone()),
-    };
-    let mean = |image: &Image| {
-        let image = part(image)?;
-        Some(image.rgb().map(|plane| {
-            plane.iter().map(|&v| f64::from(v)).sum::<f64>() / plane.len().max(1) as f64
-        }))
-    };
-    Some([mean(&shown.image)?, mean(&scene_of.reference.image)?])
+    let reference = &scene(results, place)?.reference;
+    let parts = Parts::of(&reference.image, &entry.close_ups);
+    let halves = (reference.halves.each_ref()).map(|half| parts.colours(half));
+    tints_of(&halves.each_ref().map(|colours| &colours[..]))
 }
 
-fn colour(rgb: [f64; 3]) -> String {
-    rgb.map(number).join(" ")
+/// Of each close-up, from those of independent pictures.
+fn tints_of(pictures: &[&[[f64; 3]]]) -> Option<Vec<Tint>> {
+    let close_ups = pictures.first()?.len();
+    let of = |close_up: usize, channel: usize| {
+        let value = |colours: &&[[f64; 3]]| Some(colours.get(close_up)?[channel]);
+        let values: Option<Vec<f64>> = pictures.iter().map(value).collect();
+        Some(mean_and_error(&values?))
+    };
+    let colour = |close_up| Some([of(close_up, 0)?, of(close_up, 1)?, of(close_up, 2)?]);
+    (0..close_ups).map(colour).collect()
 }
 
-/// Two methods have the same mean colour within a share, where the scene's close-up is.
-pub(super) fn same_tint(results: &Results, place: &str, a: &str, b: &str, within: f64) -> Finding {
-    match (tints(results, place, a), tints(results, place, b)) {
-        (Some([ours, reference]), Some([theirs, _])) => {
-            let off = |(x, y): (&f64, &f64)| (x / y - 1.0).abs();
-            let most = ours.iter().zip(&theirs).map(off).fold(0.0, f64::max);
-            Finding::new(
-                format!(
-                    "{place}, mean linear red, green, blue of the close-up: {a} {}, {b} {}, the reference {}",
-                    colour(ours),
-                    colour(theirs),
-                    colour(reference)
-                ),
-                most <= within,
-            )
+fn colour(rgb: Tint) -> String {
+    rgb.map(|[mean, error]| format!("{} ± {}", number(mean), number(error)))
+        .join(", ")
+}
+
+/// So many standard errors apart two mean colours are told from each other.
+const SIGMAS: f64 = 2.0;
+
+/// A method has the mean colour of the reference within a share, in each of the scene's close-ups. Open where neither seeds nor
+/// halves of the reference tell: a channel differs if it does so by more than the share and by twice the error of that, and none
+/// does if none can by more.
+pub(super) fn same_tint(results: &Results, place: &str, name: &str, within: f64) -> Finding {
+    let theirs = reference_tints(results, place);
+    match tints(results, place, name).zip(theirs) {
+        Some((ours, theirs)) => {
+            tints_agree(place, [(name, ours), ("the reference", theirs)], within)
         }
-        _ => Finding::open("not rendered"),
+        None => Finding::open("not rendered"),
     }
 }
 
-/// A method's colours are off against those of another: the mean colour by half a percent more, or the error.
+fn tints_agree(
+    place: &str,
+    [(a, ours), (b, theirs)]: [(&str, Vec<Tint>); 2],
+    within: f64,
+) -> Finding {
+    let mut parts = Vec::new();
+    let (mut least, mut most) = (0.0_f64, 0.0_f64);
+    for (ours, theirs) in ours.into_iter().zip(theirs) {
+        parts.push(format!("{a} {}; {b} {}", colour(ours), colour(theirs)));
+        for ([x, x_error], [y, y_error]) in ours.into_iter().zip(theirs) {
+            let off = (x / y - 1.0).abs();
+            let error = SIGMAS * (x_error / x).hypot(y_error / y);
+            least = least.max(off - error);
+            most = most.max(off + error);
+        }
+    }
+    let verdict = match (least > within, most <= within) {
+        (true, _) => Verdict::Fails,
+        (_, true) => Verdict::Holds,
+        _ => Verdict::Open,
+    };
+    let measured = format!(
+        "{place}, mean linear red, green, blue of each close-up: {}",
+        parts.join(" | ")
+    );
+    Finding::new(measured, verdict)
+}
+
+/// A method's colours are off against those of another: the mean colour by half a percent more in a close-up, beyond twice the error
+/// of that, or the error.
 pub(super) fn tint_differs(results: &Results, place: &str, wrong: &str, right: &str) -> Finding {
-    let error = |name| {
-        Some(
-            last(results, place, name)?
-                .quartiles(Figure::RmseXyz)
-                .median,
-        )
+    let all = tints(results, place, wrong).zip(tints(results, place, right));
+    let Some((ours, theirs)) = all else {
+        return Finding::open("not rendered");
     };
-    let pairs = (tints(results, place, wrong), tints(results, place, right));
-    let errors = (error(wrong), error(right));
-    match (pairs, errors) {
-        ((Some([ours, _]), Some([theirs, reference])), (Some(bad), Some(good))) => {
-            let off = |(x, y): (&f64, &f64)| (x / y - 1.0).abs();
-            let most = ours.iter().zip(&theirs).map(off).fold(0.0, f64::max);
-            Finding::new(
-                format!(
-                    "{place}, mean linear red, green, blue: {wrong} {}, {right} {}, the reference {}; {} {} and {}",
-                    colour(ours),
-                    colour(theirs),
-                    colour(reference),
-                    Figure::RmseXyz.name(),
-                    number(bad),
-                    number(good)
-                ),
-                most > 0.005 || bad > 1.1 * good,
-            )
-        }
-        _ => Finding::open("not rendered"),
-    }
+    let tint = tints_agree(place, [(wrong, ours), (right, theirs)], 0.005);
+    let rmse = lower(
+        results,
+        place,
+        Figure::RmseXyz,
+        right,
+        &[(wrong, 1.0 / 1.1)],
+    );
+    let verdict = match (tint.verdict, rmse.verdict) {
+        (Verdict::Fails, _) | (_, Verdict::Holds) => Verdict::Holds,
+        (Verdict::Holds, Verdict::Fails) => Verdict::Fails,
+        _ => Verdict::Open,
+    };
+    Finding::new(format!("{}; {}", tint.measured, rmse.measured), verdict)
 }
 
 /// Seconds of sampling a step of the chains, in one scene over another.
@@ -311,11 +273,17 @@ pub(super) fn few_spikes(results: &Results, place: &str, name: &str, most: f64) 
     };
     let raw = group.quartiles(Figure::RelativeMse).median;
     let trimmed = group.quartiles(Figure::RelativeMseTrimmed).median;
+    let of = |cell| Figure::RelativeMse.of(cell) / Figure::RelativeMseTrimmed.of(cell);
+    let ratios: Vec<f64> = group.cells.iter().map(of).collect();
     let stay = group.statistic("/chain/longest_stay").unwrap_or(f64::NAN);
     let measured = format!(
-        "{place}, {name}: relative MSE {}, without the worst 0.1 % of the pixels {}; longest stay {stay} steps",
+        "{place}, {name}: relative MSE {}, without the worst 0.1 % of the pixels {} ({:.2} times; by seed {:.2} to {:.2} times); \
+         longest stay {stay} steps",
         number(raw),
-        number(trimmed)
+        number(trimmed),
+        raw / trimmed,
+        ratios.iter().copied().fold(f64::INFINITY, f64::min),
+        ratios.iter().copied().fold(0.0, f64::max)
     );
     if trimmed > 0.0 {
         Finding::new(measured, raw <= most * trimmed)

@@ -2,8 +2,9 @@
 
 use kaustik::film::Image;
 
-use super::checks::{luminances, method, scene};
+use super::checks::{method, scene};
 use crate::chart::number;
+use crate::parts::luminances;
 use crate::{Finding, Results};
 
 /// Pixels of a tile's side.
@@ -12,7 +13,7 @@ const TILE: usize = 8;
 const MOST_REMAINDER: f64 = 0.01;
 
 /// The 95th over the 5th percentile over tiles of the relative error of `better`, `|x - r| / r` in the mean
-/// over a tile's pixels (the error map of Gruson et al. 2016), is at most `factor` times that of `worse`.
+/// over a tile's pixels and the seeds (the error map of Gruson et al. 2016), is at most `factor` times that of `worse`.
 ///
 /// Tiles in which more than a hundredth of the light does not come from photons (layer `remainder` of either)
 /// are left out: that light is as noisy with every method.
@@ -26,22 +27,21 @@ pub(super) fn evener(
     let Some(scene) = scene(results, place) else {
         return Finding::open("not rendered");
     };
-    let image = |name: &str| {
+    let shown = |name: &str| {
         let mut shown = scene.shown.iter();
-        let shown = shown.find(|s| Some(s.method) == method(results, name))?;
-        Some(&shown.image)
+        shown.find(|s| Some(s.method) == method(results, name))
     };
-    let (Some(ours), Some(theirs)) = (image(better), image(worse)) else {
+    let (Some(ours), Some(theirs)) = (shown(better), shown(worse)) else {
         return Finding::open("not rendered");
     };
     let reference = &scene.reference.image;
-    let counts: Vec<bool> = is_of_photons(ours)
+    let counts: Vec<bool> = is_of_photons(&ours.image)
         .into_iter()
-        .zip(is_of_photons(theirs))
+        .zip(is_of_photons(&theirs.image))
         .map(|(a, b)| a && b)
         .collect();
-    let spread = |image: &Image| spread(&tile_errors(image, reference, &counts));
-    match (spread(ours), spread(theirs)) {
+    let spread = |errors: &[f32]| spread(&tile_errors(errors, reference, &counts));
+    match (spread(&ours.error), spread(&theirs.error)) {
         (Some(ours), Some(theirs)) => Finding::new(
             format!(
                 "{place}, 95th over 5th percentile of tiles: {better} {}, {worse} {} (ratio {:.2})",
@@ -83,15 +83,13 @@ fn is_of_photons(image: &Image) -> Vec<bool> {
     sums.iter().map(is).collect()
 }
 
-/// The mean of `|x - r| / r` over the lit pixels of each tile that counts.
-fn tile_errors(image: &Image, reference: &Image, counts: &[bool]) -> Vec<f64> {
+/// The mean error over the lit pixels of each tile that counts.
+fn tile_errors(errors: &[f32], reference: &Image, counts: &[bool]) -> Vec<f64> {
     let (tile, count) = tiles(reference);
     let mut sums = vec![(0.0, 0.0); count];
-    let (x, r) = (luminances(image.rgb()), luminances(reference.rgb()));
-    for (tile, (x, r)) in tile.zip(x.iter().zip(&r)) {
-        let error = (x - r).abs() / r;
-        if *r > 0.0 && error.is_finite() {
-            sums[tile] = (sums[tile].0 + error, sums[tile].1 + 1.0);
+    for (tile, (error, r)) in tile.zip(errors.iter().zip(luminances(reference.rgb()))) {
+        if r > 0.0 && error.is_finite() {
+            sums[tile] = (sums[tile].0 + f64::from(*error), sums[tile].1 + 1.0);
         }
     }
     let known = sums.iter().zip(counts);
@@ -118,14 +116,21 @@ mod tests {
         Image::from_rgb(16, 16, [plane.clone(), plane.clone(), plane]).expect("an image")
     }
 
-    /// Four tiles: errors of 10, 20, 30 and 40 %; the last is a mirror's and does not count.
+    /// Four tiles: errors of 10, 20, 30 and 40 %; the last is a mirror's and does not count. A black row has no error.
     #[test]
     fn errors_are_relative_and_of_photons() {
         let at = |pixel: usize| pixel / 16 / 8 * 2 + pixel % 16 / 8;
-        let reference = grey(|pixel| 1.0 + at(pixel) as f32);
-        let sign = |pixel: usize| if pixel.is_multiple_of(2) { 1.0 } else { -1.0 };
-        let error = |pixel: usize| 0.1 * (1.0 + at(pixel) as f32) * sign(pixel);
-        let mut image = grey(|pixel| (1.0 + at(pixel) as f32) * (1.0 + error(pixel)));
+        let reference = grey(|pixel| {
+            if pixel < 16 {
+                0.0
+            } else {
+                1.0 + at(pixel) as f32
+            }
+        });
+        let errors: Vec<f32> = (0..256)
+            .map(|pixel| 0.1 * (1.0 + at(pixel) as f32))
+            .collect();
+        let mut image = grey(|pixel| 1.0 + at(pixel) as f32);
         let rest: Vec<f32> = (0..256)
             .map(|p| if at(p) == 3 { 1.0 } else { 0.0 })
             .collect();
@@ -135,7 +140,7 @@ mod tests {
             .expect("a layer");
         let counts = is_of_photons(&image);
         assert_eq!(counts, [true, true, true, false]);
-        let errors = tile_errors(&image, &reference, &counts);
+        let errors = tile_errors(&errors, &reference, &counts);
         for (found, wanted) in errors.iter().zip([0.1, 0.2, 0.3]) {
             assert!((found - wanted).abs() < 1e-5, "{errors:?}");
         }

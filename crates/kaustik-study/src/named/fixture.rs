@@ -6,9 +6,10 @@ use kaustik::film::metrics::{Errors, Measured, Nsd};
 use crate::results::{Cell, Group, ReferenceResult, SceneResults, Shown};
 use crate::{Results, Study};
 
-/// Of a study whose renders have these errors by method, budget and seed; NSD is the first seed's RMSE.
-/// Pictures are grey.
-pub(super) fn results(study: Study, errors: impl Fn(usize, usize, usize) -> Errors) -> Results {
+/// Of a study whose renders have these errors by method, budget and seed, of which there are five; NSD is the first seed's RMSE, known to a
+/// percent. Pictures are grey.
+pub(super) fn results(mut study: Study, errors: impl Fn(usize, usize, usize) -> Errors) -> Results {
+    study.seeds = (0..5).collect();
     let cell = |method, budget, seed: usize| {
         let measured = Measured {
             raw: errors(method, budget, seed),
@@ -20,6 +21,8 @@ pub(super) fn results(study: Study, errors: impl Fn(usize, usize, usize) -> Erro
             per_pixel: 1.0,
             measured,
             matched: measured,
+            quarters: [errors(method, budget, seed).relative_mse; 2],
+            colours: vec![[0.5; 3]],
             statistics: serde_json::Value::Null,
         }
     };
@@ -30,6 +33,7 @@ pub(super) fn results(study: Study, errors: impl Fn(usize, usize, usize) -> Erro
             .map(|seed| cell(method, budget, seed))
             .collect(),
         nsd: Some(nsd(errors(method, budget, 0).rmse_xyz)),
+        nsd_error: 0.01,
     };
     let budgets = study.budgets.amounts.len();
     let all = (0..study.methods.len()).flat_map(|m| (0..budgets).map(move |b| (m, b)));
@@ -81,6 +85,7 @@ fn shown(study: &Study, method: usize) -> Shown {
         factor: 1.0,
         difference: vec![0.0; image.pixels()],
         nsd: None,
+        error: vec![0.0; image.pixels()],
         image,
     }
 }

@@ -2,8 +2,8 @@
 
 use kaustik::Method;
 
-use super::checks::{acceptance, fewer_shadow_rays, last, lower_in_the_dark};
-use super::rivals::{best, lower};
+use super::checks::{acceptance, fewer_shadow_rays, last};
+use super::rivals::{best, lower, lower_in_the_dark};
 use super::{FigureScale, PaperFigure, blank, per_pixel, seconds, settings};
 use crate::{Claim, Figure, Finding, MethodEntry, SceneEntry, Study};
 

@@ -2,10 +2,11 @@
 
 use super::checks::{last, method, scene};
 use crate::chart::number;
-use crate::{Curve, Figure, Finding, Group, Results, Verdict};
+use crate::ranks::chance_to_be_so_low;
+use crate::{Cell, Curve, Figure, Finding, Group, Quartiles, Results, Verdict};
 
 /// One method against others. A pair tells nothing where the one that came out better took more than a tenth longer, as
-/// methods may that go by whole passes, or where an error is too small for the reference.
+/// methods may that go by whole passes, where an error is too small for the reference, or where the seeds lie among each other.
 struct Contest<'a> {
     results: &'a Results,
     measured: String,
@@ -16,15 +17,67 @@ struct Contest<'a> {
 }
 
 /// A method's name, pictures and figure.
-#[derive(Clone, Copy)]
 struct Entrant<'a> {
     name: &'a str,
     group: &'a Group,
     value: f64,
+    scatter: Scatter,
+}
+
+/// How far seeds are apart.
+enum Scatter {
+    /// The figure of each seed.
+    Seeds(Vec<f64>),
+    /// Standard error, as a share, of the one figure that all seeds have together.
+    Error(f64),
 }
 
 /// So much longer is not the same time any more.
 const LONGER: f64 = 1.1;
+/// What comes out so by chance no oftener is told.
+const LEVEL: f64 = 0.05;
+/// So many standard errors apart two figures are told from each other.
+const SIGMAS: f64 = 2.0;
+
+impl<'a> Entrant<'a> {
+    /// By a point of a curve.
+    fn of(name: &'a str, group: &'a Group, curve: Curve) -> Option<Self> {
+        match curve {
+            Curve::Figure(figure) => Some(Self::of_cells(name, group, |cell| figure.of(cell))),
+            Curve::Nsd => Some(Self {
+                name,
+                group,
+                value: group.nsd?.mean,
+                scatter: Scatter::Error(group.nsd_error),
+            }),
+        }
+    }
+
+    /// By the median of a number of each render.
+    fn of_cells(name: &'a str, group: &'a Group, figure: impl Fn(&Cell) -> f64) -> Self {
+        let values: Vec<f64> = group.cells.iter().map(figure).collect();
+        Self {
+            name,
+            group,
+            value: Quartiles::of(values.iter().copied()).median,
+            scatter: Scatter::Seeds(values),
+        }
+    }
+
+    /// Is it surely below `factor` times the other, whichever medians say so?
+    fn is_told_below(&self, other: &Self, factor: f64) -> bool {
+        match (&self.scatter, &other.scatter) {
+            (Scatter::Seeds(ours), Scatter::Seeds(theirs)) => {
+                let theirs: Vec<f64> = theirs.iter().map(|value| factor * value).collect();
+                chance_to_be_so_low(ours, &theirs) <= LEVEL
+            }
+            (Scatter::Error(a), Scatter::Error(b)) => {
+                (factor * other.value / self.value).ln() > SIGMAS * a.hypot(*b)
+            }
+            _ => false,
+        }
+    }
+}
 
 impl<'a> Contest<'a> {
     fn new(results: &'a Results, measured: String) -> Self {
@@ -37,7 +90,7 @@ impl<'a> Contest<'a> {
     }
 
     /// Is the figure of one at most `factor` times the other's?
-    fn pair(&mut self, ours: Entrant<'_>, theirs: Entrant<'_>, factor: f64) {
+    fn pair(&mut self, ours: &Entrant<'_>, theirs: &Entrant<'_>, factor: f64) {
         // With halves small errors may come out at or below zero.
         if !(ours.value > 0.0 && theirs.value > 0.0) {
             self.untold = Some("too small for this reference".to_owned());
@@ -56,6 +109,14 @@ impl<'a> Contest<'a> {
             ));
             return;
         }
+        let is_told = match won {
+            true => ours.is_told_below(theirs, factor),
+            false => theirs.is_told_below(ours, 1.0 / factor),
+        };
+        if !is_told {
+            self.untold = Some(format!("these seeds do not tell against {}", theirs.name));
+            return;
+        }
         self.lost |= !won;
     }
 
@@ -69,40 +130,42 @@ impl<'a> Contest<'a> {
     }
 }
 
-/// Methods at the last budget by some figure, the first against the others, each with a factor. `None`: one
-/// was not rendered.
+/// Makes a method's entrant, if it has what is to be compared.
+type Enter<'b> = dyn for<'a> Fn(&'a str, &'a Group) -> Option<Entrant<'a>> + 'b;
+
+/// Methods at the last budget by some figure, the first against the others, each with a factor.
 fn against(
     results: &Results,
-    place: &str,
-    what: &str,
-    figure: &dyn Fn(&Group) -> Option<f64>,
+    (place, what): (&str, &str),
+    enter: &Enter<'_>,
     better: &str,
     worse: &[(&str, f64)],
-) -> Option<Finding> {
-    let entrant = |name| {
-        let group = last(results, place, name)?;
-        let value = figure(group)?;
-        Some(Entrant { name, group, value })
+) -> Finding {
+    let found = || {
+        let ours = enter(better, last(results, place, better)?)?;
+        let measured = format!("{place}, {what}: {better} {}", told(results, &ours));
+        let mut contest = Contest::new(results, measured);
+        for &(name, factor) in worse {
+            let theirs = enter(name, last(results, place, name)?)?;
+            let ratio = ours.value / theirs.value;
+            contest.measured += &format!(", {name} {} (ratio {ratio:.2})", told(results, &theirs));
+            contest.pair(&ours, &theirs, factor);
+        }
+        Some(contest.finding())
     };
-    // What is counted in samples says what they took.
-    let told = |entrant: Entrant<'_>| match results.study.budgets.unit.is_time() {
+    found().unwrap_or_else(not_rendered)
+}
+
+/// A figure in words. What is counted in samples says what they took.
+fn told(results: &Results, entrant: &Entrant<'_>) -> String {
+    match results.study.budgets.unit.is_time() {
         true => number(entrant.value),
         false => format!(
             "{} in {} s",
             number(entrant.value),
             number(entrant.group.seconds())
         ),
-    };
-    let ours = entrant(better)?;
-    let measured = format!("{place}, {what}: {better} {}", told(ours));
-    let mut contest = Contest::new(results, measured);
-    for &(name, factor) in worse {
-        let theirs = entrant(name)?;
-        let ratio = ours.value / theirs.value;
-        contest.measured += &format!(", {name} {} (ratio {ratio:.2})", told(theirs));
-        contest.pair(ours, theirs, factor);
     }
-    Some(contest.finding())
 }
 
 fn not_rendered() -> Finding {
@@ -117,8 +180,8 @@ pub(super) fn lower(
     better: &str,
     worse: &[(&str, f64)],
 ) -> Finding {
-    let median = |group: &Group| Some(group.quartiles(figure).median);
-    against(results, place, figure.name(), &median, better, worse).unwrap_or_else(not_rendered)
+    let enter: &Enter<'_> = &|name, group| Entrant::of(name, group, figure.into());
+    against(results, (place, figure.name()), enter, better, worse)
 }
 
 /// At the last budget the normalised standard deviation of `better` over its seeds is at most `factor` times
@@ -129,8 +192,35 @@ pub(super) fn lower_nsd(
     better: &str,
     worse: &[(&str, f64)],
 ) -> Finding {
-    let nsd = |group: &Group| Some(group.nsd?.mean);
-    against(results, place, "NSD", &nsd, better, worse).unwrap_or_else(not_rendered)
+    let enter: &Enter<'_> = &|name, group| Entrant::of(name, group, Curve::Nsd);
+    against(results, (place, "NSD"), enter, better, worse)
+}
+
+/// At the last budget the root mean square relative difference of `better` over the darkest quarter of the picture is
+/// below that of `worse`; that over the brightest is told beside it.
+pub(super) fn lower_in_the_dark(
+    results: &Results,
+    place: &str,
+    better: &str,
+    worse: &str,
+) -> Finding {
+    let of_quarter = |quarter: usize, what: &str| {
+        let enter: &Enter<'_> = &|name, group| {
+            Some(Entrant::of_cells(name, group, |cell| {
+                cell.quarters[quarter]
+            }))
+        };
+        against(results, (place, what), enter, better, &[(worse, 1.0)])
+    };
+    let dark = of_quarter(
+        0,
+        "root mean square relative difference in the darkest quarter",
+    );
+    let bright = of_quarter(1, "in the brightest");
+    Finding::new(
+        format!("{}; {}", dark.measured, bright.measured),
+        dark.verdict,
+    )
 }
 
 /// The median of `better`, or its NSD, is below that of each of `worse` at every budget.
@@ -152,11 +242,7 @@ pub(super) fn lower_always(
         let Some(theirs) = method(results, name) else {
             return not_rendered();
         };
-        let entrant = |name, method, budget| {
-            let group = scene.group(method, budget)?;
-            let value = group.point(curve)?.median;
-            Some(Entrant { name, group, value })
-        };
+        let entrant = |name, method, budget| Entrant::of(name, scene.group(method, budget)?, curve);
         let mut won = 0;
         for budget in 0..budgets {
             let pair = entrant(better, ours, budget).zip(entrant(name, theirs, budget));
@@ -164,7 +250,7 @@ pub(super) fn lower_always(
                 return not_rendered();
             };
             won += usize::from(ours.value < theirs.value);
-            contest.pair(ours, theirs, 1.0);
+            contest.pair(&ours, &theirs, 1.0);
         }
         contest.measured += &format!(" {name} at {won} of {budgets} times;");
     }
@@ -180,14 +266,8 @@ pub(super) fn best(
     among: &[&str],
     wanted: &[&str],
 ) -> Finding {
-    let found: Option<Vec<Entrant<'_>>> = among
-        .iter()
-        .map(|name| {
-            let group = last(results, place, name)?;
-            let value = group.quartiles(figure).median;
-            Some(Entrant { name, group, value })
-        })
-        .collect();
+    let entrant = |name| Entrant::of(name, last(results, place, name)?, figure.into());
+    let found: Option<Vec<Entrant<'_>>> = among.iter().copied().map(entrant).collect();
     let Some(found) = found else {
         return not_rendered();
     };
@@ -199,10 +279,10 @@ pub(super) fn best(
     let mut contest = Contest::new(results, measured);
     let is_wanted = |entrant: &&Entrant<'_>| wanted.contains(&entrant.name);
     let first = (found.iter().filter(is_wanted)).min_by(|a, b| a.value.total_cmp(&b.value));
-    let Some(&first) = first else {
+    let Some(first) = first else {
         return not_rendered();
     };
-    for &other in found.iter().filter(|entrant| !is_wanted(entrant)) {
+    for other in found.iter().filter(|entrant| !is_wanted(entrant)) {
         contest.pair(first, other, 1.0);
     }
     contest.finding()

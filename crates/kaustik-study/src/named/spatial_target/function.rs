@@ -1,6 +1,6 @@
 //! The target function itself: what it looks like, and what it does over time.
 
-use super::{CANYON, HALL, UNDERWATER, VILLA, entry, spatial, sppm, study};
+use super::{FOUR, HALL, entry, spatial, sppm, study};
 use crate::chart::number;
 use crate::named::checks::{method, scene};
 use crate::named::over_time::{everywhere, falls};
@@ -8,8 +8,6 @@ use crate::named::rivals::lower_always;
 use crate::named::{FigureScale, PaperFigure};
 use crate::{Claim, Curve, Figure, Finding, Results};
 use kaustik::Method;
-
-const SCENES: [&str; 4] = [HALL, VILLA, UNDERWATER, CANYON];
 
 /// With what the chains follow, and how often they come, as layers.
 const MAPS: [&str; 1] = ["maps=on"];
@@ -47,7 +45,7 @@ pub(super) fn eight(scale: FigureScale) -> PaperFigure {
         "Figure 8: the target, and errors over time",
         "The scenes and times of Figure 7. The curves are the errors over time; the parts of the spatial target's picture are the \
          target with its factors and regions at the end.",
-        &SCENES,
+        &FOUR,
         60.0,
     );
     study.layers = true;
@@ -70,14 +68,14 @@ pub(super) fn eight(scale: FigureScale) -> PaperFigure {
             },
             Claim {
                 text: "Sec. 4.4: errors go on falling, in all scenes",
-                check: |r| everywhere(&SCENES, |place| falls(r, place, Figure::RmseXyz, "spatial")),
+                check: |r| everywhere(&FOUR, |place| falls(r, place, Figure::RmseXyz, "spatial")),
             },
         ],
     }
 }
 
 fn always_lower(results: &Results, curve: Curve) -> Finding {
-    everywhere(&SCENES, |place| {
+    everywhere(&FOUR, |place| {
         lower_always(results, place, curve, "spatial", &["sppm", "visibility"])
     })
 }
