@@ -37,6 +37,8 @@ mod cameras;
 mod child;
 /// States that are damaged.
 mod damaged;
+/// Scenes of caustics with their own small lamps.
+mod default_lamps;
 /// Direct light beside chains.
 mod direct;
 /// Energy redistribution on paths.

@@ -6,10 +6,12 @@
 
 use std::collections::BTreeMap;
 
-use kaustik::Method;
 use kaustik::scene::{Description, gltf};
+use kaustik::{Builder, Method, RenderSettings};
 
-use crate::support::{Runs, TILE, compile, from_both_sides, picture, settings, tile_means};
+use crate::support::{
+    Runs, TILE, compile, from_both_sides, is_wanted, picture, settings, tile_means,
+};
 
 const SIDE: u32 = 128;
 /// The other renderer's longest paths.
@@ -73,23 +75,19 @@ impl Check {
 
     /// Where ours differs, with paths of so many edges at most.
     #[expect(clippy::print_stdout, reason = "figures for whoever runs it")]
-    fn differences(
-        &self,
-        description: &Description,
-        (method, spp): How,
-        max_depth: u32,
-    ) -> Vec<String> {
+    fn differences(&self, description: &Description, how: &How, max_depth: u32) -> Vec<String> {
         let scene = compile(description, SIDE);
         let [means, errors] = self.reference();
         let colours = means[0].len();
         let runs: Vec<Vec<Vec<f64>>> = (0..SEEDS)
             .map(|seed| {
-                let mut settings = settings(method, SIDE, spp);
+                let mut settings = settings(how.method, SIDE, how.spp);
                 settings.seed = seed;
                 settings.max_depth = max_depth;
                 settings.options.pilot = 50_000;
                 settings.options.compensation = self.name != GLOSSY.name;
                 from_both_sides(&mut settings);
+                (how.change)(&mut settings);
                 // Discs of a quarter of a pixel's radius, where light is joined across edges but little.
                 settings.options.photon.photons = Some(400_000);
                 settings.options.photon.radius = 0.25;
@@ -115,8 +113,11 @@ impl Check {
         doubts.sort_by(f64::total_cmp);
         let median = doubts[doubts.len() / 2];
         println!(
-            "{} by {method}: brightness {:+.5} +- {:.5}, median error of a tile {median:.4}, off {found:?}",
-            self.name, told.share, told.error
+            "{} by {}: brightness {:+.5} +- {:.5}, median error of a tile {median:.4}, off {found:?}",
+            self.name,
+            how.name(),
+            told.share,
+            told.error
         );
         if told.share.abs() > self.brightness.max(SURE * told.error) {
             found.push(format!("brightness: {told:?}"));
@@ -163,23 +164,67 @@ fn coarser(tiles: &[[f64; 3]], colours: usize) -> Vec<Vec<f64>> {
 }
 
 /// A method and its samples a pixel.
-type How = (Method, u64);
+struct How {
+    method: Method,
+    variant: &'static str,
+    spp: u64,
+    change: fn(&mut RenderSettings),
+}
+
+impl How {
+    const fn new(method: Method, spp: u64) -> Self {
+        Self {
+            method,
+            variant: "",
+            spp,
+            change: |_| {},
+        }
+    }
+
+    /// Chains over other paths than bidirectional ones.
+    const fn with(variant: &'static str, change: fn(&mut RenderSettings)) -> Self {
+        Self {
+            variant,
+            change,
+            ..Self::new(Method::Pssmlt, 1024)
+        }
+    }
+
+    fn name(&self) -> String {
+        format!("{}{}", self.method, self.variant)
+    }
+}
 
 const METHODS: [How; 9] = [
-    (Method::Path, 512),
-    (Method::Bdpt, 256),
-    (Method::Pssmlt, 512),
-    (Method::Mmlt, 1024),
-    (Method::Relt, 512),
-    (Method::Mlt, 1024),
-    (Method::Erpt, 64),
-    (Method::ErptPss, 64),
-    (Method::Sppm, 64),
+    How::new(Method::Path, 512),
+    How::new(Method::Bdpt, 256),
+    How::new(Method::Pssmlt, 512),
+    How::new(Method::Mmlt, 1024),
+    How::new(Method::Relt, 512),
+    How::new(Method::Mlt, 1024),
+    How::new(Method::Erpt, 64),
+    How::new(Method::ErptPss, 64),
+    How::new(Method::Sppm, 64),
+];
+
+/// Beside them where no light comes by way of a mirror or smooth glass, which `light` does not show, and which others meet seldom.
+const BETWEEN_WALLS: [How; 5] = [
+    How::new(Method::Light, 512),
+    How::new(Method::Annealing, 512),
+    How::with(" unidirectional", |settings| {
+        settings.options.builder = Builder::Unidirectional;
+    }),
+    How::with(" endpoint", |settings| {
+        settings.options.builder = Builder::Endpoint;
+    }),
+    How::with(" simple", |settings| {
+        settings.options.builder = Builder::Simple;
+    }),
 ];
 
 #[test]
 fn bdpt_comes_to_grey_walls_and_faults_are_found() {
-    let bdpt = (Method::Bdpt, 8);
+    let bdpt = &How::new(Method::Bdpt, 8);
     let right = GREY.description();
     let off = GREY.differences(&right, bdpt, EDGES);
     assert!(off.is_empty(), "{off:?}");
@@ -198,22 +243,25 @@ fn bdpt_comes_to_grey_walls_and_faults_are_found() {
 }
 
 macro_rules! come_to {
-    ($($name:ident: $check:expr;)*) => {$(
+    ($($name:ident: $check:expr, $methods:expr;)*) => {$(
         #[test]
         #[ignore = "long"]
         fn $name() {
             let description = $check.description();
-            for how in METHODS {
+            for how in $methods.iter().filter(|how| is_wanted(how.method)) {
                 let off = $check.differences(&description, how, EDGES);
-                assert!(off.is_empty(), "{}: {off:?}", how.0);
+                assert!(off.is_empty(), "{}: {off:?}", how.name());
             }
         }
     )*};
 }
 
 come_to! {
-    every_method_comes_to_grey_walls: GREY;
-    every_method_comes_to_ring_and_sphere: RING;
-    every_method_comes_to_a_glossy_wall: GLOSSY;
-    every_method_comes_to_spectral_walls: SPECTRAL;
+    every_method_comes_to_grey_walls: GREY, METHODS;
+    every_method_comes_to_ring_and_sphere: RING, METHODS;
+    every_method_comes_to_a_glossy_wall: GLOSSY, METHODS;
+    every_method_comes_to_spectral_walls: SPECTRAL, METHODS;
+    other_builders_come_to_grey_walls: GREY, BETWEEN_WALLS;
+    other_builders_come_to_a_glossy_wall: GLOSSY, BETWEEN_WALLS;
+    other_builders_come_to_spectral_walls: SPECTRAL, BETWEEN_WALLS;
 }
