@@ -254,3 +254,48 @@ fn cell(
         statistics: record.statistics,
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn grey(values: &[f32]) -> Image {
+        let plane = || values.to_vec();
+        Image::from_rgb(values.len() as u32, 1, [plane(), plane(), plane()]).expect("an image")
+    }
+
+    #[test]
+    fn errors_are_means_over_pictures() {
+        let reference = grey(&[1.0, 2.0, 0.0]);
+        let images = [grey(&[1.5, 2.0, 1.0]), grey(&[0.9, 1.0, 0.0])];
+        let found = mean_error(&images, &reference);
+        for (found, wanted) in found.iter().zip([0.3, 0.25, 0.0]) {
+            assert!((found - wanted).abs() < 1e-6, "{found} is not {wanted}");
+        }
+    }
+
+    /// The error of a standard deviation of n equal normal values is one part in the root of 2 (n - 1): of many pixels of
+    /// their own it is that over the root of the pixels.
+    #[test]
+    fn the_error_of_noise_is_what_pixels_and_pictures_tell() {
+        let mut draw = crate::key::fingerprint(*b"noise");
+        let mut uniform = || {
+            draw = draw
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
+            (draw >> 40) as f32 / (1_u64 << 24) as f32
+        };
+        let mut picture = || {
+            let values: Vec<f32> = (0..100)
+                .map(|_| 1.0 + 0.01 * (0..12).map(|_| uniform()).sum::<f32>())
+                .collect();
+            grey(&values)
+        };
+        let images: Vec<Image> = (0..8).map(|_| picture()).collect();
+        let all: Vec<&Image> = images.iter().collect();
+        let error = nsd_error(&all, &images[0]);
+        let wanted = 1.0 / f64::from(2 * 7 * 100).sqrt();
+        assert!((0.4..2.0).contains(&(error / wanted)), "{error}, {wanted}");
+        assert!(nsd_error(&all[..2], &images[0]).is_nan());
+    }
+}

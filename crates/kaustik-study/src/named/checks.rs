@@ -308,3 +308,21 @@ pub(super) fn statistic_above(
         None => Finding::open("not rendered"),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn colours_are_told_by_their_errors() {
+        let agree = |red: f64, error: f64| {
+            let tint = |red| vec![[[red, error], [1.0, error], [1.0, error]]];
+            let both = [("a", tint(red)), ("b", tint(1.0))];
+            tints_agree("somewhere", both, 0.05).verdict
+        };
+        assert_eq!(agree(1.02, 0.002), Verdict::Holds);
+        assert_eq!(agree(1.02, 0.02), Verdict::Open);
+        assert_eq!(agree(1.08, 0.002), Verdict::Fails);
+        assert_eq!(agree(0.92, 0.02), Verdict::Open);
+    }
+}

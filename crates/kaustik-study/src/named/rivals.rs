@@ -287,3 +287,53 @@ pub(super) fn best(
     }
     contest.finding()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::FigureScale;
+    use super::super::fixture::results;
+    use super::*;
+    use crate::Verdict;
+    use kaustik::film::metrics::Errors;
+
+    /// Figure 4 of replica exchange, errors by method (0 is `bdpt`, 1 `pssmlt`) and seed.
+    fn of(error: impl Fn(usize, usize) -> f64) -> Results {
+        let figures = crate::named::find("relt")
+            .unwrap()
+            .figures(FigureScale::Quick);
+        let figure = figures.into_iter().find(|figure| figure.number == 4);
+        results(figure.unwrap().study, |method, _, seed| Errors {
+            rmse_xyz: error(method, seed),
+            ..Errors::default()
+        })
+    }
+
+    fn verdict(results: &Results, factor: f64) -> Verdict {
+        let rivals = [("pssmlt", factor)];
+        lower(results, "cornell-direct", Figure::RmseXyz, "bdpt", &rivals).verdict
+    }
+
+    #[test]
+    fn seeds_among_each_other_tell_nothing() {
+        let apart = of(|method, seed| 1.0 + method as f64 + 0.1 * seed as f64);
+        assert_eq!(verdict(&apart, 1.0), Verdict::Holds);
+        assert_eq!(verdict(&apart, 0.4), Verdict::Fails);
+        // The medians are 1.2 and 1.3.
+        let mixed = of(|method, seed| 1.0 + 0.1 * method as f64 + 0.1 * seed as f64);
+        assert_eq!(verdict(&mixed, 1.0), Verdict::Open);
+        assert_eq!(verdict(&mixed, 1.5), Verdict::Holds);
+        assert_eq!(verdict(&mixed, 0.6), Verdict::Fails);
+    }
+
+    #[test]
+    fn noise_is_told_by_its_own_error() {
+        let nsd = |ratio: f64| {
+            let results = of(|method, _| if method == 0 { 1.0 } else { ratio });
+            lower_nsd(&results, "cornell-direct", "bdpt", &[("pssmlt", 1.0)]).verdict
+        };
+        // Each is known to a percent.
+        assert_eq!(nsd(1.04), Verdict::Holds);
+        assert_eq!(nsd(1.02), Verdict::Open);
+        assert_eq!(nsd(0.96), Verdict::Fails);
+    }
+}
