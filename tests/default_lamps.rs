@@ -15,7 +15,7 @@ use crate::support::{
 };
 
 const SIDE: u32 = 64;
-/// A render, to which the pool and as much work of chains belong.
+/// Independent samples that a render's chains begin at, and that scale its picture.
 const POOL: u64 = 50_000;
 /// Renders that are kept together.
 const BATCH: u64 = 20;
