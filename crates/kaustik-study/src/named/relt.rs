@@ -59,13 +59,14 @@ fn rivals(scale: FigureScale) -> Vec<MethodEntry> {
 
 const PRINTED: &str = "relt as printed";
 /// The paper's own, as far as settings go; what they leave is told with the setting `replicas`.
-const AS_PRINTED: [&str; 6] = [
+const AS_PRINTED: [&str; 7] = [
     "replicas=paper",
     "exchange=pair",
     "steps=paper",
     "normaliser=exchange",
     "even=0",
     "direct=together",
+    "meter=off",
 ];
 
 /// FMLT, the paper's third rival: path-space mutations, direct light left out of what the chains follow.
