@@ -11,7 +11,7 @@ const BOUNDS: std::ops::Range<f64> = 3.48..37.7;
 
 /// Estimates of the normalisation in `cornell` with their standard errors.
 fn normalisations(settings: &RenderSettings) -> Vec<[f64; 2]> {
-    let found = normalisations_in("cornell", settings, SEEDS);
+    let found = brightnesses("cornell", settings, SEEDS);
     found.iter().map(|found| found.normalisation).collect()
 }
 
@@ -23,8 +23,8 @@ struct Brightness {
     shown: f64,
 }
 
-/// The same in any scene, of so many seeds.
-fn normalisations_in(words: &str, settings: &RenderSettings, seeds: u64) -> Vec<Brightness> {
+/// Of so many seeds' renders of a scene.
+fn brightnesses(words: &str, settings: &RenderSettings, seeds: u64) -> Vec<Brightness> {
     let scene = scene(words, settings.width);
     let of_seed = |seed| {
         let settings = RenderSettings {
@@ -98,7 +98,7 @@ fn ten_seeds_are_equally_bright() {
             ..settings(method, 128, spp)
         };
         settings.options.builder = Builder::Bidirectional;
-        let found = normalisations_in("ring-and-sphere", &settings, 10);
+        let found = brightnesses("ring-and-sphere", &settings, 10);
         let shown: Vec<f64> = found.iter().map(|found| found.shown).collect();
         let found: Vec<[f64; 2]> = found.iter().map(|found| found.normalisation).collect();
         let stated: Vec<f64> = found.iter().map(|[b, _]| *b).collect();

@@ -43,16 +43,16 @@ fn mean_of(plane: &[f32]) -> f64 {
 
 /// Luminance of each pixel, from planes of linear Rec.709.
 pub(crate) fn luminances(planes: [&[f32]; 3]) -> Vec<f64> {
-    let luminance = |r: f32, g: f32, b: f32| {
-        [r, g, b]
-            .map(f64::from)
-            .iter()
-            .zip([0.2126, 0.7152, 0.0722])
-            .map(|(v, w)| v * w)
-            .sum()
+    let weighted = |v: f32, weight: f64| weight * f64::from(v);
+    let luminance = |((r, g), b): ((&f32, &f32), &f32)| {
+        weighted(*r, 0.2126) + weighted(*g, 0.7152) + weighted(*b, 0.0722)
     };
-    let pixels = planes[0].iter().zip(planes[1]).zip(planes[2]);
-    pixels.map(|((r, g), b)| luminance(*r, *g, *b)).collect()
+    planes[0]
+        .iter()
+        .zip(planes[1])
+        .zip(planes[2])
+        .map(luminance)
+        .collect()
 }
 
 /// Pixels in the darkest and in the brightest quarter, black ones left out.

@@ -273,9 +273,10 @@ pub const KEYS: &[Key] = &[
         default: "standard",
         range: "standard|paper|sides|uniform;D0,D1,D2,D3,D4,D5;...",
         meaning: "what the chains of a ladder follow: three sets by name (the paper's four, with scouts, and tours for the \
-                  specific one; the same without, as printed but that of implicit specular light only what cannot be joined is left to \
-                  the specific one; path and light tracing side by side), or 2 to 8 of your own: the weights of the six classes of paths, *N for N steps a sweep, ~T for tours of T steps, @B for the replica that it \
-                  stands on; uniform+N sends N scouts a sweep",
+                  specific one; the same without, as printed but that of implicit specular light only what cannot be \
+                  joined is left to the specific one; path and light tracing side by side), or 2 to 8 of your own: the \
+                  weights of the six classes of paths, *N for N steps a sweep, ~T for tours of T steps, @B for the \
+                  replica that it stands on; uniform+N sends N scouts a sweep",
         methods: REPLICAS,
     },
     Key {
