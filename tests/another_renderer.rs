@@ -10,7 +10,7 @@ use kaustik::scene::{Description, gltf};
 use kaustik::{Builder, Method, RenderSettings};
 
 use crate::support::{
-    Runs, TILE, compile, from_both_sides, is_wanted, picture, settings, tile_means,
+    Runs, TILE, compile, from_both_sides, is_wanted, merged, picture, settings, tile_means,
 };
 
 const SIDE: u32 = 128;
@@ -148,19 +148,12 @@ impl Told {
 
 /// Means of the other renderer's tiles, from ours, which are finer; of three colours or of grey.
 fn coarser(tiles: &[[f64; 3]], colours: usize) -> Vec<Vec<f64>> {
-    let mut means = vec![vec![0.0; colours]; TILES * TILES];
-    for (index, [r, g, b]) in tiles.iter().enumerate() {
-        let (x, y) = (index % (TILES * FINER), index / (TILES * FINER));
-        let mean = &mut means[y / FINER * TILES + x / FINER];
-        let values = match colours {
-            1 => vec![0.2126 * r + 0.7152 * g + 0.0722 * b],
-            _ => vec![*r, *g, *b],
-        };
-        for (mean, value) in mean.iter_mut().zip(values) {
-            *mean += value / (FINER * FINER) as f64;
-        }
-    }
-    means
+    let seen = |[r, g, b]: [f64; 3]| match colours {
+        1 => vec![0.2126 * r + 0.7152 * g + 0.0722 * b],
+        _ => vec![r, g, b],
+    };
+    let tiles = merged(tiles, TILES * FINER, FINER);
+    tiles.into_iter().map(seen).collect()
 }
 
 /// A method and its samples a pixel.

@@ -10,8 +10,8 @@ use kaustik::film::Window;
 use kaustik::{Budget, Method, Normaliser, RenderSettings};
 
 use crate::support::{
-    Tile, agree, by_tile, from_both_sides, is_wanted, keep, kept_file, picture, scene, settings,
-    side_by_side, tile_means,
+    Tile, agree, by_tile, from_both_sides, is_wanted, keep, kept_file, merged, picture, scene,
+    settings, side_by_side, tile_means,
 };
 
 const SIDE: u32 = 64;
@@ -84,7 +84,7 @@ impl Place {
                 seed,
                 ..settings.clone()
             };
-            quarters(&tile_means(&picture(&scene, &settings)))
+            merged(&tile_means(&picture(&scene, &settings)), 4, 2)
         };
         let batch = |number: u64| {
             let name = format!(
@@ -107,19 +107,6 @@ impl Place {
         };
         by_tile(&(0..short.renders / BATCH).map(batch).collect::<Vec<_>>())
     }
-}
-
-/// Means of four by four tiles of a picture of four rows of them.
-fn quarters(tiles: &[[f64; 3]]) -> Vec<[f64; 3]> {
-    let columns = 4;
-    let of = |quarter: usize| {
-        let (left, top) = (quarter % 2 * 2, quarter / 2 * 2);
-        let inside = [0, 1, columns, columns + 1].map(|step| tiles[top * columns + left + step]);
-        inside.iter().fold([0.0; 3], |sum, tile| {
-            [0, 1, 2].map(|c| sum[c] + tile[c] / inside.len() as f64)
-        })
-    };
-    (0..4).map(of).collect()
 }
 
 fn mean(renders: &[Vec<[f64; 3]>]) -> Vec<[f64; 3]> {

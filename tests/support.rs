@@ -126,6 +126,19 @@ pub(crate) fn means(image: &Image) -> [f64; 3] {
         .map(|plane| plane.iter().map(|&v| f64::from(v)).sum::<f64>() / plane.len() as f64)
 }
 
+/// Means of square groups of tiles, `finer` along a side, from those of tiles row by row.
+pub(crate) fn merged(tiles: &[[f64; 3]], columns: usize, finer: usize) -> Vec<[f64; 3]> {
+    let across = columns / finer;
+    let mut means = vec![[0.0; 3]; tiles.len() / (finer * finer)];
+    for (index, tile) in tiles.iter().enumerate() {
+        let (x, y) = (index % columns, index / columns);
+        for (sum, value) in means[y / finer * across + x / finer].iter_mut().zip(tile) {
+            *sum += value / (finer * finer) as f64;
+        }
+    }
+    means
+}
+
 /// Pixels, row by row, that a light tracer shows in full: what they see first is neither Dirac
 /// nor the environment.
 pub(crate) fn pixels_of_light(scene: &Scene, side: u32) -> Vec<bool> {
