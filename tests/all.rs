@@ -71,10 +71,14 @@ mod photon;
 mod photon_by_tile;
 /// Photons beside walls and behind veils.
 mod photon_walls;
+/// Methods agree in rooms that chance puts together.
+mod random_rooms;
 /// Samples and steps of renders, shown once more.
 mod replay;
 /// Replica exchange: variants, parts, replicas that do not run.
 mod replicas;
+/// Rooms by chance.
+mod rooms;
 /// Nothing depends on the unit of length.
 mod scale;
 /// Renders that are told to stop.

@@ -13,7 +13,7 @@ pub struct Features {
     pub normal: Vec3,
     /// Distance in scene units; 0 if nothing is met.
     pub depth: f32,
-    /// Light tracing cannot show this point: it is seen in a Dirac surface, or is the environment.
+    /// Light tracing cannot show all of this point: its surface scatters into a Dirac direction, or it is the environment.
     pub beyond_light_tracing: bool,
 }
 
@@ -42,6 +42,6 @@ pub fn features(scene: &Scene, raster: DVec2, wavelength: f64) -> Features {
             normal
         },
         depth: segment.distance as f32,
-        beyond_light_tracing: !scene.is_connectable(&vertex, &wavelengths),
+        beyond_light_tracing: scene.has_dirac(&vertex, -ray.direction, &wavelengths),
     }
 }

@@ -9,7 +9,7 @@ mod motion;
 use std::sync::Arc;
 
 use glam::DVec3;
-use kaustik_bsdf::{Bsdf, Lobe};
+use kaustik_bsdf::{Bsdf, Lobe, Mode};
 use kaustik_geometry::{Hit, Motion, Ray, World};
 use kaustik_spectrum::{Spectrum, Wavelengths};
 
@@ -439,11 +439,14 @@ impl Scene {
         }
     }
 
-    /// Can a light path be joined to this surface (it scatters not only into Dirac directions)?
-    /// As seen by a walk from the camera.
-    pub fn is_connectable(&self, vertex: &Vertex, wavelengths: &Wavelengths) -> bool {
-        self.bsdf(vertex, wavelengths, &self.camera_interior)
-            .is_connectable()
+    /// Does this surface, seen from `direction`, scatter into a Dirac direction (be it by its varnish alone)? What is seen in it
+    /// no light path can be joined to. As seen by a walk from the camera.
+    pub fn has_dirac(&self, vertex: &Vertex, direction: DVec3, wavelengths: &Wavelengths) -> bool {
+        let bsdf = self.bsdf(vertex, wavelengths, &self.camera_interior);
+        let wo = vertex.frame.to_local(direction);
+        [false, true]
+            .into_iter()
+            .any(|transmitted| bsdf.delta(wo, transmitted, Mode::Radiance).is_some())
     }
 
     /// Reflectance of a surface as it looks from `direction`: for the albedo layer.
