@@ -2,7 +2,9 @@
 
 use glam::Vec3;
 use kaustik::geometry::Mesh;
-use kaustik::scene::description::{EnvironmentDescription, MaterialDescription, Transmission};
+use kaustik::scene::description::{
+    EnvironmentDescription, MaterialDescription, Transmission, Volume,
+};
 use kaustik::{Method, RenderSettings};
 
 use crate::support::{compile, describe, means, picture, pixels_of_light, scene, settings};
@@ -101,6 +103,67 @@ fn glass_disappears_to_half_a_percent() {
         ] {
             assert_one(&format!("furnace?kind={kind}"), method, 2_048, 0.005);
         }
+    }
+}
+
+/// Two solids of one priority, which share a part of their room, in even light of 1: each boundary bends light once, so that no factor
+/// of squared indices is left over, whichever of the two is met first.
+#[test]
+fn overlapping_solids_make_no_light() {
+    let glass = |ior: f32| MaterialDescription {
+        roughness: 0.0,
+        metallic: 0.0,
+        base_color: [1.0; 4],
+        ior,
+        transmission: Some(Transmission {
+            factor: 1.0,
+            texture: None,
+        }),
+        volume: Some(Volume {
+            thickness: 1.0,
+            attenuation_distance: f32::INFINITY,
+            attenuation_color: [1.0; 3],
+        }),
+        ..MaterialDescription::default()
+    };
+    for [first, second] in [[1.5, 1.33], [1.33, 1.5]] {
+        let things = [
+            (glass(first), slab(-2.0, 0.0)),
+            (glass(second), slab(-3.0, -1.0)),
+        ];
+        let mut description = describe(Vec3::new(0.0, 0.0, 3.0), 0.5, things);
+        description.environment = Some(EnvironmentDescription::Constant([1.0; 3]));
+        let scene = compile(&description, 16);
+        let settings = RenderSettings {
+            max_depth: 64,
+            ..settings(Method::Path, 16, 64)
+        };
+        let [r, g, b] = means(&picture(&scene, &settings));
+        let mean = (r + g + b) / 3.0;
+        assert!((mean - 1.0).abs() < 0.01, "{first}, {second}: {mean}");
+    }
+}
+
+/// A closed box between two planes across the z axis, wider than what is seen of it.
+fn slab(back: f32, front: f32) -> Mesh {
+    let at = |i: u32| {
+        let side = |bit: u32| if i >> bit & 1 == 1 { 9.0 } else { -9.0 };
+        let z = if i >> 2 & 1 == 1 { front } else { back };
+        Vec3::new(side(0), side(1), z)
+    };
+    let faces = [
+        [4, 5, 7, 6],
+        [0, 2, 3, 1],
+        [1, 3, 7, 5],
+        [0, 4, 6, 2],
+        [2, 6, 7, 3],
+        [0, 1, 5, 4],
+    ];
+    let halves = |[a, b, c, d]: [u32; 4]| [[a, b, c], [a, c, d]];
+    Mesh {
+        positions: (0..8).map(at).collect(),
+        indices: faces.into_iter().flat_map(halves).collect(),
+        ..Mesh::default()
     }
 }
 

@@ -169,6 +169,25 @@ fn shares_tell_their_error() {
     assert!(merged.unknown.is_some_and(|why| why.contains("bands")));
 }
 
+/// Renders of two seeds, each in shares: these are added up first, and the layer is that of the seeds.
+#[test]
+fn seeds_in_shares_tell_their_error() {
+    let scene = a_scene();
+    let (bounds, seeds) = ([0, 20, 64], [3, 4]);
+    let of = |seed| RenderSettings {
+        seed,
+        ..settings(Method::Pssmlt, SIDE, 8)
+    };
+    let parts = seeds.map(|seed| {
+        let done = kaustik::render(&scene, &of(seed), &mut Control::default());
+        let done = done.expect("a render");
+        (planes(&done.image), done.statistics.steps as f64)
+    });
+    let in_shares = seeds.map(|seed| shares(&scene, &of(seed), &bounds));
+    let all = merged_with_layers(&scene, &in_shares.concat());
+    check_spread("seeds in shares", &all, &parts, IsMean::Yes);
+}
+
 /// Shares may have come to different lengths: those behind catch up round by round, so that a budget of time, checkpoints
 /// and signals are looked at on the way.
 #[test]

@@ -3,10 +3,10 @@
 use glam::{DAffine3, DVec3};
 use kaustik::film::Image;
 use kaustik::scene::description::{
-    AnimationDescription, Carried, Channel, Interpolation, Joint, LightDescription, LightKind,
-    Load, Rest, Shutter,
+    AnimationDescription, Carried, Channel, InstanceDescription, Interpolation, Joint,
+    LightDescription, LightKind, Load, Rest, Shutter,
 };
-use kaustik::scene::{Description, builtin};
+use kaustik::scene::{Description, Scene, builtin};
 use kaustik::{Method, RenderSettings};
 
 use crate::bits::bits;
@@ -220,6 +220,61 @@ fn blurred(method: Method, spp: u64, seeds: std::ops::Range<u64>) -> Vec<Tile> {
     let scene = compile(&between(0.0, 1.0), SIDE);
     assert!(scene.moves());
     sums(tiles_of_seeds(&scene, &settings(method, SIDE, spp), seeds))
+}
+
+/// The Cornell box with a lamp of this scale for the first half of the interval, and as it is for the second.
+fn flashing(scale: [f32; 3]) -> Description {
+    let mut description = builtin::load("cornell").expect("a built-in scene");
+    let is_lamp = |instance: &InstanceDescription| instance.name == "lamp";
+    let lamp = description.instances.iter().position(is_lamp);
+    let lamp = lamp.expect("a lamp");
+    let at = middle(&description, lamp);
+    let mut flashes = joint(at);
+    flashes.scale = channel(Interpolation::Step, &[0.0, 0.5], &[scale, [1.0; 3]]);
+    description.animation.joints.push(flashes);
+    description.animation.carried.push(Carried {
+        load: Load::Instance(lamp),
+        joint: 0,
+        offset: DAffine3::from_translation(-at),
+    });
+    description.cameras[0].shutter = Some(Shutter {
+        open: 0.0,
+        close: 1.0,
+    });
+    description
+}
+
+/// A lamp without size, or so flat that no ray meets it, lights nothing for as long as it is so.
+#[test]
+fn lamps_that_are_not_there_light_nothing() {
+    let still = compile(&builtin::load("cornell").expect("a built-in scene"), SIDE);
+    let green = |scene: &Scene, method, spp| {
+        let seeds = 0..4;
+        let seen = seeds.map(|seed| {
+            let settings = RenderSettings {
+                seed,
+                ..settings(method, SIDE, spp)
+            };
+            means(&picture(scene, &settings))[1]
+        });
+        seen.sum::<f64>() / 4.0
+    };
+    let half = 0.5 * green(&still, Method::Path, 256);
+    for scale in [[0.0; 3], [1.0, 0.0, 1.0]] {
+        let scene = compile(&flashing(scale), SIDE);
+        for (method, spp) in [
+            (Method::Path, 256),
+            (Method::Light, 512),
+            (Method::Bdpt, 128),
+            (Method::Pssmlt, 512),
+            (Method::Mlt, 1024),
+            (Method::Erpt, 64),
+        ] {
+            let found = green(&scene, method, spp);
+            let share = found / half - 1.0;
+            assert!(share.abs() < 0.06, "{method}, {scale:?}: {share:+.3}");
+        }
+    }
 }
 
 fn verdict(a: &[Tile], b: &[Tile]) -> Verdict {

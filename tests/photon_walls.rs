@@ -163,3 +163,28 @@ fn photons_that_seldom_land_are_shown() {
     let found = shown(photons(Method::Sppm, 4, 1_000_000));
     assert!((found / truth - 1.0).abs() < 0.3, "{found}, {truth}");
 }
+
+/// A wall so far that its discs go beyond single precision ends no render, alone and beside what is near.
+#[test]
+fn walls_beyond_all_measure_end_no_render() {
+    let lamp = MaterialDescription {
+        emissive: [10.0; 3],
+        ..paper()
+    };
+    for far in [1e17_f32, 1e21, 1e25] {
+        let things = [
+            (paper(), screen(-far, 10.0 * far)),
+            (lamp.clone(), screen(5.0, 0.5)),
+            (paper(), screen(-1.0, 0.2)),
+        ];
+        for count in [2, 3] {
+            let things = things.iter().take(count).cloned();
+            let scene = compile(&describe(Vec3::new(0.0, 0.0, 3.0), 0.8, things), SIDE);
+            for method in [Method::Sppm, Method::PhotonSpatial] {
+                let image = picture(&scene, &photons(method, 2, 5_000));
+                let finite = |plane: &&[f32]| plane.iter().all(|v| v.is_finite());
+                assert!(image.rgb().iter().all(finite), "{method}, {far}");
+            }
+        }
+    }
+}

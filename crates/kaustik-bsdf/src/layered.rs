@@ -51,7 +51,7 @@ impl LayerParameters {
 /// A glTF material under fibres and varnish.
 ///
 /// Each layer takes from what is below it the light that it sends back itself, on the way in and on the way
-/// out: reciprocal, and no energy is made. Light that goes back and forth between layers is estimated from
+/// out: reciprocal, and no energy is made, but where the varnish has normals of its own. Light that goes back and forth between layers is estimated from
 /// below, so that a white material under varnish is a few per cent grey.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Layered {

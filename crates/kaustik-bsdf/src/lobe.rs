@@ -8,7 +8,7 @@ use kaustik_spectrum::Spectrum;
 /// `wo` points to where the walk came from, `wi` to where it goes. Input that means nothing
 /// (horizontal, not finite) gives zero or `None`, never a panic.
 ///
-/// Laws, for all `wo`, `wi`:
+/// Laws, for all `wo`, `wi` (a varnish with normals of its own keeps the first and the last alone):
 /// * `eval(wo, wi, Importance) == eval(wi, wo, Radiance)`;
 /// * with `n(w)` the index on the side of `w`: `eval(wo, wi, Radiance) / n(wo)^2` is symmetric;
 /// * the integral of `eval(wo, wi, Importance) |cos wi|` over `wi` plus the delta shares is at

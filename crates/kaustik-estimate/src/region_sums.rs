@@ -102,12 +102,11 @@ impl<const K: usize> RegionSums<K> {
         }
     }
 
-    /// Sets the unit of the fixed-point sums for the iteration that has begun. `visible` > 0 is a rough
-    /// estimate of the fraction of uniform paths that are visible; it is used only if a counted chain other
-    /// than the first exists. The unit keeps small weights from being rounded away.
-    pub fn expect(&mut self, visible: f64) {
+    /// Sets the unit of the fixed-point sums for the iteration that has begun. `worth` > 0 is about what a visit
+    /// of the chains above the first is worth of a uniform path; it is used only if one of those is counted. The unit keeps small weights from being rounded away.
+    pub fn expect(&mut self, worth: f64) {
         let looks = self.counts.iter().skip(1).any(|counts| *counts);
-        self.unit = if looks { visible } else { 1.0 };
+        self.unit = if looks { worth } else { 1.0 };
     }
 
     /// Takes a visit of a path that touches points, in a ladder whose chains share so. It stands for so many like it.

@@ -132,6 +132,16 @@ impl World {
         self.stock.standing[instance as usize].motion != STILL
     }
 
+    /// Is this instance flat as it stands now, because its motion has no inverse? No ray meets it then.
+    ///
+    /// # Panics
+    /// Where there is no such instance.
+    pub fn is_flat(&self, instance: u32) -> bool {
+        let motion = self.stock.standing[instance as usize].motion;
+        let at = |motion: &Motion| motion.at(self.time).inverse().is_finite();
+        motion != STILL && !at(&self.stock.places.motions[motion as usize])
+    }
+
     /// The same world, walked without vector instructions: same answers to the last bit, slower. For tests.
     ///
     /// # Panics

@@ -27,6 +27,7 @@ macro_rules! kernels {
                     here.space = space;
                     here.$propose(current, proposed, draws)
                 });
+                // Of whatever kind: a `Mixture` of these tells its parts apart itself, from 0 on.
                 Move::new(0, ratio(found))
             }
         })*

@@ -165,7 +165,7 @@ impl Retrace<'_> {
         if self.is_at_another_time() {
             let area = |world: &World| world.triangle_area(instance, primitive);
             grown = factor(Factor::Growth, area(world) / area(before));
-            // Of no area there is no normal; NaN is none either.
+            // Of no area there is no point that anything finds; NaN is none either.
             if grown.is_nan() || grown <= 0.0 {
                 return 0.0;
             }

@@ -9,7 +9,7 @@ use crate::{Path, PathSpace};
 /// [`EveryPerturbation`](crate::EveryPerturbation).
 ///
 /// A path that nothing moves stays what it is at any time. Without this kernel, the time of a
-/// path would change only where the whole path is made anew.
+/// path would change only where the whole path is made anew, or every variable of it perturbed.
 #[derive(Clone, Copy, Debug)]
 pub struct TimeMutation<'a> {
     /// Where the paths run.

@@ -6,7 +6,7 @@ use crate::{Path, PathSpace};
 
 /// Draws the wavelengths anew and keeps the vertices: no ray is traced. Symmetric.
 ///
-/// A path that refracts where the index depends on the wavelength would run elsewhere: such a
+/// A path that refracts smoothly where the index depends on the wavelength would run elsewhere: such a
 /// proposal is impossible.
 #[derive(Clone, Copy, Debug)]
 pub struct WavelengthMutation<'a> {

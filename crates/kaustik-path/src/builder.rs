@@ -22,7 +22,7 @@ pub struct BuilderSettings {
     /// Longest path in edges, at least 1 (1: emitters seen directly).
     pub max_edges: u32,
     /// What becomes of purely specular paths. [`Alone`](PureSpecular::Alone) is for
-    /// [`Unidirectional`](crate::Unidirectional) without next event: other strategies make none of them.
+    /// [`Unidirectional`](crate::Unidirectional) without next event: others do not keep to them.
     pub pure_specular: PureSpecular,
     /// Whether directly visible emitting surfaces contribute. `false` is supported only by
     /// [`Unidirectional`](crate::Unidirectional), for use beside separate samples of these emitters; other

@@ -53,7 +53,7 @@ impl LightTracing {
         out.count_walk(walk.edges);
     }
 
-    /// A splat's scale: the raster is drawn from a window of this area by the other builders.
+    /// A splat's scale: one over the area of the window, from which other builders draw the raster.
     fn scale(&self) -> f64 {
         self.settings.raster_pdf()
     }

@@ -1,8 +1,8 @@
 /// What becomes of purely specular paths: emitters and surroundings that are seen directly, or by way of Dirac
 /// surfaces alone (E S* L in Heckbert's notation; a path of one edge is one of them).
 ///
-/// Only a walk from the eye finds them (and one from a light that runs into a lens with area), so that a
-/// chain meets a lamp behind glass by chance, if at all. Samples spread evenly over the image do so in each pixel: one
+/// Only a walk from the eye finds them, and of a light one that runs into a lens with area or is joined to the lens at once, so that
+/// a chain meets a lamp behind glass by chance, if at all. Samples spread evenly over the image do so in each pixel: one
 /// builder leaves these paths out, another makes them alone, and the sum of both is what a builder makes that
 /// keeps them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

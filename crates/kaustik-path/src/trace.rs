@@ -135,9 +135,9 @@ pub enum Event {
         side: Side,
         /// The edge that led to the vertex.
         edge: u32,
-        /// The new direction; not a unit vector where the walk ends.
+        /// The new direction.
         direction: DVec3,
-        /// Its density per solid angle; 1 of a Dirac direction.
+        /// Its density per solid angle; of a Dirac direction the probability of its part of the scattering function.
         pdf: f64,
         /// Into a Dirac direction.
         delta: bool,

@@ -332,7 +332,8 @@ impl Matter {
     }
 
     /// Is the interface of this material hidden from a ray that meets its front or its back, because what
-    /// fills the space on both sides is a solid of higher priority, or another object of the same material?
+    /// fills the space on both sides is a solid of higher priority (or one of the same priority that was entered later and is not left
+    /// yet), or another object of the same material?
     pub(crate) fn is_overruled(&self, material: u32, front: bool, interior: &Interior) -> bool {
         let Some(solid) = self.material(material).solid() else {
             return false;
@@ -344,6 +345,10 @@ impl Matter {
         };
         if beside.times(material) > 0 {
             return true;
+        }
+        // Leaving what did not fill the space, since one of the same priority was entered later, changes nothing.
+        if !front && interior.times(material) > 0 {
+            return self.dominant(interior) != Some(material);
         }
         let Some(filling) = self.dominant(&beside) else {
             return false;

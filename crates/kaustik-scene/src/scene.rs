@@ -111,7 +111,7 @@ impl Scene {
     }
 
     /// A hash (BLAKE3) of all that the scene was compiled from: geometry, images, materials, lights, cameras,
-    /// environment, and which camera was chosen; not of names, nor of the size of the image and of
+    /// environment, and which camera was chosen; not of the names of scene, instances and images, nor of the size of the image and of
     /// [`compensates`](Self::compensates), which are settings of a render. Two scenes of one hash are else the same scene.
     pub fn content(&self) -> [u8; 32] {
         self.content

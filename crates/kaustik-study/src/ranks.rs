@@ -1,7 +1,7 @@
 //! Whether one sample lies below another, told by ranks.
 
 /// The chance that of two samples of one distribution the first lies as far below the second as `a` below `b`: the exact
-/// distribution of Mann and Whitney's U (1947), equal values counted by half.
+/// distribution of Mann and Whitney's U (1947), equal values counted by half; half a pair left over counts against it.
 pub(crate) fn chance_to_be_so_low(a: &[f64], b: &[f64]) -> f64 {
     let pairs = a.iter().flat_map(|x| b.iter().map(move |y| (x, y)));
     let above = |(x, y): (&f64, &f64)| match x.total_cmp(y) {
@@ -11,7 +11,7 @@ pub(crate) fn chance_to_be_so_low(a: &[f64], b: &[f64]) -> f64 {
     };
     let above: f64 = pairs.map(above).sum();
     let orders = orders(a.len(), b.len());
-    let as_low = orders.iter().take(above.floor() as usize + 1);
+    let as_low = orders.iter().take(above.ceil() as usize + 1);
     as_low.sum::<f64>() / orders.iter().sum::<f64>()
 }
 

@@ -166,12 +166,13 @@ impl SceneEntry {
     }
 }
 
-/// The settings as options.
+/// The settings as options, if they fit together.
 pub(crate) fn options(method: Method, settings: &[String]) -> Result<Options, String> {
     let mut options = Options::default();
     for setting in settings {
         options.set(method, setting).map_err(|e| e.to_string())?;
     }
+    options.check(method).map_err(|e| e.to_string())?;
     Ok(options)
 }
 

@@ -27,6 +27,12 @@ pub(crate) trait Engine: Keep {
         settings.planned(ladder)
     }
 
+    /// Steps that leave one in each cell of the raster, where samples visit these in turn: with a filter wider than a pixel there are
+    /// some beyond the picture.
+    fn pass(&self) -> Option<u64> {
+        None
+    }
+
     /// The smallest number of steps of a ladder that leaves the picture even.
     fn grain(&self, _ladder: u32) -> u64 {
         1

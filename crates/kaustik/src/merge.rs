@@ -171,7 +171,7 @@ pub fn merge(
     let renders = renders(states)?;
     match renders.as_slice() {
         [] => Err(StateError::Shares("there are none".to_owned()).into()),
-        [render] => merge_shares(scene, settings, render, watch),
+        [render] => merge_shares(scene, settings, render, settings.features, watch),
         renders => average(scene, settings, renders),
     }
 }
@@ -211,10 +211,12 @@ impl<'a> Merged<'a> {
     }
 }
 
+/// One picture of the shares of a seed; `tells_spread`: and how far these lie apart, which takes an engine's worth of work.
 fn merge_shares(
     scene: &Scene,
     settings: &RenderSettings,
     render: &SeedShares<'_>,
+    tells_spread: bool,
     watch: &mut dyn Watch,
 ) -> Result<Rendered, RenderError> {
     for state in &render.states {
@@ -225,8 +227,7 @@ fn merge_shares(
         state.check(scene, &share)?;
     }
     let mut merged = Merged::new(scene, settings)?;
-    // An engine's worth of work: not for who wants the picture alone, or the shares of several seeds.
-    let several = render.states.len() > 1 && settings.features;
+    let several = render.states.len() > 1 && tells_spread;
     let apart = match several && tell_alike(settings) {
         true => Some(each_share(&mut merged, render)?),
         false => None,
@@ -322,7 +323,8 @@ fn average(
             seed: render.seed(),
             ..settings.clone()
         };
-        let rendered = merge_shares(scene, &settings, render, &mut ())?;
+        // The spread of the seeds is told, which holds that of a seed's shares.
+        let rendered = merge_shares(scene, &settings, render, false, &mut ())?;
         let steps = rendered.statistics.steps;
         let part = MergedPart::new(render.seed(), &render.ladders, steps, &rendered.image);
         parts.push(part);

@@ -33,7 +33,8 @@ pub enum Budget {
     PerPixel(u64),
     /// Samples or mutations in all; of photon methods light paths.
     Total(u64),
-    /// Wall-clock time; as many rounds as begin within it.
+    /// Wall-clock time: the first unit of work (a round, a pass, an iteration), and each that ends nearer to it than where the
+    /// one before has ended.
     Time(Duration),
 }
 

@@ -210,7 +210,7 @@ impl<'a> Work<'a> {
             ladders: settings.options.ladders,
             steps: self.steps,
             planned: self.planned(engine),
-            per_pixel: self.steps as f64 / settings.pixels() as f64,
+            per_pixel: self.steps as f64 / engine.pass().unwrap_or(settings.pixels()) as f64,
             seconds,
             pilot_seconds: self.pilot.as_secs_f64(),
             nonfinite,

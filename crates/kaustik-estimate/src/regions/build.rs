@@ -9,7 +9,7 @@ const POSITION: usize = 3;
 impl Regions {
     /// Levels of a tree below its root.
     pub const MOST_LEVELS: u32 = 15;
-    /// Points of a pilot that a leaf holds at least.
+    /// Regions with fewer than twice as many points of a pilot are leaves.
     pub const LEAST_POINTS: usize = 16;
 
     /// Builds a tree that splits at the median along the longest side, or at its middle if that side

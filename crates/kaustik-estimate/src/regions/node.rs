@@ -14,7 +14,8 @@ pub(super) struct Node {
     pub(super) flux: [f64; 2],
     /// Iterations in which it had points.
     pub(super) iterations: u64,
-    /// Light paths that touched it, each counted with its share.
+    /// Light paths that touched it, each counted with its share; of a node above leaves the sum of theirs, so that a path which touched
+    /// several of them counts for each.
     pub(super) paths: f64,
     /// Sum of the areas of this iteration's points (G Eq. 9).
     pub(super) area: f64,

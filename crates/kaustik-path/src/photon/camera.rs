@@ -19,7 +19,7 @@ const LEAST_COSINE: f64 = 0.1;
 /// Leaves measurement points.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MeasurementWalk {
-    /// What all builders are told. `wavelengths` is not used.
+    /// What all builders are told, of which it uses the longest path and the window.
     pub settings: BuilderSettings,
     /// GGX roughness from which on a lobe is wide, in [0, 1].
     pub threshold: f64,

@@ -32,7 +32,10 @@ struct Grid {
 }
 
 impl Lookup {
-    /// Sorts discs (finite, radii > 0) in the place of those that were there.
+    /// Radii whose squares and areas single precision holds.
+    pub const RADII: std::ops::RangeInclusive<f32> = 1e-18..=1e18;
+
+    /// Sorts discs (finite, radii within [`RADII`](Self::RADII)) in the place of those that were there.
     pub fn rebuild(&mut self, discs: &[Disc]) {
         self.bounds = [Vec3::INFINITY, Vec3::NEG_INFINITY];
         for &Disc { center, radius } in discs {

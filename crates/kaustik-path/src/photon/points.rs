@@ -7,6 +7,7 @@ use kaustik_spectrum::{Spectrum, Wavelengths, Xyz};
 
 use super::Photon;
 use super::Sheet;
+use super::lookup::Lookup;
 use super::manner::{Manner, Scattering};
 use super::outline::Outline;
 use super::point::{Disc, MeasurementPoint};
@@ -125,13 +126,12 @@ impl MeasurementPoints {
         }));
     }
 
-    /// Adds a point; one where nothing can be measured (no radius, no light to carry) is left out.
+    /// Adds a point; one where nothing can be measured (no radius within [`Lookup::RADII`], no light to carry) is left out.
     pub(super) fn push(&mut self, seen: Seen<'_>) {
         let Seen { vertex, wo, .. } = seen;
         let ng = vertex.local_normal();
         let radius = seen.radius as f32;
-        let usable = radius.is_normal()
-            && radius > 0.0
+        let usable = Lookup::RADII.contains(&radius)
             && seen.throughput.is_finite()
             && wo.z * wo.dot(ng) > 0.0;
         if !usable {

@@ -45,6 +45,10 @@ impl Emitters {
         let (emitter, _) = self.choose(|| u(0))?;
         Some(match emitter {
             Emitter::Triangle(triangle) => {
+                // What has shrunk to nothing has no point that anything finds.
+                if triangle.inverse_area(matter) <= 0.0 {
+                    return None;
+                }
                 let weights = warp::uniform_triangle([u(1), u(2)]);
                 vertex.surface = triangle.surface(matter, weights);
                 vertex.position = vertex.surface.position.as_dvec3();

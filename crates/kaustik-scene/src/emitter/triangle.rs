@@ -75,11 +75,14 @@ impl TriangleEmitter {
         }
     }
 
-    /// One over the area in the world as it stands now; 0 of a triangle without area, which nothing finds.
+    /// One over the area in the world as it stands now; 0 of a triangle without area and of an instance that is flat just then,
+    /// which no ray finds.
     #[inline]
     pub(super) fn inverse_area(&self, matter: &Matter) -> f64 {
         if self.still_inverse_area >= 0.0 {
             self.still_inverse_area
+        } else if matter.world.is_flat(self.instance) {
+            0.0
         } else {
             inverse_area(&matter.world, self.instance, self.primitive)
         }

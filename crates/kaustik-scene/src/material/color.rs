@@ -104,7 +104,7 @@ impl ColorSource {
                 slot,
             },
             Some(input) => Self::Table {
-                table: tabulated(input, material, "reflectance")?,
+                table: reflecting(input, material)?,
                 slot,
             },
         })
@@ -180,6 +180,24 @@ impl ColorSource {
             Self::Table { table, slot } => table.eval(wavelengths) * luminance(tint(slot)),
         }
     }
+}
+
+/// A table of reflectances, which make no light.
+fn reflecting(input: &SpectralInput, material: &str) -> Result<Tabulated, SceneError> {
+    const KEY: &str = "reflectance";
+    let table = tabulated(input, material, KEY)?;
+    if table.max() <= 1.0 {
+        return Ok(table);
+    }
+    let name = match input {
+        SpectralInput::Named(name) => format!("'{name}' reaches"),
+        SpectralInput::Knots(_) => "knots reach".to_owned(),
+    };
+    Err(SceneError::Spectrum {
+        material: material.to_owned(),
+        key: KEY,
+        reason: format!("{name} {}, expected reflectances from 0 to 1", table.max()),
+    })
 }
 
 /// A table from a file's words.

@@ -388,7 +388,7 @@ impl Kind {
         let full_specular = description.specular.texture.is_none()
             && description.specular.color_texture.is_none()
             && description.specular.factor >= 1.0
-            && description.specular.color.iter().all(|&c| c >= 1.0);
+            && matches!(description.specular.color, [1.0, 1.0, 1.0]);
         let clear = description
             .transmission
             .is_some_and(|t| t.factor >= 1.0 && t.texture.is_none());

@@ -11,7 +11,7 @@ use kaustik_geometry::Mesh;
 
 use super::SceneOptions;
 use crate::description::{
-    Description, EnvironmentDescription, ImageData, InstanceDescription, Pixels,
+    CameraDescription, Description, EnvironmentDescription, ImageData, InstanceDescription, Pixels,
 };
 
 /// Hash of a description and of the choices that replace parts of it. Size and compensation stay out:
@@ -46,7 +46,13 @@ pub(super) fn content(description: &Description, options: &SceneOptions) -> [u8;
     content.each(images.iter(), |content, image| content.image(image));
     content.text(lights);
     content.text(cameras);
-    content.text(&options.camera);
+    // By its place, whatever the word for it.
+    let chosen = description.camera(options.camera.as_deref());
+    let place = |chosen: &CameraDescription| {
+        let mut cameras = cameras.iter();
+        cameras.position(|camera| std::ptr::eq(camera, chosen))
+    };
+    content.text(&chosen.and_then(place));
     // What stands still keeps the hash that it had before anything could move.
     if !animation.is_empty() {
         content.text(animation);
@@ -168,10 +174,31 @@ mod tests {
 
     use super::*;
     use crate::builtin;
-    use crate::description::{CameraDescription, LightDescription, MaterialDescription};
+    use crate::description::{LightDescription, MaterialDescription};
 
     fn of(description: &Description) -> [u8; 32] {
         content(description, &SceneOptions::default())
+    }
+
+    #[test]
+    fn a_camera_counts_and_the_word_for_it_does_not() {
+        let mut scene = builtin::load("cornell").expect("a built-in scene");
+        let mut other = scene.cameras[0].clone();
+        other.name = "other".to_owned();
+        scene.cameras.push(other);
+        let by = |word: &str| {
+            let camera = Some(word.to_owned());
+            content(
+                &scene,
+                &SceneOptions {
+                    camera,
+                    ..SceneOptions::default()
+                },
+            )
+        };
+        let name = scene.cameras[0].name.clone();
+        assert!(of(&scene) == by("0") && by("0") == by(&name));
+        assert!(by("1") == by("other") && by("1") != by("0"));
     }
 
     #[test]

@@ -2,6 +2,7 @@
 
 mod alpha;
 mod normals;
+mod reflectances;
 mod solids;
 mod surroundings;
 

@@ -47,6 +47,25 @@ fn a_good_file_is_read() {
 }
 
 #[test]
+fn settings_that_contradict_each_other_are_refused_before_anything_is_rendered() {
+    for (method, set, expected) in [
+        (
+            "pssmlt",
+            r#"["builder=bidirectional", "nextevent=off"]"#,
+            "nextevent",
+        ),
+        ("annealing", r#"["replicas=sides"]"#, "climb a line"),
+    ] {
+        let more = format!("[[method]]\nmethod = \"{method}\"\nset = {set}\n");
+        let error = parse(&(GOOD.to_owned() + &more)).unwrap_err();
+        assert!(
+            error.contains(expected) && error.contains(&format!("method '{method}'")),
+            "{error}"
+        );
+    }
+}
+
+#[test]
 fn wrong_words_are_refused_with_their_place() {
     let cases = [
         (

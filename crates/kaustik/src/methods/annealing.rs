@@ -44,15 +44,6 @@ pub(crate) fn engine<'a>(
     scene: &'a Scene,
     settings: &RenderSettings,
 ) -> Result<Box<dyn Engine + 'a>, RenderError> {
-    let set = settings.options.replica_set();
-    if !set.is_line() {
-        return Err(RenderError::Setting {
-            what: "replicas",
-            found: set.to_string(),
-            expected: "replicas that each stand on the one before: populations climb a line"
-                .to_owned(),
-        });
-    }
     with_builder(scene, settings, Box::new(replica_builder(settings)))
 }
 

@@ -191,6 +191,10 @@ impl Engine for ErptEngine<'_> {
         self.cells.whole_passes(ladder, settings.budget)
     }
 
+    fn pass(&self) -> Option<u64> {
+        Some(self.cells.count())
+    }
+
     fn grain(&self, ladder: u32) -> u64 {
         let [first, end] = self.cells.of_ladder(ladder);
         end - first

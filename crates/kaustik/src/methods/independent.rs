@@ -282,6 +282,10 @@ impl Engine for IndependentEngine<'_> {
         self.steps() - before
     }
 
+    fn pass(&self) -> Option<u64> {
+        self.cells.map(|cells| cells.count())
+    }
+
     fn planned(&self, ladder: u32, settings: &RenderSettings) -> u64 {
         let Some(cells) = &self.cells else {
             return settings.planned(ladder);

@@ -17,7 +17,7 @@ use kaustik_estimate::{
     SpecificFamily,
 };
 use kaustik_film::{Counters, Film, FilmError, Image, Layer, Layout, Quantum, develop};
-use kaustik_mcmc::{Estimate, Schedule, Statistics, Touring};
+use kaustik_mcmc::{Estimate, Statistics, Touring};
 use kaustik_path::{Bidirectional, Event, Unjoined, trace};
 use kaustik_pss::Stream;
 use kaustik_scene::Scene;
@@ -55,14 +55,6 @@ pub(crate) fn engine<'a>(
     scene: &'a Scene,
     settings: &RenderSettings,
 ) -> Result<Box<dyn Engine + 'a>, RenderError> {
-    let set = settings.options.replica_set();
-    if settings.options.exchange == Schedule::Permutation && set.count() > Schedule::MOST_PERMUTED {
-        return Err(RenderError::Setting {
-            what: "exchange",
-            found: format!("gibbs with {} replicas", set.count()),
-            expected: format!("at most {} replicas", Schedule::MOST_PERMUTED),
-        });
-    }
     let builder = replica_builder(settings);
     let started = start(scene, &builder, settings);
     Ok(for_so_many_replicas!(

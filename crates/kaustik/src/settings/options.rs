@@ -197,14 +197,45 @@ impl Options {
     /// [`RenderError::Setting`], with the reason.
     pub fn check(&self, method: Method) -> Result<(), RenderError> {
         let has = method.keys().any(|key| key.name == "nextevent");
-        match self.next_event_that_is_not_there(method) {
-            Some(reason) if has => Err(RenderError::Setting {
+        if let Some(reason) = self.next_event_that_is_not_there(method).filter(|_| has) {
+            return Err(RenderError::Setting {
                 what: "nextevent",
                 found: "off".to_owned(),
                 expected: format!("on with {reason}"),
-            }),
+            });
+        }
+        match method {
+            Method::Relt => self.check_permutations(),
+            Method::Annealing => self.check_line(),
             _ => Ok(()),
         }
+    }
+
+    /// Are there few enough replicas for all of their orders?
+    fn check_permutations(&self) -> Result<(), RenderError> {
+        let (count, most) = (self.replica_set().count(), Schedule::MOST_PERMUTED);
+        if self.exchange != Schedule::Permutation || count <= most {
+            return Ok(());
+        }
+        Err(RenderError::Setting {
+            what: "exchange",
+            found: format!("gibbs with {count} replicas"),
+            expected: format!("at most {most} replicas"),
+        })
+    }
+
+    /// Does each replica stand on the one before?
+    fn check_line(&self) -> Result<(), RenderError> {
+        let set = self.replica_set();
+        if set.is_line() {
+            return Ok(());
+        }
+        Err(RenderError::Setting {
+            what: "replicas",
+            found: set.to_string(),
+            expected: "replicas that each stand on the one before: populations climb a line"
+                .to_owned(),
+        })
     }
 
     /// What has no next event that could be switched off, with the reason.

@@ -129,6 +129,12 @@ const CHAINS: &[Method] = &[
     Method::PhotonSpatial,
     Method::PhotonImage,
 ];
+/// Those that may have one of visibility.
+const VISIBILITY: &[Method] = &[
+    Method::PhotonVisibility,
+    Method::PhotonSpatial,
+    Method::PhotonImage,
+];
 /// Those whose target goes by regions.
 const REGIONS: &[Method] = &[Method::PhotonSpatial, Method::PhotonImage];
 
@@ -270,8 +276,9 @@ pub(crate) const NORMALISATION: Key = Key {
     range: "iteration|progressive",
     meaning: "how visible light paths are scaled: for each iteration by the share of its own uniform ones that are \
                   visible, as in the paper and wherever something moves; or by that of all so far, which is biased where the \
-                  share goes with the wavelengths",
-    methods: CHAINS,
+                  share goes with the wavelengths (where a chain of visibility stands on the uniform one, with reduction=off; elsewhere \
+                  as iteration)",
+    methods: VISIBILITY,
 };
 /// Layers.
 pub(crate) const MAPS: Key = Key {
