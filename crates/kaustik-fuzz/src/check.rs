@@ -8,7 +8,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use kaustik::film::{self, Keep, Limits};
-use kaustik::scene::description::{EnvironmentDescription, ImageData, Pixels};
+use kaustik::scene::description::{Description, EnvironmentDescription, ImageData, Pixels};
 use kaustik::scene::environment::{Environment, load_hdr};
 use kaustik::scene::{Scene, SceneOptions, gltf};
 use kaustik::{Budget, Control, Method, RenderSettings, render};
@@ -90,7 +90,16 @@ pub fn verdict(kind: Kind, file: &Path) -> Result<(), String> {
 
 fn scene(file: &Path) -> Result<(), String> {
     let loaded = gltf::load(file, &gltf::LoadOptions::default()).map_err(|e| e.to_string())?;
-    rendered(&loaded.description)
+    let bytes = fs::read(file).map_err(|e| e.to_string())?;
+    rendered(&loaded.description, also(&bytes))
+}
+
+/// The method by which this file is rendered besides, any of them.
+fn also(bytes: &[u8]) -> Method {
+    // FNV-1a: a few changed bytes are another method.
+    let mix = |hash: u64, byte: &u8| (hash ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3);
+    let hash = bytes.iter().fold(0xcbf2_9ce4_8422_2325, mix);
+    Method::ALL[(hash >> 32) as usize % Method::ALL.len()]
 }
 
 /// The picture as the texture of a triangle.
@@ -99,7 +108,8 @@ fn textured(file: &Path) -> Result<(), String> {
     let model = model::textured(&bytes);
     let options = gltf::LoadOptions::default();
     let loaded = gltf::load_bytes(&model.glb(), "model.glb", &options);
-    rendered(&loaded.map_err(|e| e.to_string())?.description)
+    let description = loaded.map_err(|e| e.to_string())?.description;
+    rendered(&description, also(&bytes))
 }
 
 fn environment(image: ImageData) -> Result<(), String> {
@@ -112,30 +122,42 @@ fn environment(image: ImageData) -> Result<(), String> {
     .map_err(|e| e.to_string())
 }
 
-/// Compiles the scene and renders it; every pixel must be finite.
-fn rendered(description: &kaustik::scene::Description) -> Result<(), String> {
+/// Compiles the scene and renders it, by path tracing and by another method; every pixel must be finite.
+fn rendered(description: &Description, also: Method) -> Result<(), String> {
     let options = SceneOptions {
         width: SIDE,
         height: SIDE,
         ..SceneOptions::default()
     };
     let scene = Scene::new(description, &options).map_err(|e| e.to_string())?;
-    let settings = RenderSettings {
-        method: Method::Path,
+    for method in [Method::Path, also] {
+        let image = render(&scene, &short(method), &mut Control::default());
+        let image = image.map_err(|e| e.to_string())?.image;
+        for channel in image.rgb() {
+            assert!(
+                channel.iter().all(|value| value.is_finite()),
+                "a pixel that is not finite by {method}"
+            );
+        }
+    }
+    Ok(())
+}
+
+/// A sample or two a pixel, whatever a method begins with.
+fn short(method: Method) -> RenderSettings {
+    let mut settings = RenderSettings {
+        method,
         width: SIDE,
         height: SIDE,
-        budget: Budget::PerPixel(1),
+        budget: Budget::PerPixel(2),
         threads: 1,
         max_depth: 8,
         features: false,
         ..RenderSettings::default()
     };
-    let rendered = render(&scene, &settings, &mut Control::default()).map_err(|e| e.to_string())?;
-    for channel in rendered.image.rgb() {
-        assert!(
-            channel.iter().all(|value| value.is_finite()),
-            "a pixel that is not finite"
-        );
-    }
-    Ok(())
+    let options = &mut settings.options;
+    (options.ladders, options.pilot, options.particles) = (2, 50, 20);
+    options.length = 8;
+    options.photon.photons = Some(50);
+    settings
 }

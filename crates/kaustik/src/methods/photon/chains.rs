@@ -101,7 +101,8 @@ impl<const K: usize> PhotonChains<K> {
         // Before there are films: a look at where points are takes memory of its own.
         let mut targets = Targets::new(stage, options, &levels, space);
         targets.assign(stage);
-        let quantum = stage.quantum();
+        let power = stage.power();
+        let quantum = stage.quantum(&power);
         let films = (1..K).map(|_| Film::with_layout(&settings.layout(), quantum));
         let films = films.collect::<Result<_, _>>()?;
         // One share of visible paths for all iterations is roughly right at best (decision 026); where something moves or
@@ -131,7 +132,7 @@ impl<const K: usize> PhotonChains<K> {
             nonfinite: Vec::new(),
             counters: Counters::default(),
             normalisers: [[0.0; 2]; K],
-            power_spread: spread(&stage.power()),
+            power_spread: spread(&power),
         };
         chains.start(stage, settings);
         chains.warm_up(stage);

@@ -1,5 +1,6 @@
 //! What an iteration of a photon method stands on: its wavelengths, measurement points, and their lookup.
 
+use std::ops::Range;
 use std::sync::atomic::AtomicBool;
 
 use glam::{DVec2, Vec3};
@@ -37,7 +38,9 @@ const INSTANTS: u64 = 16;
 const MOST_LOOKS: u64 = 1 << 20;
 /// Light paths that tell how bright photons are.
 const PILOT: u64 = 1024;
-/// So many at most, where none of them lands anywhere.
+/// So many more at a time, where none of them lands anywhere,
+const MORE_PILOT: u64 = 1 << 15;
+/// and about so many at most.
 const MOST_PILOT: u64 = 1 << 20;
 
 /// One iteration after the other.
@@ -311,24 +314,40 @@ impl<'a> Stage<'a> {
         self.cell_area / paths
     }
 
-    /// The power of photons of uniform light paths, in the mean over the wavelengths; of what moves at many instants.
+    /// The power of photons of uniform light paths, in the mean over the wavelengths; of what moves at many instants. Where none of the
+    /// first lands anywhere and something could be lit, more are looked at until one does.
     pub(super) fn power(&self) -> Mean {
-        let mut path = PhotonPath::default();
-        let mut power = Mean::new();
-        let generators = SampleGenerators::new(self.seed, streams::PILOT);
-        let instants = self.instants();
-        for index in 0..MOST_PILOT {
-            if index >= PILOT && power.count() > 0 {
-                break;
-            }
-            let scene = self.in_turn(&instants, index);
-            let mut u = Independent::new(generators.at(index));
-            (self.tracing).build(scene, &self.wavelengths, &mut u, &mut path);
-            for photon in path.photons() {
-                power.push(f64::from(photon.power.mean()));
-            }
+        let mut looked = PILOT;
+        let mut power: Mean = self.powers(0..PILOT).into_iter().collect();
+        let could_be_lit = !self.points.discs().is_empty();
+        while power.count() == 0 && could_be_lit && looked < MOST_PILOT {
+            power = self
+                .powers(looked..looked + MORE_PILOT)
+                .into_iter()
+                .collect();
+            looked += MORE_PILOT;
         }
         power
+    }
+
+    /// The powers of the photons of these light paths, in their order.
+    fn powers(&self, paths: Range<u64>) -> Vec<f64> {
+        let generators = SampleGenerators::new(self.seed, streams::PILOT);
+        let instants = self.instants();
+        let of = |path: &mut PhotonPath, index: u64| {
+            let scene = self.in_turn(&instants, index);
+            let mut u = Independent::new(generators.at(index));
+            (self.tracing).build(scene, &self.wavelengths, &mut u, path);
+            let photons = path.photons().iter();
+            photons
+                .map(|photon| f64::from(photon.power.mean()))
+                .collect::<Vec<f64>>()
+        };
+        let found: Vec<Vec<f64>> = paths
+            .into_par_iter()
+            .map_init(PhotonPath::default, of)
+            .collect();
+        found.concat()
     }
 
     /// Diagonal of the box around the points.
@@ -341,20 +360,23 @@ impl<'a> Stage<'a> {
 
     /// A film for contributions of single photons.
     pub(super) fn film(&self, settings: &RenderSettings) -> Result<Film, RenderError> {
-        Ok(Film::with_layout(&settings.layout(), self.quantum())?)
+        Ok(Film::with_layout(
+            &settings.layout(),
+            self.quantum(&self.power()),
+        )?)
     }
 
-    /// The unit of contributions of single photons. Their size comes from the mean power of photons and the mean area
+    /// The unit of contributions of single photons of this power. Their size comes from the mean power of photons and the mean area
     /// of discs, which are known even where the two never meet. The geometric mean: one disc before the lens, as small as
     /// a grain, is to make no other's light too little to count.
-    pub(super) fn quantum(&self) -> Quantum {
+    pub(super) fn quantum(&self, power: &Mean) -> Quantum {
         let of = |disc: &Disc| disc.whole_area().ln();
         let areas: Mean = if self.scene.moves() {
             self.pilot(1, |disc, _| of(disc)).into_iter().collect()
         } else {
             self.points.discs().iter().map(of).collect()
         };
-        let typical = self.power().mean() / (areas.mean().exp() * std::f64::consts::PI);
+        let typical = power.mean() / (areas.mean().exp() * std::f64::consts::PI);
         Quantum::from_mean(typical)
     }
 }
