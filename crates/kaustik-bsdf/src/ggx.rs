@@ -88,6 +88,39 @@ impl Ggx {
         self.loss_by(|alpha| reflector_loss(w.z, alpha))
     }
 
+    /// The same from one azimuth: of brushed facets what those would do that are as rough all around as these are in the plane of `w`.
+    /// They send back at least as much as the brushed ones do.
+    #[inline]
+    pub(crate) fn loss_in_plane(self, w: DVec3) -> FacetLoss {
+        let at = self.loss(w);
+        if !self.is_brushed() {
+            return at;
+        }
+        let [x, y] = self.alpha;
+        let across = w.x * w.x + w.y * w.y;
+        let alpha = if across > 0.0 {
+            let [a, b] = [w.x * w.x / across, w.y * w.y / across];
+            // Of all facets (by their slopes in the plane), and of those that stand upright on it.
+            let all = a * x * x + b * y * y;
+            let upright = 1.0 / (a / (x * x) + b / (y * y));
+            (all * upright).sqrt().sqrt()
+        } else {
+            x.min(y)
+        };
+        let seen = reflector_loss(w.z, alpha);
+        FacetLoss {
+            loss: seen.loss,
+            edge: seen.edge,
+            ..at
+        }
+    }
+
+    /// Facets as rough all around as these are at most.
+    #[inline]
+    pub(crate) fn roughest(self) -> Self {
+        Self::new(self.alpha[0].max(self.alpha[1]))
+    }
+
     /// Its cosine-weighted mean over the hemisphere; of what is given back at least that.
     #[inline]
     pub(crate) fn mean_loss(self) -> FacetLoss {

@@ -9,6 +9,7 @@ use kaustik::scene::description::{
 use kaustik::scene::{Description, Scene, SceneOptions};
 
 use crate::arguments::InfoWords;
+use crate::output::without_controls;
 use crate::{Failure, input, output};
 
 pub(crate) fn run(words: &InfoWords) -> Result<ExitCode, Failure> {
@@ -51,7 +52,9 @@ pub(crate) fn run(words: &InfoWords) -> Result<ExitCode, Failure> {
 struct Lines(String);
 
 impl Lines {
+    /// Names come from the file: what they have of line ends and terminal's commands is shown as such.
     fn add(&mut self, what: &str, value: &str) {
+        let value = without_controls(value);
         let _ = writeln!(self.0, "{what:<11} {value}");
     }
 }

@@ -6,8 +6,16 @@ use crate::Failure;
 
 /// A line on standard error.
 pub(crate) fn note(line: &str) {
+    let lines: Vec<String> = line.split('\n').map(without_controls).collect();
+    let line = lines.join("\n");
     // Nobody is left to be told if this fails.
     let _ = writeln!(io::stderr().lock(), "{line}");
+}
+
+/// A line without characters that a terminal takes for commands: names in it may be those of a stranger's file.
+pub(crate) fn without_controls(line: &str) -> String {
+    let shown = |c: char| if c.is_control() { '\u{fffd}' } else { c };
+    line.chars().map(shown).collect()
 }
 
 /// Text on standard output. A reader that went away has seen enough; a full disk is told.

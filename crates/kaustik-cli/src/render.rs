@@ -59,6 +59,12 @@ fn state(words: &RenderWords) -> Result<Option<State>, Failure> {
         // It may take the place of the state that the render goes on from.
         picture::refuse_inputs(path, scene_files(words))?;
         kaustik::film::check_writable(path).map_err(Failure::input)?;
+        if words.resume.is_none() && path.is_file() && !words.outputs.quiet {
+            let path = path.display();
+            output::note(&format!(
+                "note: {path} is there and will be replaced; --resume {path} would go on from it"
+            ));
+        }
     }
     let Some(path) = &words.resume else {
         return Ok(None);

@@ -30,6 +30,7 @@
 //! let tail = |end: &f64| [(end - 3.0f64).max(0.0)];
 //!
 //! // A pool of independent samples gives the normaliser and the start of the chain.
+//! // (A ladder is one chain, or several that exchange, with a generator of its own.)
 //! let (seed, ladder) = (7, 0);
 //! let mut end = 0.0;
 //! let pool = Pool::new((0..50_000).map(|step| {
@@ -39,8 +40,9 @@
 //! let mut rng = generator(seed, ladder);
 //! let start = pool.choose(&mut rng).expect("some walk gets beyond 3");
 //! let mut again = sample_generator(seed, ladder, start.index);
+//! let level = 0; // which of the family's densities it follows: here there is one
 //! let mut chain =
-//!     Metropolis::rebuild(&walk, &tail, 0, Exponential::default(), &start, &mut again)?;
+//!     Metropolis::rebuild(&walk, &tail, level, Exponential::default(), &start, &mut again)?;
 //!
 //! // The chain: large steps with probability 0.3. Every visit comes with its weight.
 //! let kernel = PointKernel::new(&walk, 0.3);

@@ -41,6 +41,10 @@ pub(crate) fn geometry_to_light(path: &impl Vertices, i: usize) -> f64 {
 }
 
 /// `s / S`: what a walk with the light has in its density at a Dirac scattering, beside the probability.
+///
+/// Both ways to make a run are divided by the one Jacobian `cos_b d(omega_b)/dA_a`. Against the light that leaves the density of the
+/// direction at `b`. With the light a beam of étendue 1 (area times solid angle times cosine) leaves a scattering with `S / s` of it: `S` for
+/// normals that are bent, `1 / s` for the change of index; so its density there grows by `s / S`.
 #[inline]
 pub(crate) fn bending(vertex: &PathVertex) -> f64 {
     let PathVertex { wi, wo, ng, .. } = *vertex;

@@ -40,7 +40,8 @@ pub struct Seeds<'a> {
     after: Vec<WaysOn>,
 }
 
-/// Vertices of each walk whose densities a joint changes.
+/// Vertices of each walk whose densities a joint changes: it turns the directions at the two that it joins, and with these how either
+/// walk would make them and the next on each side.
 const TOUCHED: usize = 2;
 
 /// Walks of fewer vertices always go on.

@@ -38,7 +38,8 @@ pub(crate) struct Walk<'w> {
     /// Stands at an end of the path, or has last scattered otherwise than into a Dirac direction: what a neighbour
     /// like it could be joined to.
     pub(crate) open: bool,
-    /// Two neighbours so far could have been joined.
+    /// Two neighbours so far could have been joined. From the lens by a mirror, a wall and glass to a lamp `open` is true, false,
+    /// true, false and `joined` never true: light that nothing joins.
     pub(crate) joined: bool,
     /// Edges so far.
     pub(crate) edges: u32,

@@ -11,7 +11,10 @@ use crate::material::Material;
 use crate::texture::Texture;
 use crate::{Interior, Vertex};
 
+mod crossings;
 mod passage;
+
+use crossings::Crossings;
 pub(crate) use passage::Passage;
 
 /// So many transparent surfaces one behind the other, or in one place, let light through; then it is blocked. A bound
@@ -148,11 +151,16 @@ impl Matter {
         if normal.dot(surface.geometric_normal) < 0.0 {
             normal = -normal;
         }
-        let unwrapping = material.coat_unwrapping();
-        let tangent = (self.world).tangent(&self.hit_of(vertex), normal, &unwrapping)?;
-        let frame = Frame::from_z_x(normal.as_dvec3(), tangent.truncate().as_dvec3());
-        let bitangent = frame.y * f64::from(tangent.w);
-        let bent = (frame.x * x + bitangent * y + frame.z * z).try_normalize()?;
+        let bent = if x.abs().max(y.abs()) <= 0.0 {
+            // Nothing is bent, and there may be no tangent.
+            normal.as_dvec3()
+        } else {
+            let unwrapping = material.coat_unwrapping();
+            let tangent = (self.world).tangent(&self.hit_of(vertex), normal, &unwrapping)?;
+            let frame = Frame::from_z_x(normal.as_dvec3(), tangent.truncate().as_dvec3());
+            let bitangent = frame.y * f64::from(tangent.w);
+            (frame.x * x + bitangent * y + frame.z * z).try_normalize()?
+        };
         let local = vertex.frame.to_local(bent);
         (bent.dot(vertex.normal) > 0.0 && local.z > 1e-3).then_some(local)
     }
@@ -410,43 +418,17 @@ impl Matter {
     }
 
     fn interior_along(&self, point: DVec3, direction: DVec3) -> Interior {
-        /// More crossings than any sensible scene has; a bound for senseless ones.
-        const MOST: usize = 10_000;
-        /// Solids on the way of a ray in all but senseless scenes.
-        const NEAR: usize = 16;
         let ray = Ray::new(point.as_vec3(), direction.as_vec3());
-        // Net number of exits for each solid, in order of the first crossing: on the stack as a rule, since
-        // where something moves every path may ask.
-        let (mut near, mut count) = ([(0_u32, 0_i32); NEAR], 0);
-        let mut far: Vec<(u32, i32)> = Vec::new();
-        let mut next = self.world.intersect(&ray);
-        for _ in 0..MOST {
-            let Some(hit) = next else { break };
+        let mut crossings = Crossings::default();
+        // One walk, in whatever order, that nothing ends: from hit to hit, each would begin anew.
+        self.world.occluded_filtered(&ray, |hit| {
             let material = self.material_of[hit.instance as usize];
             if self.material(material).solid().is_some() {
-                let step = if self.world.surface(&ray, &hit).front {
-                    -1
-                } else {
-                    1
-                };
-                let mut known = near[..count].iter_mut().chain(&mut far);
-                match known.find(|(solid, _)| *solid == material) {
-                    Some((_, exits)) => *exits += step,
-                    None if count < NEAR => {
-                        near[count] = (material, step);
-                        count += 1;
-                    }
-                    None => far.push((material, step)),
-                }
+                let leaves = !self.world.surface(&ray, hit).front;
+                crossings.add(material, leaves, hit);
             }
-            next = self.world.intersect_after(&ray, &hit, |_| true);
-        }
-        // The solid left first was entered last.
-        let mut interior = Interior::VACUUM;
-        let exits = near[..count].iter().chain(&far);
-        for &(solid, exits) in exits.rev().filter(|(_, exits)| *exits > 0) {
-            (0..exits).for_each(|_| interior.enter(solid));
-        }
-        interior
+            false
+        });
+        crossings.interior()
     }
 }

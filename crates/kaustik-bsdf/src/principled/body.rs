@@ -33,8 +33,11 @@ impl Body {
             if p.compensation {
                 rebound = rebound_colour(mean, at.loss);
             }
+            // Brushed facets send back less in the mean over azimuths than in the mean of their two planes: with the least of it
+            // for all, what is below is dimmed rather than brightened.
             let once = cover.mean_once(ggx);
-            mean = once + rebound * at.given_back;
+            let least = once.zip(cover.mean_once(ggx.roughest()), f32::min);
+            mean = least + rebound * at.given_back;
         }
         let passed = mean.map(|a| (1.0 - a).max(1e-6));
         Self {
@@ -80,7 +83,7 @@ impl Body {
         let cover = match self.ggx {
             None => self.cover.at(mu),
             Some(ggx) => {
-                let at = ggx.loss(DVec3 { z: mu, ..w });
+                let at = ggx.loss_in_plane(DVec3 { z: mu, ..w });
                 self.cover.once_at_most(at, mu) + self.rebound * at.given_back
             }
         };

@@ -126,3 +126,30 @@ fn brushed_metal_makes_no_light() {
     println!("worst {} at {}", worst.0, worst.1);
     assert!(worst.0 < 0.005, "{} at {}", worst.0, worst.1);
 }
+
+/// Nor does a white body under a brushed cover, from any azimuth: it gets what the cover leaves there.
+#[test]
+fn brushed_plastic_makes_no_light() {
+    let mut worst = (f64::NEG_INFINITY, String::new());
+    for roughness in [0.0, 0.2, 0.35, 0.6] {
+        for anisotropy in [0.25, 0.6, 1.0] {
+            let plastic = PrincipledParameters {
+                roughness,
+                anisotropy,
+                metallic: 0.0,
+                ..Default::default()
+            };
+            let bsdf = Bsdf::principled(&plastic);
+            for z in [0.05, 0.12, 0.25, 0.6] {
+                for turns in [0.0, 0.06, 0.125, 0.19, 0.25] {
+                    let got = throughput(&bsdf, 1.0, at(z, turns), Mode::Radiance, 1 << 12) - 1.0;
+                    if got > worst.0 {
+                        worst = (got, format!("{roughness} {anisotropy} {z} {turns}"));
+                    }
+                }
+            }
+        }
+    }
+    println!("worst {} at {}", worst.0, worst.1);
+    assert!(worst.0 < 0.02, "{} at {}", worst.0, worst.1);
+}

@@ -47,6 +47,13 @@ impl Part {
             .unwrap_or([self.size[0], self.compression.scan_lines_per_block()])
     }
 
+    /// Samples of the largest block, which is unpacked with all its channels whatever is kept of them.
+    fn in_a_block(&self) -> u64 {
+        let block = self.block_size();
+        let [columns, rows] = [0, 1].map(|axis| block[axis].min(self.size[axis]) as u64);
+        columns * rows * self.channels.len() as u64
+    }
+
     /// Blocks along each axis.
     pub(super) fn block_counts(&self) -> [usize; 2] {
         let block = self.block_size();
@@ -75,12 +82,14 @@ pub(super) fn read(
             Keep::Main => parts.is_empty() && channel.is_main(),
         });
         samples += part.size[0] as u64 * part.size[1] as u64 * kept.count() as u64;
-        if samples > limits.max_samples {
-            return Err(DecodeError::TooLarge {
-                what: "samples",
-                found: samples,
-                limit: limits.max_samples,
-            });
+        for (what, found) in [
+            ("samples", samples),
+            ("samples in a block", part.in_a_block()),
+        ] {
+            if found > limits.max_samples {
+                let limit = limits.max_samples;
+                return Err(DecodeError::TooLarge { what, found, limit });
+            }
         }
         parts.push(part);
         if !version.multipart {

@@ -89,7 +89,10 @@ fn spread(images: &[&Image], is_to_be_lit: impl Fn(usize) -> bool) -> Option<Nsd
     let (mut values, mut variances, mut means) = (Vec::new(), 0.0, 0.0);
     for pixel in 0..first.pixels() {
         let [mean, variance] = moments(images, pixel, &colour);
-        if mean > 0.0 && variance.is_finite() {
+        if !variance.is_finite() {
+            continue;
+        }
+        if mean > 0.0 {
             values.push((variance.sqrt() / mean) as f32);
             variances += variance;
             means += mean;

@@ -292,6 +292,19 @@ fn announced_sizes_are_held_against_the_budget() {
     }
 }
 
+/// What is not kept is unpacked all the same, a block at a time: the library would believe any size of one.
+#[test]
+fn blocks_are_held_against_the_budget_with_all_of_their_channels() {
+    let limits = Limits {
+        max_samples: 250_000,
+        ..LIMITS
+    };
+    // four times 4096 x 16 are more than that, three times less
+    let bytes = with_window(encoded(&layered(21, 37)), [0, 0, 4095, 15]);
+    let error = decode(&bytes, &limits, Keep::Main).unwrap_err().to_string();
+    assert!(error.contains("samples in a block"), "{error}");
+}
+
 #[test]
 fn messages_say_what_and_where() {
     let bytes = encoded(&layered(8, 8));

@@ -206,6 +206,10 @@ fn nsd_is_the_relative_standard_deviation() {
     let n = nsd_beside(&[&images[0], &images[1]], &images[0]).unwrap();
     assert_eq!(n.pixels, 1);
     assert!(nsd_beside(&[&images[0], &images[1]], &gray(1, 2, |_| 1.0)).is_none());
+    // Nor does one that is not finite anywhere.
+    let spoilt = gray(2, 1, |i| [1.0, f32::NAN][i]);
+    let n = nsd_beside(&[&images[0], &spoilt], &gray(2, 1, |_| 1.0)).unwrap();
+    assert_eq!(n.pixels, 1);
     let black = gray(2, 1, |_| 0.0);
     assert!(nsd_beside(&[&black, &black], &gray(2, 1, |_| 1.0)).is_none());
     let mut random = Random(5);

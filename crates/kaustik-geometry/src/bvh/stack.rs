@@ -15,6 +15,8 @@ pub(crate) struct Entry(u64);
 impl Entry {
     #[inline(always)]
     pub(crate) fn new(near: f32, child: Child) -> Entry {
+        // In an instance a box that holds the origin begins a little before it: bits of negative numbers would come last.
+        let near = near.max(0.0);
         Entry(u64::from(near.to_bits()) << 32 | u64::from(child.bits()))
     }
 

@@ -85,7 +85,7 @@ impl<M: Clone> Clone for Point<M> {
 /// The clock of a point. It goes wherever the coordinates go.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Clock {
-    /// Time stamp of the next proposal: the number of accepted steps, the first included.
+    /// Time stamp of the next proposal: the number of accepted steps, the first included. The current state's own is one less.
     pub(crate) time: i64,
     /// Time stamp of the last accepted large step.
     pub(crate) large_time: i64,

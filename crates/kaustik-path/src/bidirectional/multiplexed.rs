@@ -117,9 +117,9 @@ impl Job<'_> {
     ) {
         let Technique { s, t, probability } = *technique;
         let share = 1.0 / probability;
-        // Vertices on surfaces; a light walk to the lens has one edge more than those.
-        let of_light = (s.saturating_sub(1)) - u32::from(t == 0);
         if s >= 2 {
+            // Vertices on surfaces; a light walk to the lens, which has three vertices at least, has one edge more than those.
+            let of_light = s - 1 - u32::from(t == 0);
             let scale = if t <= 1 { share } else { 1.0 };
             if !self.walk_from_light(of_light, t, scale, u, &mut workspace.light, out, witness) {
                 return;

@@ -23,9 +23,10 @@ use super::Heuristic;
 /// What a subpath's vertex knows of its rivals.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Running {
-    /// `dM`, the heuristic applied, without the odds of this vertex.
+    /// `dM`, the heuristic applied, without the odds of this vertex: the one strategy that joins this vertex to the one before it.
     pub(crate) dm: f64,
-    /// `dC`, the heuristic applied.
+    /// `dC`, the heuristic applied: all strategies that join earlier vertices, whose walk from the other side goes back from here to
+    /// the one before.
     pub(crate) dc: f64,
 }
 

@@ -10,7 +10,16 @@ use crate::matter::Matter;
 
 /// Densities with which emission sampling takes a point of an emitter and a direction from it.
 /// Next event draws the point by the same choice and the same law,
-/// so that `position` serves both techniques.
+/// so that `position` serves both techniques. Their units go by what emits (`P`: the probability of the emitter):
+///
+/// | emitter | `position` | `direction` |
+/// |---|---|---|
+/// | surface | `P` times per area | per solid angle |
+/// | environment, at infinity | `P` times per solid angle | per area across the direction |
+/// | Dirac position (point, spot) | `P` | per solid angle |
+/// | Dirac direction (directional) | `P` | per area across the direction |
+///
+/// Of a surface that a walk has met both are 0 toward a side to which it sends nothing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EmissionPdf {
     /// `P p_A` per area; of an emitter at infinity `P p_env` per solid angle; of a Dirac position or

@@ -97,7 +97,7 @@ fn read_channel<'a>(
             set(&mut tracks.entry(node).or_default().translation, read)
         }
         "rotation" => {
-            let read = read(reader, sampler, &vertices::ROTATION)?;
+            let read = read(reader, sampler, &vertices::ANIMATED_ROTATION)?;
             set(&mut tracks.entry(node).or_default().rotation, read)
         }
         "scale" => {

@@ -9,6 +9,7 @@ use super::json::Cursor;
 use super::reader::Reader;
 use super::{ErrorKind, LoadError};
 use crate::description::{Blades, Lens, MaterialDescription, Model, Shutter, SpectralInput};
+use crate::material::reflecting;
 
 type Result<T> = std::result::Result<T, LoadError>;
 
@@ -153,13 +154,12 @@ fn spectrum(place: &Cursor<'_>) -> Result<SpectralInput> {
 
 fn reflectance(place: &Cursor<'_>) -> Result<SpectralInput> {
     let input = spectrum(place)?;
-    match &input {
-        SpectralInput::Knots(knots) if knots.iter().any(|&(_, value)| value > 1.0) => {
-            let found = "a value above 1";
-            Err(place.error(ErrorKind::Value, found, "reflectances from 0 to 1"))
-        }
-        _ => Ok(input),
+    // Names of lamps are tables as well.
+    if reflecting(&input, "").is_err() {
+        let found = "a value above 1";
+        return Err(place.error(ErrorKind::Value, found, "reflectances from 0 to 1"));
     }
+    Ok(input)
 }
 
 fn invalid(place: &Cursor<'_>, why: &impl Display, expected: &str) -> LoadError {

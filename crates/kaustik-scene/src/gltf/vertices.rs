@@ -50,6 +50,12 @@ pub(super) const ROTATION: Allowed = allowed(
     false,
     "VEC4 of FLOAT, or normalized BYTE or SHORT",
 );
+/// Of an animation, which may say it without signs as well.
+pub(super) const ANIMATED_ROTATION: Allowed = allowed(
+    &[I8, U8, I16, U16],
+    false,
+    "VEC4 of FLOAT, or normalized BYTE, SHORT, UNSIGNED_BYTE or _SHORT",
+);
 const UV: Allowed = allowed(
     &[U8, U16],
     false,
@@ -185,8 +191,11 @@ fn colors<'a>(
     } else {
         attribute(reader, attributes, "COLOR_0", Some(count), &COLOR)?
     };
-    let sound = |c: &[f32; 4]| finite(c) && c.iter().all(|&x| x >= 0.0);
-    replace(reader, attributes, "COLOR_0", &mut values, sound, [1.0; 4])?;
+    replace(reader, attributes, "COLOR_0", &mut values, finite, [1.0; 4])?;
+    // As glTF has it (3.7.2.1).
+    for value in values.as_flattened_mut() {
+        *value = value.clamp(0.0, 1.0);
+    }
     Ok(values)
 }
 

@@ -183,7 +183,7 @@ impl ColorSource {
 }
 
 /// A table of reflectances, which make no light.
-fn reflecting(input: &SpectralInput, material: &str) -> Result<Tabulated, SceneError> {
+pub(crate) fn reflecting(input: &SpectralInput, material: &str) -> Result<Tabulated, SceneError> {
     const KEY: &str = "reflectance";
     let table = tabulated(input, material, KEY)?;
     if table.max() <= 1.0 {

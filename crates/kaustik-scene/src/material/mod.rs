@@ -20,7 +20,7 @@ use kaustik_spectrum::{Glass, Metal, Spectrum, Wavelengths};
 use crate::description::{AlphaMode, MaterialDescription, Model};
 use crate::scene::SceneError;
 use crate::texture::{Coding, Texture};
-pub(crate) use color::{ColorSource, Slot, luminance};
+pub(crate) use color::{ColorSource, Slot, luminance, reflecting};
 use emission::Emission;
 pub(crate) use interior::Solid;
 use layers::Layers;

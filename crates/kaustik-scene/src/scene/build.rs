@@ -1,5 +1,6 @@
 //! From a description to a scene.
 
+use std::collections::HashSet;
 use std::sync::Arc;
 
 use glam::{Affine3A, DVec2, DVec3, Vec3A};
@@ -228,6 +229,7 @@ fn instances(
         !stands
     });
     // What grows from nothing while it moves is nothing at rest.
+    let moves: HashSet<usize> = moving.iter().map(|(index, _)| *index as usize).collect();
     let carried = &description.animation.carried;
     for load in carried.iter().map(|carried| carried.load) {
         let Load::Instance(index) = load else {
@@ -237,7 +239,7 @@ fn instances(
             continue;
         };
         let flat = rest.matrix3.as_dmat3().determinant() == 0.0;
-        if flat && moving.iter().all(|(other, _)| *other as usize != index) {
+        if flat && !moves.contains(&index) {
             moving.extend(Motion::new(vec![(0.0, rest)]).map(|motion| (index as u32, motion)));
         }
     }

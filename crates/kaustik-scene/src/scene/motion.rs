@@ -195,10 +195,8 @@ impl Clock<'_> {
         let mut breaks: Vec<(f64, bool)> = Vec::new();
         if close > open {
             for joint in self.chain(carried) {
-                sample::keys(joint, |time, jumps| {
-                    if open < time && time < close {
-                        breaks.push(((time - open) / (close - open), jumps));
-                    }
+                sample::keys(joint, [open, close], |time, jumps| {
+                    breaks.push(((time - open) / (close - open), jumps));
                 });
             }
         }

@@ -158,6 +158,8 @@ impl<'a, const K: usize> ReltEngine<'a, K> {
         })
     }
 
+    /// How visits become splats: one of replica k weighs `1 / counts[k]` of a sweep, so that each film is a mean over sweeps; one to implicit
+    /// specular light of the last replica weighs one over its steps and those of its tours.
     fn deposit(&self, shares: ReplicaShares<K>) -> ReplicaDeposit<'_, K> {
         ReplicaDeposit {
             films: &self.films,

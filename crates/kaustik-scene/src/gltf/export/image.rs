@@ -125,7 +125,8 @@ pub(super) fn textures(writer: &mut Writer, description: &Description) {
             .is_some_and(|image| image.encoded.starts_with(b"RIFF"));
         let object = Object::default().with("sampler", sampler);
         let object = if webp {
-            writer.uses(WEBP);
+            // there is no picture of another format beside it
+            writer.requires(WEBP);
             object.with("extensions", json!({ WEBP: { "source": texture.image } }))
         } else {
             object.with("source", texture.image)

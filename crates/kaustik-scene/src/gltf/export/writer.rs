@@ -9,6 +9,7 @@ pub(super) struct Writer {
     views: Vec<Value>,
     accessors: Vec<Value>,
     extensions: BTreeSet<&'static str>,
+    required: BTreeSet<&'static str>,
     root: Map<String, Value>,
 }
 
@@ -16,6 +17,12 @@ impl Writer {
     /// Notes that an extension is used.
     pub(super) fn uses(&mut self, extension: &'static str) {
         self.extensions.insert(extension);
+    }
+
+    /// Notes that an extension is used, and that the document says something else to whoever does not know it.
+    pub(super) fn requires(&mut self, extension: &'static str) {
+        self.uses(extension);
+        self.required.insert(extension);
     }
 
     /// Sets a member of the document; empty arrays are left out, as glTF wants it.
@@ -86,6 +93,8 @@ impl Writer {
         self.set("accessors", accessors);
         let used = self.extensions.iter().map(|&name| name.into()).collect();
         self.set("extensionsUsed", used);
+        let required = self.required.iter().map(|&name| name.into()).collect();
+        self.set("extensionsRequired", required);
         if !self.binary.is_empty() {
             let mut buffer = json!({ "byteLength": self.binary.len() });
             if let Some(uri) = uri(&self.binary) {

@@ -246,9 +246,15 @@ fn other_attributes_are_mended() {
         5126,
         &floats(&[-1.0, 0.0, 0.0, 0.5, 0.5, 0.5, 2.0, 0.0, 0.0]),
     );
+    let colors = &file.clean().meshes[0].colors;
+    assert_eq!(colors[0], [0.0, 0.0, 0.0, 1.0]);
+    assert_eq!(colors[2], [1.0, 0.0, 0.0, 1.0]);
+
+    let mut file = File::triangle();
+    let values = [nan, 0.0, 0.0, 0.5, 0.5, 0.5, 1.0, 0.0, 0.0];
+    file.attribute("COLOR_0", "VEC3", 5126, &floats(&values));
     let (d, _) = file.warned();
     assert_eq!(d.meshes[0].colors[0], [1.0; 4]);
-    assert_eq!(d.meshes[0].colors[2], [2.0, 0.0, 0.0, 1.0]);
 
     let mut file = File::triangle();
     let mut tangents = [1.0, 0.0, 0.0, -0.5, 1.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 1.0];

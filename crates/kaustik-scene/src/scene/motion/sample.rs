@@ -31,10 +31,13 @@ pub(super) fn local(joint: &Joint, seconds: f64, side: Side) -> DAffine3 {
     )
 }
 
-/// Tells `each` key of a joint: its time, and whether the value may jump there.
-pub(super) fn keys(joint: &Joint, mut each: impl FnMut(f64, bool)) {
+/// Tells `each` key of a joint between two times, these left out: its time, and whether the value may jump there. Takes no time for
+/// those outside: every copy of what moves asks.
+pub(super) fn keys(joint: &Joint, [open, close]: [f64; 2], mut each: impl FnMut(f64, bool)) {
     let mut of = |interpolation: Interpolation, times: &[f32]| {
-        for &time in times {
+        let first = times.partition_point(|&time| f64::from(time) <= open);
+        let within = times[first..].iter();
+        for &time in within.take_while(|time| f64::from(**time) < close) {
             each(f64::from(time), interpolation == Interpolation::Step);
         }
     };
