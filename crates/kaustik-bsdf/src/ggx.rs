@@ -78,7 +78,7 @@ impl Ggx {
     }
 
     #[inline]
-    fn is_brushed(self) -> bool {
+    pub(crate) fn is_brushed(self) -> bool {
         self.alpha[0].to_bits() != self.alpha[1].to_bits()
     }
 
@@ -89,7 +89,7 @@ impl Ggx {
     }
 
     /// The same from one azimuth: of brushed facets what those would do that are as rough all around as these are in the plane of `w`.
-    /// They send back at least as much as the brushed ones do.
+    /// An estimate; what a white body under them makes of light by it is held to be nearly none by a test.
     #[inline]
     pub(crate) fn loss_in_plane(self, w: DVec3) -> FacetLoss {
         let at = self.loss(w);

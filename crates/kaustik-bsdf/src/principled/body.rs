@@ -35,9 +35,11 @@ impl Body {
             }
             // Brushed facets send back less in the mean over azimuths than in the mean of their two planes: with the least of it
             // for all, what is below is dimmed rather than brightened.
-            let once = cover.mean_once(ggx);
-            let least = once.zip(cover.mean_once(ggx.roughest()), f32::min);
-            mean = least + rebound * at.given_back;
+            let mut once = cover.mean_once(ggx);
+            if ggx.is_brushed() {
+                once = once.zip(cover.mean_once(ggx.roughest()), f32::min);
+            }
+            mean = once + rebound * at.given_back;
         }
         let passed = mean.map(|a| (1.0 - a).max(1e-6));
         Self {
