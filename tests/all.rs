@@ -63,6 +63,8 @@ mod locks;
 mod meter;
 /// What moves while the shutter is open.
 mod motion;
+/// Chains on paths: sets of mutations.
+mod mutations;
 /// A scene opens nothing outside its folder.
 mod outside;
 /// Photon methods: as the radius shrinks, and against each other.

@@ -80,7 +80,7 @@ const TABLE: &[(u8, &str, &str, &str, &str)] = &[
         6,
         "kaustik-study",
         "kaustik",
-        "base64 minijinja plotters serde serde_json thiserror toml",
+        "base64 minijinja plotters serde serde_json statrs thiserror toml",
         "",
     ),
     (

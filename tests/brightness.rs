@@ -68,17 +68,25 @@ fn seeds_differ_by_the_error_that_they_state() {
 }
 
 #[test]
-fn errors_of_replicas_and_populations_are_right() {
+fn errors_of_replicas_are_right() {
     let mut relt = settings(Method::Relt, 16, 64);
     relt.options.ladders = 16;
+    assert_right_errors(&relt);
+}
+
+#[test]
+#[ignore = "long"]
+fn errors_of_populations_are_right() {
     // An error from few rounds has heavy tails.
     let mut annealing = settings(Method::Annealing, 16, 512);
     annealing.options.particles = 1_000;
-    for settings in [relt, annealing] {
-        let found = chi_square(&normalisations(&settings), 1.0);
-        // One in 10,000 on either side: particles and exchanges make the law of an error wider.
-        assert!((2.0..48.0).contains(&found), "{}: {found}", settings.method);
-    }
+    assert_right_errors(&annealing);
+}
+
+fn assert_right_errors(settings: &RenderSettings) {
+    let found = chi_square(&normalisations(settings), 1.0);
+    // One in 10,000 on either side: particles and exchanges make the law of an error wider.
+    assert!((2.0..48.0).contains(&found), "{}: {found}", settings.method);
 }
 
 /// After what takes about 20 seconds on one thread, in a scene whose caustics a pilot hardly meets: no seed of ten is off by

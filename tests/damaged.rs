@@ -110,8 +110,8 @@ fn damaged_states(name: &str, each: usize) {
 
 #[test]
 fn damaged_states_are_refused() {
-    damaged_states("cornell", 12);
-    damaged_states("glass-cube?light=0.8", 12);
+    damaged_states("cornell", 5);
+    damaged_states("glass-cube?light=0.8", 5);
 }
 
 #[test]

@@ -35,7 +35,7 @@ fn both_sides(settings: &mut RenderSettings) {
 }
 
 /// Whose walks start at the camera, and end at lamps at best.
-const FROM_THE_CAMERA: usize = 3;
+const FROM_THE_CAMERA: usize = 2;
 
 /// `bdpt` first: the others are held against it. Those from the camera last.
 const METHODS: [Contender; 12] = [
@@ -48,7 +48,6 @@ const METHODS: [Contender; 12] = [
     short(Method::ErptPss, 16, both_sides),
     short(Method::Annealing, 64, |_| {}),
     short(Method::Light, 64, |_| {}),
-    short(Method::Path, 64, |_| {}),
     Contender {
         variant: " simple",
         ..short(Method::Pssmlt, 128, |settings| {
@@ -56,6 +55,7 @@ const METHODS: [Contender; 12] = [
             settings.options.builder = Builder::Simple;
         })
     },
+    short(Method::Path, 64, |_| {}),
     Contender {
         variant: " endpoint",
         ..short(Method::Pssmlt, 128, |settings| {

@@ -27,6 +27,14 @@ fn assert_one(words: &str, method: Method, spp: u64, tolerance: f64) {
 #[test]
 fn closed_sphere() {
     for method in Method::ALL {
+        assert_one("furnace?kind=diffuse", method, 24, 0.02);
+    }
+}
+
+#[test]
+#[ignore = "long"]
+fn closed_sphere_to_a_percent() {
+    for method in Method::ALL {
         assert_one("furnace?kind=diffuse", method, 96, 0.01);
     }
 }

@@ -92,13 +92,16 @@ fn renders_of_other_seeds_are_averaged_and_tell_their_error() {
             let mut settings = settings(method, SIDE, spp);
             settings.options = Options::default();
             settings.seed = seed;
-            let set = match method {
-                Method::Path => return settings,
+            let set: &[&str] = match method {
+                Method::Path => &[],
                 // short sweeps, so that budgets are what they are to be
-                Method::Relt => "even=2",
-                _ => "photons=1000",
+                Method::Relt => &["even=2", "particles=1000"],
+                Method::Sppm => &["photons=1000"],
+                _ => &["photons=1000", "pilot=2000"],
             };
-            (settings.options.set(method, set)).expect("a setting");
+            for set in set {
+                (settings.options.set(method, set)).expect("a setting");
+            }
             settings
         };
         let renders = [of(9, 6), of(2, 3), of(5, 6), of(u64::MAX, 12)];

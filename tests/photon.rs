@@ -313,3 +313,30 @@ fn shares_of_ladders_are_refused() {
     let error = render(&scene, &settings, &mut Control::default()).expect_err("a part");
     assert!(error.to_string().contains("0..16") || error.to_string().contains("all of them"));
 }
+
+/// What the target function is there for: where hardly any light comes to the camera, a chain that follows it has less noise from the same
+/// number of light paths than one that goes wherever anything is seen. One that was the same everywhere would have as much.
+#[test]
+#[ignore = "long"]
+fn the_target_of_regions_evens_out_noise() {
+    const SEEDS: u64 = 10;
+    let scene = scene("dinner-hall", SIDE);
+    let pictures = |method: Method| -> Vec<Image> {
+        let of = |seed| {
+            let mut settings = photons(method, 12, 100_000);
+            settings.options.photon.burn_in = None;
+            picture(&scene, &RenderSettings { seed, ..settings })
+        };
+        (0..SEEDS).map(of).collect()
+    };
+    let nsd = |pictures: &[Image]| {
+        let all: Vec<&Image> = pictures.iter().collect();
+        kaustik::film::metrics::nsd(&all).expect("a picture").mean
+    };
+    let (spatial, visibility) = (
+        nsd(&pictures(Method::PhotonSpatial)),
+        nsd(&pictures(Method::PhotonVisibility)),
+    );
+    println!("{spatial} {visibility}");
+    assert!(spatial < 0.8 * visibility, "{spatial} {visibility}");
+}

@@ -72,6 +72,27 @@ fn veils_are_as_bright_as_they_are() {
     assert_veils(0.3, &[0.0], &methods.collect::<Vec<_>>());
 }
 
+/// Of a surface that lets no light through it is all the same which sides of its triangles are their fronts: along an edge where
+/// that changes photons count across it.
+#[test]
+fn fronts_of_triangles_are_no_borders() {
+    let light = |turned: bool| {
+        let mut floor = screen(-1.0, 2.0);
+        if turned {
+            floor.indices[1].swap(0, 1);
+        }
+        let lamp = MaterialDescription {
+            emissive: [10.0; 3],
+            ..paper()
+        };
+        let things = [(paper(), floor), (lamp, screen(4.0, 0.5))];
+        let scene = compile(&describe(Vec3::new(0.0, 0.0, 3.0), 0.5, things), SIDE);
+        luminance(means(&picture(&scene, &photons(Method::Sppm, 4, 60_000))))
+    };
+    let (plain, turned) = (light(false), light(true));
+    assert!((turned / plain - 1.0).abs() < 0.002, "{plain} {turned}");
+}
+
 /// The camera looks down on a wall with a lamp on one side of it.
 fn wall() -> Scene {
     let quad = |corners: [[f32; 3]; 4]| Mesh {

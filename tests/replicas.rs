@@ -186,22 +186,29 @@ fn a_specific_replica_that_nobody_needs_is_dropped_and_its_light_kept() {
         let replicas = done.statistics.replicas.expect("statistics of replicas");
         (means(&done.image), replicas)
     };
-    let (picture, replicas) = with("furnace?kind=glass", 256);
+    let (shown, replicas) = with("furnace?kind=glass", 256);
     assert_eq!((replicas.levels.len(), replicas.scouts), (1, 0));
-    for mean in picture {
+    for mean in shown {
         assert!((mean - 1.0).abs() < 0.02, "{mean}");
     }
-    let (picture, replicas) = with("prism?light=0.4", 2048);
+    let (_, replicas) = with("prism?light=0.4", 64);
     assert_eq!((replicas.levels.len(), replicas.scouts), (3, 0));
     let why = &replicas.notices()[0];
     assert!(
         why.contains("walks from the camera find its light"),
         "{why}"
     );
-    let samples = means(&rendered("prism?light=0.4", &settings(Method::Bdpt, 16, 2048)).image);
-    for (found, wanted) in picture.into_iter().zip(samples) {
-        assert!((found / wanted - 1.0).abs() < 0.1, "{found} {wanted}");
-    }
+    // Of one seed the brightness is known to some percent.
+    let scene = scene("prism?light=0.4", 16);
+    let brightness = |method| {
+        let of = |seed| {
+            let settings = settings(method, 16, 1024);
+            means(&picture(&scene, &RenderSettings { seed, ..settings }))[1]
+        };
+        (0..6).map(of).sum::<f64>() / 6.0
+    };
+    let [found, wanted] = [Method::Relt, Method::Bdpt].map(brightness);
+    assert!((found / wanted - 1.0).abs() < 0.12, "{found} {wanted}");
     let (_, replicas) = with("glass-cube", 256);
     assert!(replicas.dropped.is_none() && replicas.levels.len() == 4);
     // nothing is left to even samples where there are none

@@ -21,7 +21,12 @@ pub(crate) struct Arguments {
 pub(crate) enum Command {
     /// Render a scene to an EXR and a PNG file
     Render(Box<RenderWords>),
-    /// Show what happened in one sample or step of a render
+    /// Show what happened in one sample or step of a render: its words, or one of its states in the place of the scene
+    #[command(mut_args(|arg| match arg.get_id().as_str() {
+        // Accepted, as the words of a render are, and of no effect: no picture is written.
+        "output" | "png" | "stats" | "exposure" | "tone" | "no_features" | "checkpoint" | "checkpoint_every" => arg.hide(true),
+        _ => arg,
+    }))]
     Replay(Box<ReplayWords>),
     /// Add up the states of shares of a render to the picture of the whole
     Merge(MergeWords),
@@ -112,8 +117,8 @@ pub(crate) struct RenderWords {
 /// Words of `replay`.
 #[derive(Args, Debug)]
 pub(crate) struct ReplayWords {
-    /// The words of the render; the scene may be one of its states: then that says all but the place.
-    /// A state, given so or by --resume, spares iterations of photon methods and stages. No picture is written
+    // The scene may be one of the render's states: then that says all but the place. A state, given so or by --resume, spares
+    // iterations of photon methods and stages.
     #[command(flatten)]
     pub(crate) render: RenderWords,
     /// Which sample or step, as a render reports it; LADDER may be lamps or meter
@@ -144,10 +149,10 @@ pub(crate) struct OutputWords {
     #[arg(long, value_name = "OUT.json")]
     pub(crate) stats: Option<PathBuf>,
     /// Stops by which the PNG is brightened
-    #[arg(long, value_name = "STOPS", default_value_t = 0.0, allow_negative_numbers = true, value_parser = finite)]
+    #[arg(long, value_name = "STOPS", requires = "png", default_value_t = 0.0, allow_negative_numbers = true, value_parser = finite)]
     pub(crate) exposure: f64,
     /// Tone curve of the PNG: srgb or filmic
-    #[arg(long, value_name = "CURVE", default_value_t = ToneCurve::Srgb)]
+    #[arg(long, value_name = "CURVE", requires = "png", default_value_t = ToneCurve::Srgb)]
     pub(crate) tone: ToneCurve,
     /// Leave out the layers albedo, normal, depth and those of parts of the picture
     #[arg(long)]

@@ -1,10 +1,13 @@
 //! States on the way: written now and then, on SIGHUP, and at the end.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
-use kaustik::{Progress, RenderSettings, RenderStatistics, Rendered, Snapshot, Source, Watch};
+use kaustik::film::WriteError;
+use kaustik::{
+    Progress, RenderError, RenderSettings, RenderStatistics, Rendered, Snapshot, Source, Watch,
+};
 
 use crate::arguments::{OutputWords, RenderWords};
 use crate::signals::Signals;
@@ -26,6 +29,8 @@ pub(crate) struct Checkpoints<'a> {
     failed: u32,
     /// Why the last state could not be written, if so.
     failure: Option<String>,
+    /// Where the last one is, if no more than its name was refused.
+    beside: Option<PathBuf>,
     spent: Duration,
 }
 
@@ -48,6 +53,7 @@ impl<'a> Checkpoints<'a> {
             written: 0,
             failed: 0,
             failure: None,
+            beside: None,
             spent: Duration::ZERO,
         }
     }
@@ -97,6 +103,12 @@ impl Watch for Checkpoints<'_> {
         }
     }
 
+    fn image_failed(&mut self, error: &RenderError) {
+        output::note(&format!(
+            "warning: no picture could be made: {error}; the render goes on"
+        ));
+    }
+
     fn pilot_done(&mut self) {
         self.signals.sampling();
     }
@@ -111,7 +123,18 @@ impl Watch for Checkpoints<'_> {
             return;
         };
         let start = Instant::now();
-        match snapshot.write(path, self.source) {
+        let written = snapshot.write(path, self.source);
+        // Of states that could not take their name the newest is enough.
+        let beside = match &written {
+            Err(WriteError::NotRenamed { kept, .. }) => Some(kept.clone()),
+            Err(_) => self.beside.take(),
+            Ok(()) => None,
+        };
+        if let Some(older) = std::mem::replace(&mut self.beside, beside) {
+            // Where it stays it is in nobody's way.
+            let _ = std::fs::remove_file(older);
+        }
+        match written {
             Ok(()) => {
                 self.written += 1;
                 self.failure = None;

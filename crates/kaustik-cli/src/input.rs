@@ -1,6 +1,6 @@
 //! From the word SCENE to a description.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use kaustik::film::{self, Keep, Limits};
@@ -22,6 +22,8 @@ pub(crate) struct Input {
     pub(crate) variants: Vec<String>,
     /// The extensions that the file names.
     pub(crate) extensions: gltf::Extensions,
+    /// The other files that it is made from.
+    pub(crate) files: Vec<PathBuf>,
 }
 
 /// Loads `builtin:NAME` or a glTF file.
@@ -50,6 +52,7 @@ pub(crate) fn load(
         memory: loaded.memory,
         variants: loaded.variants,
         extensions: loaded.extensions,
+        files: loaded.files,
     })
 }
 
@@ -88,6 +91,7 @@ fn built_in(
         memory,
         variants: Vec::new(),
         extensions: gltf::Extensions::default(),
+        files: Vec::new(),
     })
 }
 

@@ -3,11 +3,12 @@
 use std::fmt::Write;
 use std::process::ExitCode;
 
-use kaustik::film::check_writable;
+use kaustik::film::{check_writable, write_file};
 use kaustik::scene::{builtin, gltf};
 use kaustik::{Key, Method};
 
 use crate::arguments::{MethodWords, SceneWords};
+use crate::lock::Locks;
 use crate::picture::ending;
 use crate::{Failure, output};
 
@@ -23,7 +24,13 @@ pub(crate) fn scenes(words: &SceneWords) -> Result<ExitCode, Failure> {
             )));
         }
         check_writable(path).map_err(Failure::input)?;
-        gltf::export(&description, path).map_err(Failure::other)?;
+        let _locks = Locks::take(words.export.iter())?;
+        let bytes = match ending(path).as_deref() {
+            Some("gltf") => gltf::export_text(&description),
+            _ => gltf::export_bytes(&description),
+        };
+        let bytes = bytes.map_err(Failure::other)?;
+        write_file(path, |file| file.write_all(&bytes)).map_err(Failure::other)?;
         return Ok(ExitCode::SUCCESS);
     }
     let mut text = String::new();

@@ -33,7 +33,15 @@ impl Locks {
     pub(crate) fn take<'a>(paths: impl Iterator<Item = &'a PathBuf>) -> Result<Self, Failure> {
         let mut locks = Self::default();
         for path in paths {
-            locks.0.extend(Lock::take(path)?);
+            if let Some(beside) = beside(path) {
+                if locks.0.iter().any(|lock| lock.path == beside) {
+                    return Err(Failure::Input(format!(
+                        "{}: two outputs of this command: expected another name for each",
+                        path.display()
+                    )));
+                }
+                locks.0.extend(Lock::take(path, beside)?);
+            }
         }
         Ok(locks)
     }
@@ -50,11 +58,8 @@ impl Locks {
 }
 
 impl Lock {
-    /// `None` where there is nothing to protect: devices, pipes; and where the system has no locks.
-    fn take(output: &Path) -> Result<Option<Self>, Failure> {
-        let Some(path) = beside(output) else {
-            return Ok(None);
-        };
+    /// The lock of an output, at its place; `None` where the system has no locks.
+    fn take(output: &Path, path: PathBuf) -> Result<Option<Self>, Failure> {
         loop {
             let file = OpenOptions::new()
                 .read(true)
@@ -114,9 +119,6 @@ fn held(output: &Path, path: &Path, mut file: File) -> Failure {
     }
     let output = output.display();
     Failure::Input(match holder {
-        Some(id) if id == std::process::id() => {
-            format!("{output}: two outputs of this command: expected another name for each")
-        }
         Some(id) => format!(
             "{output}: process {id} is writing it (lock: {}); choose another name, or wait until it is done",
             path.display()

@@ -8,7 +8,7 @@ use kaustik::{Progress, RenderSettings, Snapshot, Source, State, Watch, merge, m
 
 use crate::arguments::MergeWords;
 use crate::lock::Locks;
-use crate::render::{failure, load};
+use crate::render::{Loading, failure};
 use crate::{Failure, picture};
 
 pub(crate) fn run(words: &MergeWords) -> Result<ExitCode, Failure> {
@@ -42,7 +42,14 @@ pub(crate) fn run(words: &MergeWords) -> Result<ExitCode, Failure> {
         picture::refuse_inputs(path, picture::source_files(&source))?;
     }
     let size = (Some(settings.width), Some(settings.height));
-    let scene = load(&words.outputs, &source, words.max_memory, &settings, size)?;
+    let loading = Loading {
+        outputs: &words.outputs,
+        source: &source,
+        written: (words.outputs.files().chain(&words.state)).collect(),
+        max_memory: words.max_memory,
+        size,
+    };
+    let scene = loading.load(&settings)?;
     let mut keeper = Keeper {
         words,
         source: &source,
@@ -52,6 +59,11 @@ pub(crate) fn run(words: &MergeWords) -> Result<ExitCode, Failure> {
     let rendered = rendered.map_err(|error| failure(&error))?;
     let unkept = keeper.failure;
     let (statistics, outcome) = (rendered.statistics.clone(), rendered.outcome);
+    if statistics.steps == 0 {
+        return Err(Failure::Input(
+            "the states hold no whole pass, iteration or round: no picture was written".to_owned(),
+        ));
+    }
     let written = picture::write(&words.outputs, &source, &settings, rendered);
     picture::report(&words.outputs, outcome, &statistics);
     note_missing(words, &settings);

@@ -6,10 +6,14 @@ use crate::Failure;
 
 /// A line on standard error.
 pub(crate) fn note(line: &str) {
-    let lines: Vec<String> = line.split('\n').map(without_controls).collect();
-    let line = lines.join("\n");
     // Nobody is left to be told if this fails.
-    let _ = writeln!(io::stderr().lock(), "{line}");
+    let _ = writeln!(io::stderr().lock(), "{}", clean(line));
+}
+
+/// Lines [without controls](without_controls) in them.
+pub(crate) fn clean(text: &str) -> String {
+    let lines: Vec<String> = text.split('\n').map(without_controls).collect();
+    lines.join("\n")
 }
 
 /// A line without characters that a terminal takes for commands: names in it may be those of a stranger's file.

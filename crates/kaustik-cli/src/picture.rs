@@ -18,13 +18,15 @@ pub(crate) fn check<'a>(
     state: Option<&PathBuf>,
     inputs: &(impl Iterator<Item = &'a Path> + Clone),
 ) -> Result<(), Failure> {
-    for path in words.files() {
+    for path in words.files().chain(state) {
         if path.as_os_str() == "-" {
             return Err(Failure::Input(
-                "-: pictures and statistics do not go to standard output: expected the name of a file (./- is one)"
+                "-: pictures, states and statistics do not go to standard output: expected the name of a file (./- is one)"
                     .to_owned(),
             ));
         }
+    }
+    for path in words.files() {
         refuse_inputs(path, inputs.clone())?;
         check_writable(path).map_err(Failure::input)?;
     }
@@ -260,6 +262,7 @@ fn metadata(source: &Source, settings: &RenderSettings, statistics: &Value) -> V
     let budget = match settings.budget {
         // of a merge, which takes what there is
         Budget::Total(0) => None,
+        Budget::PerPixel(n) if settings.method.traces_photons() => Some(format!("{n} iterations")),
         Budget::PerPixel(n) => Some(format!("{n} a pixel")),
         Budget::Total(n) => Some(format!("{n} in all")),
         Budget::Time(time) => Some(format!("{} s", time.as_secs_f64())),

@@ -1,6 +1,6 @@
 //! `kaustik render`.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Duration;
 
@@ -32,8 +32,14 @@ pub(crate) fn run(words: &RenderWords) -> Result<ExitCode, Failure> {
         variant: words.variant.clone(),
         environment: words.environment.clone(),
     };
-    let size = (words.width, words.height);
-    let scene = load(&words.outputs, &source, words.max_memory, &settings, size)?;
+    let loading = Loading {
+        outputs: &words.outputs,
+        source: &source,
+        written: (words.outputs.files().chain(&words.checkpoint)).collect(),
+        max_memory: words.max_memory,
+        size: (words.width, words.height),
+    };
+    let scene = loading.load(&settings)?;
     let [width, height] = scene.image_size();
     let settings = RenderSettings {
         width,
@@ -75,53 +81,63 @@ fn state(words: &RenderWords) -> Result<Option<State>, Failure> {
     })?))
 }
 
-/// Loads the scene of a render, on its threads; `size` as far as it is known.
-pub(crate) fn load(
-    outputs: &OutputWords,
-    source: &Source,
-    max_memory: Option<u64>,
-    settings: &RenderSettings,
-    size: (Option<u32>, Option<u32>),
-) -> Result<Scene, Failure> {
-    let compensation = settings.options.compensation;
-    let load = || load_here(outputs, source, max_memory, compensation, size);
-    kaustik::on_threads(settings.threads, load).map_err(|error| failure(&error))?
+/// How the scene of a render is loaded.
+pub(crate) struct Loading<'a> {
+    pub(crate) outputs: &'a OutputWords,
+    pub(crate) source: &'a Source,
+    /// All files that will be written: none of them may be one that the scene is made from.
+    pub(crate) written: Vec<&'a PathBuf>,
+    pub(crate) max_memory: Option<u64>,
+    /// Columns and rows as far as they are known.
+    pub(crate) size: (Option<u32>, Option<u32>),
 }
 
-fn load_here(
-    outputs: &OutputWords,
-    source: &Source,
-    max_memory: Option<u64>,
-    compensation: bool,
-    size: (Option<u32>, Option<u32>),
-) -> Result<Scene, Failure> {
-    let input = input::load(&source.scene, max_memory, source.variant.as_deref())?;
-    for warning in &input.warnings {
-        remark(outputs, &format!("warning: {warning}"));
+impl Loading<'_> {
+    /// Loads it, on the render's threads.
+    pub(crate) fn load(&self, settings: &RenderSettings) -> Result<Scene, Failure> {
+        let compensation = settings.options.compensation;
+        let load = || self.load_here(compensation);
+        kaustik::on_threads(settings.threads, load).map_err(|error| failure(&error))?
     }
-    let (width, height) = input::image_size(&input.description, source.camera.as_deref(), size);
-    let environment = source.environment.as_deref().map(input::environment);
-    let environment = environment.transpose()?.map(|(environment, mended)| {
-        if mended > 0 {
-            let warning =
-                format!("warning: --environment: {mended} values were negative, too large or not finite, and were replaced");
-            remark(outputs, &warning);
+
+    fn load_here(&self, compensation: bool) -> Result<Scene, Failure> {
+        let Self {
+            outputs,
+            source,
+            size,
+            ..
+        } = *self;
+        let input = input::load(&source.scene, self.max_memory, source.variant.as_deref())?;
+        for path in &self.written {
+            picture::refuse_inputs(path, input.files.iter().map(PathBuf::as_path))?;
         }
-        environment
-    });
-    let options = SceneOptions {
-        width,
-        height,
-        camera: source.camera.clone(),
-        environment,
-        compensation,
-    };
-    let scene = Scene::new(&input.description, &options)
-        .map_err(|error| Failure::Input(format!("{}: {error}", source.scene)))?;
-    for notice in scene.notices() {
-        remark(outputs, &format!("note: {notice}"));
+        for warning in &input.warnings {
+            remark(outputs, &format!("warning: {warning}"));
+        }
+        let (width, height) = input::image_size(&input.description, source.camera.as_deref(), size);
+        let environment = source.environment.as_deref().map(input::environment);
+        let environment = environment.transpose()?.map(|(environment, mended)| {
+            if mended > 0 {
+                let warning =
+                    format!("warning: --environment: {mended} values were negative, too large or not finite, and were replaced");
+                remark(outputs, &warning);
+            }
+            environment
+        });
+        let options = SceneOptions {
+            width,
+            height,
+            camera: source.camera.clone(),
+            environment,
+            compensation,
+        };
+        let scene = Scene::new(&input.description, &options)
+            .map_err(|error| Failure::Input(format!("{}: {error}", source.scene)))?;
+        for notice in scene.notices() {
+            remark(outputs, &format!("note: {notice}"));
+        }
+        Ok(scene)
     }
-    Ok(scene)
 }
 
 /// Renders, writes what there is, and says how it went.
@@ -146,7 +162,15 @@ fn finish(
         None => render_watched(scene, settings, &mut control, &mut checkpoints),
     };
     display.finish();
-    let rendered = rendered.map_err(|error| failure(&error))?;
+    let rendered = match (rendered, signals.status()) {
+        (Ok(rendered), _) => rendered,
+        // It was to end: the state is kept, if one was asked for.
+        (Err(error), Some(status)) => {
+            output::note(&format!("error: {error}: no picture was written"));
+            return Ok(ExitCode::from(status));
+        }
+        (Err(error), None) => return Err(resumed(words, &error)),
+    };
     let (statistics, outcome) = (rendered.statistics.clone(), rendered.outcome);
     let mut written = Ok(());
     if outcome == Outcome::Stopped && statistics.steps == 0 {
@@ -171,6 +195,14 @@ fn finish(
         None if kept => ExitCode::SUCCESS,
         None => ExitCode::FAILURE,
     })
+}
+
+/// The failure of a render, with the state's name if that is what is wrong.
+fn resumed(words: &RenderWords, error: &RenderError) -> Failure {
+    match (error, &words.resume) {
+        (RenderError::State(_), Some(path)) => failure(error).within(&path.display().to_string()),
+        _ => failure(error),
+    }
 }
 
 /// Says so where a picture that was stopped has not all of its layers.
@@ -226,7 +258,8 @@ const SOON: u64 = 1 << 23;
 fn soon_written(words: &RenderWords, state: &Path, rendered: Rendered) -> Rendered {
     let image = &rendered.image;
     let planes: usize = image.layers().iter().map(|l| l.channels.len()).sum();
-    if planes as u64 * image.pixels() as u64 <= SOON {
+    let has_others = image.layers().len() > 1 && words.outputs.output.is_some();
+    if !has_others || planes as u64 * image.pixels() as u64 <= SOON {
         return rendered;
     }
     let left_out = format!(

@@ -13,8 +13,8 @@ use serde_json::json;
 
 use crate::arguments::ReplayWords;
 use crate::lock::Locks;
-use crate::picture::{refuse_inputs, remark, source_files};
-use crate::render::{failure, load, settings};
+use crate::picture::{ending, refuse_inputs, remark, source_files};
+use crate::render::{Loading, failure, settings};
 use crate::{Failure, output};
 
 pub(crate) fn run(words: &ReplayWords) -> Result<ExitCode, Failure> {
@@ -33,11 +33,24 @@ pub(crate) fn run(words: &ReplayWords) -> Result<ExitCode, Failure> {
             path,
             states.into_iter().flatten().chain(source_files(&source)),
         )?;
+        if let Some(other) = ending(path).filter(|ending| ending != "gltf") {
+            let what = format!(
+                "lines are written as text, not as .{other}: expected a name that ends in .gltf"
+            );
+            return Err(wrong(path, &what));
+        }
         check_writable(path).map_err(Failure::input)?;
     }
     let _locks = Locks::take(words.gltf.iter())?;
     let outputs = &words.render.outputs;
-    let scene = load(outputs, &source, words.render.max_memory, &settings, size)?;
+    let loading = Loading {
+        outputs,
+        source: &source,
+        written: words.gltf.iter().collect(),
+        max_memory: words.render.max_memory,
+        size,
+    };
+    let scene = loading.load(&settings)?;
     let [width, height] = scene.image_size();
     let settings = RenderSettings {
         width,
@@ -57,7 +70,8 @@ pub(crate) fn run(words: &ReplayWords) -> Result<ExitCode, Failure> {
         .map_err(|error| failure(&error))?;
     let RenderSettings { method, seed, .. } = settings;
     let what = format!("{method} of {}, step {seed}:{place}", source.scene);
-    output::print(&text::of(&what, &events, &scene))?;
+    // names in it are those of the file
+    output::print(&output::clean(&text::of(&what, &events, &scene)))?;
     if let Some(path) = &words.gltf {
         let notes = json!({ "kaustik": what });
         let text = lines(&drawing::of(&events), &notes);
@@ -100,7 +114,10 @@ fn asked(words: &ReplayWords) -> Result<Asked, Failure> {
         });
     }
     let state = read(path)?;
-    let settings = state.settings().map_err(|error| wrong(path, &error))?;
+    let settings = RenderSettings {
+        threads: render.threads.map_or(0, |threads| threads as usize),
+        ..state.settings().map_err(|error| wrong(path, &error))?
+    };
     if let Some(seed) = words.at.seed.filter(|seed| *seed != settings.seed) {
         let found = format!("seed is {} in the state, {seed} in --at", settings.seed);
         return Err(wrong(path, &found));

@@ -2,8 +2,8 @@
 //!
 //! A render of hours must not be lost to a full disk half way through writing, nor an older picture be
 //! destroyed by a failing newer one. So every file is written beside its destination, synced, and renamed
-//! over it. What is not a regular file (a pipe, `/dev/null`) cannot be renamed over: it is written to
-//! directly, from memory.
+//! over it. What is not a regular file (a pipe, `/dev/null`) cannot be renamed over, and what the caller has open
+//! (`/dev/stdout`) is not to be: it is written to directly, from memory.
 
 use std::fs::{self, File, Metadata};
 use std::io::{self, BufWriter, Cursor, ErrorKind, Seek, Write};
@@ -38,7 +38,17 @@ pub enum WriteError {
         /// What the system says.
         reason: io::Error,
     },
-    /// Writing, syncing or renaming failed.
+    /// All was written, but could not take its name: it stays under another.
+    #[error("{}: it could not take the place of what stands there ({source}): all of it is in {}", .path.display(), .kept.display())]
+    NotRenamed {
+        /// The file asked for.
+        path: PathBuf,
+        /// Where it is.
+        kept: PathBuf,
+        /// What the system says.
+        source: io::Error,
+    },
+    /// Writing or syncing failed.
     #[error("{}: writing failed: {source}", .path.display())]
     Io {
         /// The file asked for.
@@ -77,7 +87,7 @@ pub fn check_writable(path: &Path) -> Result<(), WriteError> {
 ///
 /// # Errors
 /// What stands in the way (see [`check_writable`]), what the system says, or what `write` says; an
-/// existing file is then as it was.
+/// existing file is then as it was. Where no more than the name was refused, the new file stays under another.
 pub fn write_file(
     path: &Path,
     write: impl FnOnce(&mut dyn Sink) -> io::Result<()>,
@@ -90,11 +100,7 @@ pub fn write_file(
     if target.special {
         let mut bytes = Cursor::new(Vec::new());
         write(&mut bytes).map_err(failed)?;
-        let mut file = fs::OpenOptions::new()
-            .write(true)
-            .open(&target.path)
-            .map_err(failed)?;
-        return file.write_all(bytes.get_ref()).map_err(failed);
+        return write_directly(&target.path, bytes.get_ref()).map_err(failed);
     }
     let mut temporary = temporary(&target)?;
     let mut buffer = BufWriter::with_capacity(1 << 16, temporary.as_file_mut());
@@ -109,10 +115,42 @@ pub fn write_file(
             .map_err(failed)?;
     }
     temporary.as_file().sync_all().map_err(failed)?;
-    temporary
-        .persist(&target.path)
-        .map_err(|error| failed(error.error))?;
+    temporary.persist(&target.path).map_err(|error| {
+        let source = error.error;
+        match error.file.keep() {
+            Ok((_, kept)) => WriteError::NotRenamed {
+                path: path.to_owned(),
+                kept,
+                source,
+            },
+            Err(_) => failed(source),
+        }
+    })?;
     sync_folder(&target.folder).map_err(failed)
+}
+
+/// Writes after what is there: what the caller has open may be a file that others write to as well.
+fn write_directly(path: &Path, bytes: &[u8]) -> io::Result<()> {
+    if path == Path::new("/dev/stdout") {
+        // Where it stands now, as this process may have written there.
+        let mut out = io::stdout().lock();
+        out.write_all(bytes)?;
+        return out.flush();
+    }
+    let mut file = fs::OpenOptions::new().append(true).open(path)?;
+    file.write_all(bytes)
+}
+
+/// Is it a name for something that the caller has open?
+fn is_descriptor(path: &Path) -> bool {
+    let Some(folder) = path.parent() else {
+        return false;
+    };
+    let is_standard = ["/dev/stdout", "/dev/stderr"]
+        .map(Path::new)
+        .contains(&path);
+    let of_process = folder.starts_with("/proc") && folder.ends_with("fd");
+    cfg!(unix) && (is_standard || folder == Path::new("/dev/fd") || of_process)
 }
 
 /// Where a path leads.
@@ -122,12 +160,28 @@ struct Target {
     folder: PathBuf,
     /// The regular file that stands there now.
     old: Option<Metadata>,
-    /// Whether it is neither a regular file nor free.
+    /// Whether it is to be written to directly: neither a regular file nor free, or what the caller has open.
     special: bool,
 }
 
 impl Target {
+    /// What is there and is no file that may be renamed over. Links are not followed by hand: those of a process
+    /// lead to no path.
+    fn special(path: &Path) -> Option<Self> {
+        let there = fs::metadata(path).ok().filter(|there| !there.is_dir())?;
+        let writable = !there.permissions().readonly();
+        (writable && (!there.is_file() || is_descriptor(path))).then(|| Self {
+            path: path.to_owned(),
+            folder: PathBuf::new(),
+            old: Some(there),
+            special: true,
+        })
+    }
+
     fn find(path: &Path) -> Result<Self, WriteError> {
+        if let Some(special) = Self::special(path) {
+            return Ok(special);
+        }
         let path = follow(path)?;
         let ends_in_separator = path.as_os_str().as_encoded_bytes().ends_with(b"/");
         if path.file_name().is_none() || ends_in_separator {
@@ -140,13 +194,11 @@ impl Target {
         if !folder.is_dir() {
             return Err(WriteError::NoFolder { path, folder });
         }
-        let old = replaceable(&path)?;
-        let special = old.as_ref().is_some_and(|old| !old.is_file());
         Ok(Self {
+            old: replaceable(&path)?,
             path,
             folder,
-            old,
-            special,
+            special: false,
         })
     }
 }
@@ -211,11 +263,21 @@ fn temporary(target: &Target) -> Result<tempfile::NamedTempFile, WriteError> {
         })
 }
 
-/// Makes a rename in this folder last through a crash.
+/// Makes a rename in this folder last through a crash, where the folder may be read and its file system knows how: the file
+/// has its name already.
 fn sync_folder(folder: &Path) -> io::Result<()> {
-    if cfg!(unix) {
-        File::open(folder)?.sync_all()
-    } else {
-        Ok(())
+    let Some(folder) = File::open(folder).ok().filter(|_| cfg!(unix)) else {
+        return Ok(());
+    };
+    match folder.sync_all() {
+        Err(error)
+            if matches!(
+                error.kind(),
+                ErrorKind::InvalidInput | ErrorKind::Unsupported
+            ) =>
+        {
+            Ok(())
+        }
+        synced => synced,
     }
 }

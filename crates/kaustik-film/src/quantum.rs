@@ -44,6 +44,13 @@ impl Quantum {
         Self::from_exponent(nearest - 32)
     }
 
+    /// The unit for contributions `factor` times as large, which is positive: by the power of two nearest to it.
+    #[must_use]
+    pub fn scaled(self, factor: f64) -> Self {
+        let exponent = Self::from_mean(factor).exponent() - Self::from_mean(1.0).exponent();
+        Self::from_exponent(self.exponent + exponent)
+    }
+
     /// 2^exponent; the exponent is clamped to -1000..=900.
     #[must_use]
     pub fn from_exponent(exponent: i32) -> Self {
@@ -95,6 +102,14 @@ mod tests {
         assert_eq!(Quantum::from_mean(0.72).exponent(), -32);
         assert_eq!(Quantum::from_mean(0.70).exponent(), -33);
         assert_eq!(Quantum::from_mean(1024.0).exponent(), -22);
+    }
+
+    #[test]
+    fn what_is_a_thousandth_has_a_unit_of_a_thousandth() {
+        let unit = Quantum::from_mean(3.0);
+        assert_eq!(unit.scaled(1.0), unit);
+        assert_eq!(unit.scaled(1e-3).exponent(), unit.exponent() - 10);
+        assert!(unit.scaled(1e-300).exponent() < -900);
     }
 
     #[test]

@@ -52,6 +52,7 @@ use crate::{
 };
 
 /// A kernel that has a second proposal to make after its independent one was rejected.
+#[doc(alias = "delayed rejection")]
 pub trait SecondStage<S>: Kernel<S> {
     /// As [`Kernel::propose`], from a state whose independent proposal has just been
     /// rejected and undone. Must not depend on what that proposal was. To be followed by
@@ -104,8 +105,8 @@ impl<S, V, const K: usize> Metropolis<S, V, K> {
     /// average. A step counts as one in [`Statistics`](crate::Statistics); the second try is
     /// a move of its own kind ([`Move::SECOND`] for points).
     ///
-    /// A kernel may call itself independent only if its proposal is uniform on the cube,
-    /// with ratio 1; others are not followed.
+    /// Only first tries that call themselves independent are followed by a second. A kernel may do so only if its proposal is
+    /// uniform on the cube, with ratio 1.
     pub fn step_delayed<N, F, D, R>(
         &mut self,
         kernel: &N,

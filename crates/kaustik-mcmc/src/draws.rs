@@ -52,6 +52,37 @@ impl<D: Draws + ?Sized> Draws for ByRef<'_, D> {
     }
 }
 
+/// A generator that is no [`rand::Rng`], as a renderer has its own: all draws from its uniform numbers in [0, 1).
+///
+/// ```
+/// use kaustik_mcmc::{Draws, Uniforms};
+///
+/// let mut state = 1u32; // the renderer's own
+/// let mut draws = Uniforms(|| {
+///     state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+///     f64::from(state) / 4_294_967_296.0
+/// });
+/// assert!(draws.index(&[0.0, 2.0, 1.0]) > 0 && draws.bernoulli(1.0));
+/// ```
+#[derive(Debug)]
+pub struct Uniforms<F>(pub F);
+
+impl<F: FnMut() -> f64> Draws for Uniforms<F> {
+    #[inline]
+    fn uniform(&mut self) -> f64 {
+        (self.0)()
+    }
+
+    #[inline]
+    fn bernoulli(&mut self, p: f64) -> bool {
+        self.uniform() < p
+    }
+
+    fn index(&mut self, weights: &[f64]) -> usize {
+        index_by(self.uniform(), weights)
+    }
+}
+
 /// 2^-53: uniform numbers are its multiples, so that 1 is never reached.
 const ULP: f64 = 1.0 / (1u64 << 53) as f64;
 
@@ -69,20 +100,34 @@ impl<R: Rng + ?Sized> Draws for R {
     }
 
     fn index(&mut self, weights: &[f64]) -> usize {
-        let total: f64 = weights.iter().sum();
-        let mut rest = self.uniform() * total;
-        let mut last = 0;
-        for (i, &weight) in weights.iter().enumerate() {
-            if weight > 0.0 {
-                if rest < weight {
-                    return i;
-                }
-                rest -= weight;
-                last = i;
-            }
-        }
-        last // rounding ate the remainder: the last one that has any weight
+        index_by(self.uniform(), weights)
     }
+}
+
+/// The index at which the running sum of the weights passes a share `u` of all.
+fn index_by(u: f64, weights: &[f64]) -> usize {
+    let total: f64 = weights.iter().sum();
+    if total.is_finite() {
+        return index_within(u * total, weights.iter().copied());
+    }
+    // A sum that overflows tells nothing: that of their parts does.
+    let part = 0.5 / weights.len() as f64; // half, as parts are rounded too
+    let parts = weights.iter().map(|weight| weight * part);
+    index_within(u * parts.clone().sum::<f64>(), parts)
+}
+
+fn index_within(mut rest: f64, weights: impl Iterator<Item = f64>) -> usize {
+    let mut last = 0;
+    for (i, weight) in weights.enumerate() {
+        if weight > 0.0 {
+            if rest < weight {
+                return i;
+            }
+            rest -= weight;
+            last = i;
+        }
+    }
+    last // rounding ate the remainder: the last one that has any weight
 }
 
 #[cfg(test)]
@@ -105,6 +150,22 @@ mod tests {
             assert_eq!(rng.index(&[0.0, 0.0, 1e-300, 0.0]), 2);
         }
         assert_eq!((rng.index(&[]), rng.index(&[0.0, 0.0])), (0, 0));
+    }
+
+    /// Each of three that are too large to be summed up is chosen a third of the time.
+    #[test]
+    fn weights_may_be_as_large_as_numbers_are() {
+        let mut rng = generator(5, 0);
+        let mut counts = [0; 3];
+        for _ in 0..3000 {
+            counts[rng.index(&[f64::MAX; 3])] += 1;
+        }
+        assert!(
+            counts.iter().all(|count| (850..1150).contains(count)),
+            "{counts:?}"
+        );
+        let law = crate::testing::enumerate(1, |draws| draws.index(&[f64::MAX, f64::MAX / 4.0]));
+        assert!((law[&0] - 0.8).abs() < 1e-12 && law.len() == 2, "{law:?}");
     }
 
     #[test]

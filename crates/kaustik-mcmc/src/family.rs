@@ -15,6 +15,7 @@
 /// let tempered = |energy: &f64| [(-energy).exp(), (-0.5 * energy).exp()];
 /// assert_eq!(tempered.densities(&0.0), [1.0, 1.0]);
 /// ```
+#[doc(alias = "tempering")]
 pub trait Family<V, const K: usize> {
     /// The densities of `value`, in the order of the levels.
     fn densities(&self, value: &V) -> [f64; K];

@@ -187,7 +187,7 @@ impl Move {
     /// The kind of no move at all: where none of several kernels suits a state.
     pub const NONE: usize = usize::MAX;
     /// How many kinds of moves are told apart.
-    pub const KINDS: usize = 8;
+    pub const KINDS: usize = 32;
     /// The kind of a small step.
     pub const SMALL: usize = 0;
     /// The kind of a large step.

@@ -121,14 +121,14 @@
 //! | estimator | each visit adds | scale |
 //! |---|---|---|
 //! | expected values (Kelemen sec. 1.2) | weight * F / I | b / M |
-//! | Kelemen's combination (eqs. 1 and 2), split, film M | weight * F / (I/b0 + p) | (b / b0) / M |
-//! | the same, film L | independent * F / (I/b0 + p) | 1 / M |
+//! | Kelemen's combination (eqs. 1 and 2), split: of all visits | weight * F / (I/b0 + p) | (b / b0) / M |
+//! | the same: of independent proposals | independent * F / (I/b0 + p) | 1 / M |
 //!
 //! where p is the probability of large steps and b0 any positive constant, a guess of b. The
-//! combination is films M + L. Both are unbiased after any number of steps, if b is the
+//! combination is the sum of its two sums. Both estimators are unbiased after any number of steps, if b is the
 //! [normaliser](Pool::normaliser) of the very pool that the chain's start was chosen from.
-//! (A dark pool has b = 0 and ends film M, not film L: a chain from any start still brings
-//! its independent proposals.)
+//! (A pool whose samples all have density 0 has b = 0, which is right for the sum over all visits: a chain from any
+//! start still brings its independent proposals.)
 //! Kelemen's printed form, with an estimate of b inside the weights, is not.
 //!
 //! # To read on
@@ -148,8 +148,8 @@
 //!
 //! # Determinism and replay
 //!
-//! Nothing here reads a clock or a global generator. [`generator`] belongs to a ladder (a
-//! chain or a set of chains that exchange), [`sample_generator`] to a single sample, which
+//! Nothing here reads a clock or a global generator. [`generator`] belongs to a stream of random numbers: that of one
+//! chain, or of a [`Ladder`] of chains that exchange; its second argument counts them. [`sample_generator`] makes the numbers of a single sample, which
 //! is made again from (seed, ladder, step) alone.
 //!
 //! # Errors
@@ -158,7 +158,7 @@
 //! ([`Statistics::defects`]), treated as zero, and neither enters a state nor reaches a
 //! recorder. What can: a start ([`StartError`]), a population that dies out ([`Extinct`]), parameters out of
 //! range ([`RedistributionError`], [`SwapGraphError`]). An index that does not exist, such as a level of K
-//! or more, panics.
+//! or more, and a constant that no program should have, such as a target acceptance of 2, panic: "Panics" says so at each.
 
 /// The program of the README runs.
 #[cfg(doctest)]
@@ -217,7 +217,7 @@ pub use anneal::{Annealed, anneal};
 pub use decide::{acceptance, decide, exchange_acceptance};
 pub use delayed_rejection::{SecondStage, second_acceptance};
 pub use diagnostics::{Autocorrelation, Halves, Jumps, r_hat, rank_split_r_hat, split_r_hat};
-pub use draws::{ByRef, Draws};
+pub use draws::{ByRef, Draws, Uniforms};
 pub use family::{Family, checked_densities};
 pub use generator::{SampleGenerators, generator, sample_generator};
 pub use independent::Independent;

@@ -16,6 +16,8 @@ use crate::{
 /// Every visit is reported exactly once, as [`Visit`] says; at the end (and before anything
 /// that changes the level, the densities or the state from outside)
 /// [`flush`](Self::flush) reports the state that is still alive.
+#[doc(alias = "Metropolis-Hastings")]
+#[doc(alias = "MCMC")]
 #[derive(Clone, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Metropolis<S, V, const K: usize> {
@@ -295,6 +297,11 @@ impl<S, V, const K: usize> Metropolis<S, V, K> {
     pub fn statistics(&self) -> &Statistics<K> {
         &self.statistics
     }
+
+    /// The statistics so far, and begins anew: after burn-in, say, or between rounds of adaptation.
+    pub fn take_statistics(&mut self) -> Statistics<K> {
+        std::mem::take(&mut self.statistics)
+    }
 }
 
 impl Pending {
@@ -428,15 +435,14 @@ impl<M: Mutation, V: Default, const K: usize> Metropolis<Point<M>, V, K> {
 
     /// Evaluates the current state under a target that has changed, and reads its densities. What was
     /// gathered and not [flushed](Self::flush) before is forgotten. Coordinates that the new target reads and
-    /// the old did not are brought up to date or drawn; do not [refresh](Self::refresh) before the next
-    /// accepted step, and do not [record](Point::record) the state: both go by what the last step's evaluation read.
+    /// the old did not are brought up to date or drawn.
     pub fn evaluate_anew<T, F, D>(&mut self, target: &T, family: &F, draws: &mut D)
     where
         T: Target<Value = V> + ?Sized,
         F: Family<V, K> + ?Sized,
         D: Draws + ?Sized,
     {
-        target.evaluate(&mut self.state.current(draws), &mut self.value);
+        target.evaluate(&mut self.state.evaluated_anew(draws), &mut self.value);
         self.pending = Pending::default();
         self.stay = 0;
         self.read_densities(family);

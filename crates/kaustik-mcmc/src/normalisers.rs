@@ -139,6 +139,9 @@ impl<const K: usize> RoughNormalisers<K> {
     /// leaving these out made it 26 % too large at one extinction in five (measured).
     pub fn merge(&mut self, other: &Self) {
         let total = self.particles + other.particles;
+        if total <= 0.0 {
+            return; // neither tells anything
+        }
         let (p, q) = (self.particles / total, other.particles / total);
         for (mine, theirs) in self.estimates.iter_mut().zip(&other.estimates) {
             mine.value = p * mine.value + q * theirs.value;

@@ -50,6 +50,8 @@ use crate::{
         bound(deserialize = "S: serde::Deserialize<'de>, V: serde::Deserialize<'de> + Default")
     )
 )]
+#[doc(alias = "sequential Monte Carlo")]
+#[doc(alias = "SMC")]
 pub struct Population<S, V, const K: usize> {
     particles: Vec<Metropolis<S, V, K>>,
     /// Which initial particle each descends from.

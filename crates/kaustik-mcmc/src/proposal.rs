@@ -28,7 +28,8 @@ use crate::{Draws, Mutation, Point, Step};
 ///     let mut proposal = point.propose(step, &mut rng);
 ///     let proposed = brightness(&mut proposal);
 ///     let a = acceptance(current, proposed, 1.0);
-///     // the picture gets `current` with weight 1 - a and `proposed` with weight a
+///     // the picture gets `current` with weight 1 - a and `proposed` with weight a, where these are above 0: what is
+///     // proposed with weight 0 may be no number
 ///     if proposal.decide(a) {
 ///         current = proposed;
 ///     }

@@ -17,6 +17,7 @@ pub trait Region<V> {
 }
 
 /// What scouts look for, and what is evaluated where they find it.
+#[doc(alias = "independence sampler")]
 #[derive(Debug)]
 pub struct Scouting<'a, T, G> {
     /// The target of the chain.
@@ -74,7 +75,7 @@ impl<M: Mutation, V, const K: usize> Metropolis<Point<M>, V, K> {
         let measure = scouting.region.measure(&self.proposed);
         let densities = checked_densities(family, &self.proposed);
         if densities.is_none() {
-            self.statistics.defects += 1;
+            self.statistics.count_defect();
         }
         let (Some(densities), true) = (densities, measure > 0.0) else {
             spare.roll_back();

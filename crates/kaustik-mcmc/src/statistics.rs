@@ -64,7 +64,8 @@ pub struct Statistics<const K: usize> {
     #[cfg_attr(feature = "serde", serde(with = "crate::serial::array"))]
     pub independent: [Mean; K],
     /// Proposals with a density or ratio that was NaN, infinite or negative. Each is a
-    /// defect of the target or the kernel; none has entered a state or a recorder.
+    /// defect of the target or the kernel; none has entered a state or a recorder. (A chain that is put where the density is
+    /// none stands at density 0 and leaves with its first proposal; it is not counted.)
     #[cfg_attr(feature = "serde", serde(deserialize_with = "crate::serial::count"))]
     pub defects: u64,
     /// The step (counted from 0) of the first defect.
@@ -113,10 +114,15 @@ impl<const K: usize> Statistics<K> {
         }
         let densities = possible.then(|| checked_densities(family, value)).flatten();
         if densities.is_none() {
-            self.defects += 1;
-            self.first_defect.get_or_insert(self.steps);
+            self.count_defect();
         }
         densities
+    }
+
+    /// Counts a proposal that must not be used, at the present step.
+    pub(crate) fn count_defect(&mut self) {
+        self.defects += 1;
+        self.first_defect.get_or_insert(self.steps);
     }
 
     /// Counts a decided proposal from where the density is `from`. From

@@ -43,6 +43,7 @@ const BATCHES: usize = 64;
 ///
 /// Ladders of one family are merged *before* the product is formed, in the order of their
 /// indices. Batches of different ladders may differ in length: each is a residual of its own.
+#[doc(alias = "bridge sampling")]
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct SteppingStone<const K: usize> {

@@ -45,6 +45,9 @@ use crate::{Draws, SampleGenerators};
 /// # let _: Metropolis<_, _, 1> = chain;
 /// # Ok::<(), kaustik_mcmc::StartError>(())
 /// ```
+#[doc(alias = "randomised quasi-Monte Carlo")]
+#[doc(alias = "RQMC")]
+#[doc(alias = "Sobol")]
 #[derive(Clone, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(try_from = "Written"))]

@@ -10,6 +10,7 @@ use crate::{
 
 /// What a tour goes by: a surrogate for the chain's own target, which is cheap to evaluate and whose density is nearly
 /// the chain's where it is not zero.
+#[doc(alias = "surrogate transition")]
 #[derive(Debug)]
 pub struct Touring<'a, T, C, Q> {
     /// The target of the chain.

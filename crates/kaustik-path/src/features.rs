@@ -1,6 +1,7 @@
 //! What a pixel shows first: for denoisers, for a look at the scene.
 
-use glam::{DVec2, Vec3};
+use glam::{DVec2, DVec3, Vec3};
+use kaustik_bsdf::{Bsdf, Lobe, Mode};
 use kaustik_scene::{Scene, Vertex};
 use kaustik_spectrum::{Illuminant, Rgb, WavelengthSampling, Wavelengths};
 
@@ -31,8 +32,9 @@ pub fn features(scene: &Scene, raster: DVec2, wavelength: f64) -> Features {
             ..Features::default()
         };
     };
-    let albedo = scene.albedo(&vertex, -ray.direction, &wavelengths);
-    let lit = albedo * Illuminant::D65.eval(&wavelengths);
+    let bsdf = scene.bsdf(&vertex, &wavelengths, &interior);
+    let wo = vertex.frame.to_local(-ray.direction);
+    let lit = bsdf.albedo(wo) * Illuminant::D65.eval(&wavelengths);
     let normal = vertex.frame.z.as_vec3();
     Features {
         albedo: Rgb::from(wavelengths.to_xyz(lit)).0,
@@ -42,6 +44,13 @@ pub fn features(scene: &Scene, raster: DVec2, wavelength: f64) -> Features {
             normal
         },
         depth: segment.distance as f32,
-        beyond_light_tracing: scene.has_dirac(&vertex, -ray.direction, &wavelengths),
+        beyond_light_tracing: has_dirac(&bsdf, wo),
     }
+}
+
+/// Does it scatter light from `wo` into a Dirac direction, be it by a varnish alone? What is seen in it no light path can be joined to.
+fn has_dirac(bsdf: &Bsdf, wo: DVec3) -> bool {
+    [false, true]
+        .into_iter()
+        .any(|transmitted| bsdf.delta(wo, transmitted, Mode::Radiance).is_some())
 }

@@ -40,6 +40,13 @@ impl<'a> Cursor<'a> {
         [first, self.next()]
     }
 
+    /// The next coordinate for a renderer that computes in single precision, in [0, 1): a plain cast
+    /// rounds the highest numbers, one in 30 million, up to 1, which is outside of every table.
+    pub fn next_f32(&mut self) -> f32 {
+        const BELOW_ONE: f32 = 1.0 - f32::EPSILON / 2.0;
+        (self.next() as f32).min(BELOW_ONE)
+    }
+
     /// The index that [`next`](Self::next) will read.
     pub fn position(&self) -> u32 {
         self.position
@@ -84,5 +91,16 @@ mod tests {
         walk.skip_to(6);
         assert_eq!(walk.next().to_bits(), 0.75f64.to_bits());
         assert_eq!((walk.position(), walk.stream()), (7, Stream::Camera));
+    }
+
+    #[test]
+    fn single_precision_stays_below_one() {
+        let highest = 1.0 - f64::EPSILON / 2.0;
+        let mut point: Recorded = [(Stream::Camera, 0, highest), (Stream::Camera, 1, 0.25)]
+            .into_iter()
+            .collect();
+        let mut walk = Cursor::new(&mut point, Stream::Camera);
+        assert!(highest as f32 >= 1.0 && walk.next_f32() < 1.0);
+        assert_eq!(walk.next_f32().to_bits(), 0.25f32.to_bits());
     }
 }

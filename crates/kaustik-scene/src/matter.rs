@@ -339,31 +339,23 @@ impl Matter {
         })
     }
 
-    /// Is the interface of this material hidden from a ray that meets its front or its back, because what
-    /// fills the space on both sides is a solid of higher priority (or one of the same priority that was entered later and is not left
-    /// yet), or another object of the same material?
+    /// Is the interface of this material hidden from a ray that meets its front or its back? It shows
+    /// where crossing it changes what fills the space: where its own solid does on its inner side (none of higher priority, and
+    /// none of the same that was entered later), and not on its outer side (as another object of the same material).
     pub(crate) fn is_overruled(&self, material: u32, front: bool, interior: &Interior) -> bool {
-        let Some(solid) = self.material(material).solid() else {
+        if self.material(material).solid().is_none() {
             return false;
-        };
-        // The solids on both sides: behind the back the surface's own is left out.
-        let beside = match front {
+        }
+        let outside = match front {
             true => *interior,
             false => interior.without(material),
         };
-        if beside.times(material) > 0 {
-            return true;
-        }
-        // Leaving what did not fill the space, since one of the same priority was entered later, changes nothing.
-        if !front && interior.times(material) > 0 {
-            return self.dominant(interior) != Some(material);
-        }
-        let Some(filling) = self.dominant(&beside) else {
-            return false;
+        // A back may be met though no front was, as in a mesh with a hole.
+        let inside = match front || outside == *interior {
+            true => outside.with(material),
+            false => *interior,
         };
-        self.material(filling)
-            .solid()
-            .is_some_and(|filling| filling.priority > solid.priority)
+        outside.times(material) > 0 || self.dominant(&inside) != Some(material)
     }
 
     /// Where the interface that a ray meets is hidden: does it meet the front?

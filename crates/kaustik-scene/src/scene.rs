@@ -9,7 +9,7 @@ mod motion;
 use std::sync::Arc;
 
 use glam::DVec3;
-use kaustik_bsdf::{Bsdf, Lobe, Mode};
+use kaustik_bsdf::Bsdf;
 use kaustik_geometry::{Hit, Motion, Ray, World};
 use kaustik_spectrum::{Spectrum, Wavelengths};
 
@@ -437,22 +437,6 @@ impl Scene {
             Reach::Point(point) => Ray::towards(&vertex.surface, point.as_vec3()),
             Reach::Infinity => Ray::spawn(&vertex.surface, sample.wi.as_vec3()),
         }
-    }
-
-    /// Does this surface, seen from `direction`, scatter into a Dirac direction (be it by its varnish alone)? What is seen in it
-    /// no light path can be joined to. As seen by a walk from the camera.
-    pub fn has_dirac(&self, vertex: &Vertex, direction: DVec3, wavelengths: &Wavelengths) -> bool {
-        let bsdf = self.bsdf(vertex, wavelengths, &self.camera_interior);
-        let wo = vertex.frame.to_local(direction);
-        [false, true]
-            .into_iter()
-            .any(|transmitted| bsdf.delta(wo, transmitted, Mode::Radiance).is_some())
-    }
-
-    /// Reflectance of a surface as it looks from `direction`: for the albedo layer.
-    pub fn albedo(&self, vertex: &Vertex, direction: DVec3, wavelengths: &Wavelengths) -> Spectrum {
-        let bsdf = self.bsdf(vertex, wavelengths, &self.camera_interior);
-        bsdf.albedo(vertex.frame.to_local(direction))
     }
 }
 

@@ -13,7 +13,7 @@ pub fn cells(results: &Results) -> String {
     for figure in Figure::ALL {
         let _ = write!(text, ",{}", figure.word());
     }
-    text += ",small_acceptance,large_acceptance,normalisation,normalisation_error,nonfinite\n";
+    text += ",small_acceptance,large_acceptance,longest_stay,normalisation,normalisation_error,nonfinite\n";
     let study = &results.study;
     for (scene, of) in study.scenes.iter().zip(&results.scenes) {
         for group in &of.groups {
@@ -49,6 +49,7 @@ fn row(text: &mut String, study: &Study, scene: &SceneEntry, group: &Group, cell
     for path in [
         "/chain/small_acceptance",
         "/chain/large_acceptance",
+        "/chain/longest_stay",
         "/chain/normalisation",
         "/chain/normalisation_error",
         "/nonfinite",

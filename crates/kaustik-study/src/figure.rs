@@ -36,6 +36,12 @@ impl Figure {
         Self::Over20,
     ];
 
+    /// Is the reference's own noise left out of it, as that of its halves is in products of differences to both?
+    #[must_use]
+    pub fn cancels_noise(self) -> bool {
+        !matches!(self, Self::Over5 | Self::Over10 | Self::Over20)
+    }
+
     /// A word, for files.
     #[must_use]
     pub fn word(self) -> &'static str {

@@ -205,14 +205,20 @@ fn column(
     let cell = of
         .group(shown.method, study.budgets.amounts.len() - 1)
         .and_then(|group| group.cells.first());
+    let is_matched = study.matched.contains(&method.name);
+    let figure = match is_matched {
+        true => Figure::Matched,
+        false => Figure::RelativeMse,
+    };
     let mut note = cell.map_or(String::new(), |cell| {
         format!(
-            "{} samples a pixel, relative MSE {}",
+            "{} samples a pixel, {} {}",
             number(cell.per_pixel),
-            number(Figure::RelativeMse.of(cell))
+            figure.name(),
+            number(figure.of(cell))
         )
     });
-    if study.matched.contains(&method.name) {
+    if is_matched {
         let factor = number(f64::from(shown.factor));
         note += &format!("; shown times {factor}, at the reference's brightness");
     }
@@ -232,7 +238,7 @@ fn column(
     })
 }
 
-const HEADER: [&str; 12] = [
+const HEADER: [&str; 13] = [
     "method",
     "budget",
     "seconds",
@@ -245,6 +251,7 @@ const HEADER: [&str; 12] = [
     "NSD",
     "bias in brightness",
     "accepted, small and large",
+    "longest stay, steps",
 ];
 
 fn rows(study: &Study, of: &SceneResults) -> Vec<Vec<String>> {
@@ -284,6 +291,7 @@ fn rows(study: &Study, of: &SceneResults) -> Vec<Vec<String>> {
             group.nsd.map_or("–".to_owned(), |nsd| number(nsd.mean)),
             format!("{bias:+.2}{error} %"),
             format!("{}, {}", rate("small"), rate("large")),
+            (group.statistic("/chain/longest_stay")).map_or("–".to_owned(), number),
         ]
     };
     of.groups.iter().map(row).collect()

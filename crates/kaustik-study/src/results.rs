@@ -100,7 +100,8 @@ pub struct Shown {
     pub difference: Vec<f32>,
     /// NSD of each pixel over the seeds at the last budget (`film::metrics::nsd_map`); `None` for one seed.
     pub nsd: Option<Vec<f32>>,
-    /// Size of the relative difference of each pixel, the mean over the seeds at the last budget.
+    /// Size of the relative difference of each pixel, the mean over the seeds at the last budget, each with its brightness set right
+    /// where that of the picture is.
     pub error: Vec<f32>,
 }
 
@@ -224,10 +225,24 @@ fn show(
         factor: factor as f32,
         difference: Vec::new(),
         nsd: nsd_map(&last.iter().collect::<Vec<_>>(), &reference.image),
-        error: mean_error(last, &reference.image),
+        error: match is_matched {
+            true => mean_error(&brightened(last, reference)?, &reference.image),
+            false => mean_error(last, &reference.image),
+        },
     };
     shown.difference = difference(&shown.on_page(), &reference.reference()).ok_or_else(size)?;
     Ok(shown)
+}
+
+/// Pictures, each with the reference's mean luminance.
+fn brightened(images: &[Image], reference: &ReferenceResult) -> Result<Vec<Image>, StudyError> {
+    let brightened = |image: &Image| {
+        let factor = brightness_factor(image, &reference.reference()).ok_or_else(size)?;
+        let mut image = image.clone();
+        image.scale_pixels(|_| factor as f32);
+        Ok(image)
+    };
+    images.iter().map(brightened).collect()
 }
 
 fn size() -> StudyError {

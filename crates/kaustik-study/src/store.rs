@@ -15,6 +15,13 @@ use serde_json::{Value, json};
 use crate::StudyError;
 use crate::key::{Key, fingerprint};
 
+/// Of files that a study wrote itself: pictures of [`Study::LARGEST`](crate::Study::LARGEST) pixels a side with all layers of a method.
+const OWN: Limits = Limits {
+    max_file_bytes: 1 << 33,
+    max_side: Image::MAX_SIDE,
+    max_samples: 1 << 30,
+};
+
 /// What is kept of a render beside its picture.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Record {
@@ -52,8 +59,8 @@ impl Store {
     pub(crate) fn keep(&self, key: &Key, record: &Record, image: &Image) -> Result<(), StudyError> {
         let path = self.path(key, "exr");
         exr::write(&path, image)?;
-        let bytes = read_file(&path, Limits::default().max_file_bytes)
-            .map_err(|source| StudyError::io(&path, source))?;
+        let bytes =
+            read_file(&path, OWN.max_file_bytes).map_err(|source| StudyError::io(&path, source))?;
         let record = serde_json::to_string(record).map_err(|e| StudyError::page("record", e))?;
         let words = json!({
             "key": key.value().to_string(),
@@ -70,18 +77,18 @@ impl Store {
     /// The small file of a finished render; `None` if there is none that can be trusted.
     pub(crate) fn record(&self, key: &Key) -> Option<Record> {
         let (record, print) = self.words(key)?;
-        let bytes = read_file(&self.path(key, "exr"), Limits::default().max_file_bytes).ok()?;
+        let bytes = read_file(&self.path(key, "exr"), OWN.max_file_bytes).ok()?;
         (fingerprint(bytes) == print).then_some(record)
     }
 
     /// A finished render with its picture.
     pub(crate) fn read(&self, key: &Key, keep: Keep) -> Option<(Record, Image)> {
         let (record, print) = self.words(key)?;
-        let bytes = read_file(&self.path(key, "exr"), Limits::default().max_file_bytes).ok()?;
+        let bytes = read_file(&self.path(key, "exr"), OWN.max_file_bytes).ok()?;
         if fingerprint(bytes.iter().copied()) != print {
             return None;
         }
-        let image = film::decode(&bytes, &Limits::default(), keep).ok()?;
+        let image = film::decode(&bytes, &OWN, keep).ok()?;
         Some((record, image))
     }
 

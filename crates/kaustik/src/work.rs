@@ -160,13 +160,19 @@ impl<'a> Work<'a> {
         pool: &rayon::ThreadPool,
         watch: &mut dyn Watch,
     ) -> Result<(), RenderError> {
-        if !engine.holds_back() {
-            watch.see_image(pool.install(|| self.rendered(engine, Outcome::Stopped))?);
-            return Ok(());
+        let kept = match engine.holds_back() {
+            true => Some(self.snapshot(engine).state()?),
+            false => None,
+        };
+        match pool.install(|| self.rendered(engine, Outcome::Stopped)) {
+            Ok(rendered) => watch.see_image(rendered),
+            // As of a merged state whose ladders have not come as far as each other yet.
+            Err(error) => watch.image_failed(&error),
         }
-        let kept = self.snapshot(engine).state()?;
-        watch.see_image(pool.install(|| self.rendered(engine, Outcome::Stopped))?);
-        Ok(pool.install(|| take_up(engine, &kept, true))?)
+        if let Some(kept) = kept {
+            pool.install(|| take_up(engine, &kept, true))?;
+        }
+        Ok(())
     }
 
     /// The picture at the end, with what does not come from the engine.

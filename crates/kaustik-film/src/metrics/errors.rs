@@ -157,10 +157,12 @@ impl Term {
             let scale = r[c] * r[c] + floor;
             let product = da[c] * db[c];
             term.square += product;
-            // A black reference and a black picture agree.
+            // A black reference and a black picture agree; light on black is off by no share of it.
             if scale > 0.0 {
                 term.relative += product / scale;
                 term.score += dr[c] * dr[c] / scale;
+            } else if product > 0.0 {
+                (term.relative, term.score) = (f64::INFINITY, f64::INFINITY);
             }
         }
         let (da, db) = (colour.xyz(da), colour.xyz(db));
@@ -198,7 +200,11 @@ impl Sums {
             rmse: mse.max(0.0).sqrt(),
             relative_mse: self.relative / samples,
             rmse_xyz: (self.xyz / samples).max(0.0).sqrt(),
-            bias: if r > 0.0 { x / r - 1.0 } else { 0.0 },
+            bias: match (r > 0.0, x > 0.0) {
+                (true, _) => x / r - 1.0,
+                (false, true) => f64::INFINITY,
+                (false, false) => 0.0,
+            },
         }
     }
 }

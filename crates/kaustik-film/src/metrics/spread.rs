@@ -59,7 +59,7 @@ impl Spread {
     /// Standard error of the mean as a share: the root of the mean over pixels and R, G, B of
     /// s^2 / n divided by r^2 + 0.01 mean(r)^2, with s the deviation over the pictures (n - 1 in the
     /// denominator) and r their mean. Its square is what the mean's own noise adds to a relative
-    /// MSE. `None` for fewer than two pictures; pixels that are not finite are left out.
+    /// MSE. `None` for fewer than two pictures, infinite for black ones, of which no share is known; pixels that are not finite are left out.
     #[must_use]
     pub fn relative_error(&self) -> Option<f64> {
         if self.count < 2 {
@@ -72,6 +72,9 @@ impl Spread {
         let samples = (3 * finite().count()).max(1) as f64;
         let mean = finite().flat_map(|(s, _)| s).sum::<f64>() / n / samples;
         let floor = 0.01 * mean * mean;
+        if floor <= 0.0 {
+            return Some(f64::INFINITY);
+        }
         let mut sum = 0.0;
         for (total, square) in finite() {
             for c in 0..3 {

@@ -240,6 +240,24 @@ fn links_permissions_and_devices_are_respected() {
     symlink("loop", at("loop")).unwrap();
     assert!(check_writable(&at("loop")).is_err());
 
+    // what the caller has open is added to, not replaced
+    let open = std::fs::OpenOptions::new()
+        .append(true)
+        .open(at("fresh"))
+        .unwrap();
+    let descriptor = format!("/dev/fd/{}", std::os::fd::AsRawFd::as_raw_fd(&open));
+    check_writable(Path::new(&descriptor)).unwrap();
+    write_file(Path::new(&descriptor), |sink| sink.write_all(b"+")).unwrap();
+    assert_eq!(std::fs::read(at("fresh")).unwrap(), b"3+");
+    let (mut reader, writer) = std::io::pipe().unwrap();
+    let descriptor = format!("/dev/fd/{}", std::os::fd::AsRawFd::as_raw_fd(&writer));
+    check_writable(Path::new(&descriptor)).unwrap();
+    write_file(Path::new(&descriptor), |sink| sink.write_all(b"piped")).unwrap();
+    drop(writer);
+    let mut piped = String::new();
+    std::io::Read::read_to_string(&mut reader, &mut piped).unwrap();
+    assert_eq!(piped, "piped");
+
     check_writable(Path::new("/dev/null")).unwrap();
     write_file(Path::new("/dev/null"), |sink| sink.write_all(b"5")).unwrap();
     assert!(!std::fs::metadata("/dev/null").unwrap().is_file());

@@ -114,7 +114,8 @@ fn a_black_reference_is_no_division_by_zero() {
     );
     let m = measure(&gray(4, 4, |_| 1.0), &Reference::exact(&black)).unwrap();
     close(m.shares.over_20_percent, 1.0);
-    assert!(m.raw.relative_mse.is_finite() && m.raw.bias.is_finite());
+    // light on black is off by no share of it, and does not pass for right
+    assert!(m.raw.mse > 0.9 && m.raw.relative_mse == f64::INFINITY && m.raw.bias == f64::INFINITY);
 }
 
 #[test]

@@ -54,6 +54,9 @@ fn differences_keep_their_sign() {
 fn the_spread_of_two_pixels_is_that_worked_out_by_hand() {
     let mut spread = Spread::new(2, 1);
     assert_eq!(spread.relative_error(), None);
+    let mut black = Spread::new(2, 1);
+    assert!((0..2).all(|_| black.add(&gray(&[0.0, 0.0]))));
+    assert_eq!(black.relative_error(), Some(f64::INFINITY));
     for values in [[1.0, 2.0], [3.0, 2.0], [2.0, 2.0], [2.0, 2.0]] {
         assert!(spread.add(&gray(&values)));
     }

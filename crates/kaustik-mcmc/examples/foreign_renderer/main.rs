@@ -75,7 +75,10 @@ fn chain(samples: usize, seed: u64) -> Image {
             (current, (1.0 - a) * b / B0),
             (proposed, a * b / B0 + bonus),
         ] {
-            image[pixel] = image[pixel] + light * (scale * weight / (light.sum() / B0 + LARGE));
+            // 0 times what is no number is none either: one such path would blacken its pixel for ever
+            if weight > 0.0 && light.sum().is_finite() {
+                image[pixel] = image[pixel] + light * (scale * weight / (light.sum() / B0 + LARGE));
+            }
         }
         if proposal.decide(a) {
             current = proposed;

@@ -7,7 +7,7 @@ use crate::{Acceptance, Scalable};
 /// many independent dimensions (Roberts, Gelman and Gilks 1997); up to 0.44 is right for one
 /// or two. The default gain is 2, its decay 0.6: the size may still travel far, and settles
 /// in the end (the gains sum to infinity, their squares do not). Where rounds are few and long, sizes that are far
-/// too large come down by a fifth a round only: see [`in_logarithms`](Self::in_logarithms).
+/// too large come down slowly, by a tenth in the tenth round: see [`in_logarithms`](Self::in_logarithms).
 ///
 /// ```
 /// use kaustik_mcmc::{

@@ -9,7 +9,8 @@ use crate::Scalable;
 /// Rounds come in threes: at the present size, at a smaller and at a larger one, apart by a
 /// factor that begins at 4. Then the best of them becomes the present size; the factor's
 /// logarithm shrinks by 0.9 when the size moves and by 0.5 when it stays. So the search
-/// reaches about a factor of 10^6 either way, and freezes geometrically.
+/// reaches about a factor of 10^6 either way, and freezes geometrically. Where nothing moves at any of the three the
+/// steps are too large, and all become smaller.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct JumpAdaptation<M> {
@@ -57,6 +58,11 @@ impl<M: Scalable> JumpAdaptation<M> {
 
     fn conclude(&mut self) {
         let [here, below, above] = self.jumps;
+        if here.max(below).max(above) <= 0.0 {
+            // Nothing is learnt of how far apart trials should be.
+            self.centre -= self.spread;
+            return;
+        }
         let towards = if below.max(above) <= here {
             0.0
         } else if below > above {

@@ -114,14 +114,22 @@ fn the_search_finds_the_largest_jump() {
         let octaves = libm::log2(m.sigma()) + 7.3;
         libm::exp2(-octaves * octaves)
     };
-    for sigma in [0.5, 1e-5] {
+    // under the last nothing moves unless steps are a thousandth of the first ones
+    let narrow = |m: &WrappedNormal| if m.sigma() < 2e-3 { jump(m) } else { 0.0 };
+    type Law<'a> = &'a dyn Fn(&WrappedNormal) -> f64;
+    let jumps: [(f64, Law<'_>); 3] = [(0.5, &jump), (1e-5, &jump), (0.9, &narrow)];
+    for (sigma, jump) in jumps {
         let mut adaptation = JumpAdaptation::new(WrappedNormal::new(sigma));
         for _ in 0..150 {
             let now = jump(&adaptation.mutation());
             let _ = adaptation.end_round(now);
         }
-        let octaves = libm::log2(adaptation.best().sigma()) + 7.3;
-        assert!(octaves.abs() < 0.05, "{sigma}: off by {octaves} octaves");
+        let best = adaptation.best();
+        let octaves = libm::log2(best.sigma()) + 7.3;
+        // the narrow one's top lies at its edge
+        let is_right =
+            octaves.abs() < 0.05 || (sigma > 0.8 && (1e-3..2e-3).contains(&best.sigma()));
+        assert!(is_right, "{sigma}: off by {octaves} octaves");
     }
     // and on a chain, whose jumps are noisy: Gelman's 2.38 / sqrt(d) deviations
     let (toy, density) = peak(0.03);

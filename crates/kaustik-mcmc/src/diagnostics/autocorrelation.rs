@@ -15,6 +15,9 @@ use crate::Mean;
 /// short to tell, and there is no answer.
 ///
 /// Consistent, not unbiased: tau comes out a little small (by about tau / B).
+#[doc(alias = "integrated autocorrelation time")]
+#[doc(alias = "effective sample size")]
+#[doc(alias = "ESS")]
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Autocorrelation {
@@ -91,6 +94,8 @@ impl Autocorrelation {
             })
             .find(|(length, tau)| length * length * length > 2.0 * n * tau * tau)
             .map(|(_, tau)| tau)
+            // Batches that are all alike, as of numbers that alternate, tell of no error at all.
+            .filter(|tau| *tau > 0.0)
     }
 
     /// How many independent samples the numbers are worth: their count over

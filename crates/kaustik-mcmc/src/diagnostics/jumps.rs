@@ -4,6 +4,7 @@ use crate::Mean;
 ///
 /// Push the numbers once a step, moved or not. The mean is the expected squared jump
 /// distance of Pasarica and Gelman 2010.
+#[doc(alias = "ESJD")]
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Jumps<const N: usize> {

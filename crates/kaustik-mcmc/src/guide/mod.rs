@@ -1,4 +1,4 @@
-//! Pages to read: no code.
+//! Pages to read.
 //!
 //! The [crate page](crate) has the running example and the nouns. From here:
 //!

@@ -89,7 +89,7 @@ impl Mutation for Exponential {
     /// A repeated step dampens the wave of frequency k round the circle by
     /// E cos(2 pi k d). With s2/s1 >= 2 the slowest is k = 1 with
     /// 1 - E cos(2 pi d) >= 8 E d^2 for d <= 1/2, unless steps are so large that a
-    /// negative factor rules: none is beyond exp(-0.2). (For nearly equal sizes a high
+    /// negative factor rules: none is beyond exp(-0.196), so that the 184 steps of 0.2 leave 2^-52 of it. (For nearly equal sizes a high
     /// frequency may beat with the step; these are always replayed.)
     fn mixed_after(&self) -> u64 {
         if self.s1 * 2.0 > self.s2 {

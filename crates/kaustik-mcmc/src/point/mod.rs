@@ -56,6 +56,8 @@ pub enum Step {
         bound(deserialize = "M: Mutation + serde::Deserialize<'de>")
     )
 )]
+#[doc(alias = "primary sample space")]
+#[doc(alias = "lazy evaluation")]
 pub struct Point<M> {
     pub(crate) mutation: M,
     pub(crate) streams: [Vec<Coordinate>; Stream::COUNT],

@@ -5,6 +5,7 @@ use std::fmt;
 use crate::Mean;
 
 /// How weight is spread.
+#[doc(alias = "energy redistribution")]
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(try_from = "Written"))]

@@ -151,8 +151,10 @@ impl Draws for Enumerator {
             weights.iter().all(sound),
             "weights of {weights:?}: expected finite ones that are not negative"
         );
-        let total: f64 = weights.iter().sum();
-        self.branch(weights.len(), |answer| weights[answer] / total)
+        // of parts, whose sum does not overflow
+        let part = 0.5 / weights.len() as f64;
+        let total: f64 = weights.iter().map(|weight| weight * part).sum();
+        self.branch(weights.len(), |answer| weights[answer] * part / total)
     }
 }
 

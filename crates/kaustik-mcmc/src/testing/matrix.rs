@@ -127,7 +127,7 @@ impl TransitionMatrix {
     }
 
     /// max |pi(x) P(x, y) - pi(y) P(y, x)| for the unnormalised law `pi`, relative to its
-    /// sum.
+    /// sum. NaN, which no bound holds, if `pi` is no law: it has a NaN or an infinity, or sums to 0.
     pub fn balance_defect(&self, pi: &[f64]) -> f64 {
         self.worst_pair(pi).defect()
     }
@@ -143,7 +143,7 @@ impl TransitionMatrix {
                 probabilities: [self.probability(x, y), self.probability(y, x)],
             })
             .fold(Imbalance::default(), |worst, pair| {
-                if pair.defect() > worst.defect() {
+                if is_worse(pair.defect(), worst.defect()) {
                     pair
                 } else {
                     worst
@@ -163,13 +163,18 @@ impl TransitionMatrix {
                 after: after / total,
             })
             .fold(Drift::default(), |worst, drift| {
-                if drift.defect() > worst.defect() {
+                if is_worse(drift.defect(), worst.defect()) {
                     drift
                 } else {
                     worst
                 }
             })
     }
+}
+
+/// A defect that is no number, as of a law that is none, is the worst: it must not pass for balance.
+fn is_worse(defect: f64, worst: f64) -> bool {
+    !worst.is_nan() && (defect.is_nan() || defect > worst)
 }
 
 /// Two states and what flows between them under a law: equal both ways if the kernel is

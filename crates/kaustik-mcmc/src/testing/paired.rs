@@ -19,10 +19,10 @@ use crate::{Mean, Pcg64Dxsm, generator};
 /// the mixture. Weights should not be wilder than a few hundred times their mean: z-scores
 /// trust the central limit theorem.
 ///
-/// Deterministic: start i takes its numbers from `generator(seed, i)`.
+/// Deterministic: draw i takes its numbers from `generator(seed, i)`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PairedTest {
-    /// How many starts, at least 100.
+    /// How many starts of positive weight, at least 100: draws of weight 0 tell nothing, and are not counted.
     pub starts: u64,
     /// Steps of the kernel from each, at least 1. A few dozen make small faults large.
     pub steps: u32,
@@ -51,10 +51,17 @@ pub struct Changes<const H: usize> {
     pub moved: f64,
 }
 
+/// So many draws, at most, for a start of positive weight in the mean.
+const MOST_DRAWS: u64 = 1000;
+
 impl PairedTest {
     /// Runs all pairs. `start` draws a state and its weight f/p, at least 0; `step` makes one
     /// step of the kernel on a state of positive weight; `functions` of the state are
     /// finite.
+    ///
+    /// # Panics
+    ///
+    /// If a weight is negative, infinite or no number, or of so many draws hardly one in a thousand has weight.
     pub fn run<S, const H: usize>(
         &self,
         mut start: impl FnMut(&mut Pcg64Dxsm) -> (S, f64),
@@ -63,9 +70,16 @@ impl PairedTest {
     ) -> Changes<H> {
         let mut changes = [Mean::new(); H];
         let mut moved = Mean::new();
-        for n in 0..self.starts {
+        for n in 0..self.starts.saturating_mul(MOST_DRAWS) {
+            if moved.count() == self.starts {
+                break;
+            }
             let mut rng = generator(self.seed, n);
             let (mut state, weight) = start(&mut rng);
+            assert!(
+                weight >= 0.0 && weight.is_finite(),
+                "start {n} has the weight {weight}: expected a finite one that is not negative"
+            );
             if weight > 0.0 {
                 let before = functions(&state);
                 (0..self.steps).for_each(|_| step(&mut state, &mut rng));
@@ -75,10 +89,14 @@ impl PairedTest {
                 for h in 0..H {
                     changes[h].push(weight * (after[h] - before[h]));
                 }
-            } else {
-                changes.iter_mut().for_each(|change| change.push(0.0));
             }
         }
+        assert!(
+            moved.count() == self.starts,
+            "of {MOST_DRAWS} times as many draws only {} had weight, expected {} starts",
+            moved.count(),
+            self.starts
+        );
         Changes {
             changes,
             moved: moved.mean(),
@@ -106,16 +124,20 @@ impl<const H: usize> Changes<H> {
     }
 
     /// The p-value of all functions together: that of the largest |z|, times their number,
-    /// which holds however they depend on each other. 0 if nothing ever moved.
+    /// which holds however they depend on each other. 0 if nothing ever moved, NaN if a function was.
     pub fn p_value(&self) -> f64 {
         if self.moved <= 0.0 {
             return 0.0;
         }
         let tails = self.z().map(normal_tails).into_iter();
-        let smallest = tails.fold(
-            1.0,
-            |least: f64, p| if p.is_nan() { p } else { least.min(p) },
-        );
+        // A function that became NaN refutes, whatever the others say.
+        let smallest = tails.fold(1.0, |least: f64, p| match least.is_nan() || p.is_nan() {
+            true => f64::NAN,
+            false => least.min(p),
+        });
+        if smallest.is_nan() {
+            return f64::NAN;
+        }
         (smallest * H as f64).min(1.0)
     }
 }

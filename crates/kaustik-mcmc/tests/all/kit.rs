@@ -415,6 +415,43 @@ fn nothing_moved_is_a_failure() {
     assert!(says.contains("moved 0.0 %"), "{says}");
 }
 
+/// What is no number is no proof either.
+#[test]
+fn what_became_nan_is_a_failure() {
+    let start = |rng: &mut kaustik_mcmc::Pcg64Dxsm| (rng.uniform(), 1.0);
+    let step = |x: &mut f64, rng: &mut kaustik_mcmc::Pcg64Dxsm| *x = rng.uniform();
+    for nan in [0, 1] {
+        let functions = |x: &f64| {
+            let mut both = [*x, *x];
+            both[nan] = f64::NAN;
+            both
+        };
+        let changes = PairedTest::default().run(start, step, functions);
+        assert!(changes.p_value().is_nan(), "{nan}");
+        let says =
+            complaint(move || assert_invariant(&PairedTest::default(), start, step, functions));
+        assert!(says.contains("not kept"), "{says}");
+    }
+    let says = complaint(|| {
+        let weightless = |rng: &mut kaustik_mcmc::Pcg64Dxsm| (rng.uniform(), f64::NAN);
+        assert_invariant(&PairedTest::default(), weightless, |_, _| {}, |x| [*x]);
+    });
+    assert!(says.contains("weight NaN"), "{says}");
+    // a law that is none keeps no balance
+    let matrix = TransitionMatrix::of(
+        2,
+        1,
+        |x, draws| {
+            if draws.bernoulli(0.5) { 1 - x } else { x }
+        },
+    );
+    for law in [[0.0, 0.0], [f64::NAN, 1.0], [f64::INFINITY, 1.0]] {
+        assert!(matrix.balance_defect(&law).is_nan(), "{law:?}");
+        assert!(matrix.worst_state(&law).defect().is_nan(), "{law:?}");
+    }
+    assert!(matrix.balance_defect(&[1.0, 1.0]) < 1e-15);
+}
+
 /// A false alarm in 100,000: two hundred seeds raise none.
 #[test]
 fn correct_kernels_raise_no_alarm() {

@@ -3,8 +3,8 @@
 use kaustik_mcmc::testing::{PairedTest, assert_invariant};
 
 use super::kinds::{
-    BIDIRECTIONAL, CAUSTIC, EVERY, Kind, LENS, MULTICHAIN, SUBPATH, TIME, WAVELENGTHS, changes,
-    functions, with_pieces,
+    BIDIRECTIONAL, CAUSTIC, EVERY, Kind, LENS, MIXTURE, MULTICHAIN, SUBPATH, TIME, UNWEIGHED,
+    WAVELENGTHS, changes, functions, with_pieces,
 };
 use super::stage::scene;
 
@@ -198,6 +198,35 @@ fn every_kernel_keeps_the_measure() {
             });
         }
     }
+}
+
+/// Which kernel is made depends on the path: the choice is part of the ratio. Left out, it is found.
+#[test]
+fn a_mixture_keeps_the_measure_and_weighs_its_choice() {
+    let test = PairedTest {
+        starts: 16_000,
+        steps: 8,
+        seed: 6,
+    };
+    for name in ["mirror", "glass", "veil"] {
+        with_pieces(&scene(name), MIXTURE, None, |start, step| {
+            assert_invariant(
+                &test,
+                |rng| start(rng),
+                |path, rng| step(path, rng),
+                functions,
+            );
+        });
+    }
+    let longer = PairedTest {
+        starts: 60_000,
+        steps: 20,
+        seed: 7,
+    };
+    let mirror = scene("mirror");
+    let [right, wrong] =
+        [MIXTURE, UNWEIGHED].map(|kind| changes(&mirror, kind, None, &longer).p_value());
+    assert!(wrong < 1e-6 && right > 1e-4, "{wrong} {right}");
 }
 
 /// The whole test, a million starts for each scene, with the figures.

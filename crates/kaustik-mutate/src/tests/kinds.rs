@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 use kaustik_mcmc::testing::{Changes, PairedTest};
-use kaustik_mcmc::{Kernel, Pcg64Dxsm, acceptance, decide};
+use kaustik_mcmc::{Draws, Kernel, Mixture, Pcg64Dxsm, acceptance, decide};
 use kaustik_scene::Scene;
 
 use super::space;
@@ -146,6 +146,37 @@ pub(super) const EVERY: Kind = (
     "every",
     |space, x| every(space).suits(x),
     |space, x, y, rng| every(space).propose(&mut (), x, y, rng).ratio,
+);
+
+/// Which of four kernels suit a path, whole paths anew always: what a mixture chooses by.
+fn suitable(space: &PathSpace<'_>, path: &Path) -> [f64; 4] {
+    [BIDIRECTIONAL, LENS, MULTICHAIN, CAUSTIC].map(|kind| f64::from(u8::from(kind.1(space, path))))
+}
+
+/// One of the four that suit, as `mlt` makes them.
+pub(super) const MIXTURE: Kind = (
+    "mixture",
+    |_, _| true,
+    |space, x, y, rng| {
+        let kernels = (
+            BidirectionalMutation { space },
+            lens(space, Run::Single),
+            lens(space, Run::Multiple),
+            caustic(space),
+        );
+        let mixture = Mixture::<_, _, 4>::new(kernels, |path: &Path| suitable(space, path));
+        mixture.propose(&mut (), x, y, rng).ratio
+    },
+);
+
+/// The same with a choice that the ratio does not know of.
+pub(super) const UNWEIGHED: Kind = (
+    "mixture, unweighed",
+    |_, _| true,
+    |space, x, y, rng| {
+        let made = [BIDIRECTIONAL, LENS, MULTICHAIN, CAUSTIC][rng.index(&suitable(space, x))];
+        made.2(space, x, y, rng)
+    },
 );
 
 /// Kernels that look at the scene where the space stands, as it is when the shutter opens, whatever the time

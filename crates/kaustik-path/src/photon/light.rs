@@ -37,6 +37,15 @@ impl Photon {
     pub(super) fn per_cosine(&self, shading: f64) -> f32 {
         (shading / self.normal.as_dvec3().dot(self.wi)).abs() as f32
     }
+
+    /// The geometric normal on the side that it met.
+    #[inline]
+    pub(super) fn met_normal(&self) -> Vec3 {
+        match self.normal.as_dvec3().dot(self.wi) < 0.0 {
+            true => -self.normal,
+            false => self.normal,
+        }
+    }
 }
 
 /// The photons of one light path. The buffer is reused from path to path.

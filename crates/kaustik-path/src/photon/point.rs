@@ -60,10 +60,23 @@ impl MeasurementPoint {
     /// By all but the place.
     #[inline]
     pub(super) fn accepts(&self, photon: &Photon, max_edges: u32) -> bool {
-        agree(self.normal, photon.normal)
-            && self.sheet.is_shared_with(photon.sheet)
+        let opaque = self.manner.is(Manner::OPAQUE);
+        self.sheet.is_shared_with(photon.sheet)
             && u32::from(self.edges) + photon.edges <= max_edges
-            && (!self.manner.is(Manner::OPAQUE) || self.lands_on_seen_side(photon))
+            && if opaque {
+                self.lands_on_seen_side(photon) && agree(self.seen_normal(), photon.met_normal())
+            } else {
+                agree(self.normal, photon.normal)
+            }
+    }
+
+    /// The geometric normal on the side that the camera sees.
+    #[inline]
+    fn seen_normal(&self) -> Vec3 {
+        match self.manner.is(Manner::FRONT) {
+            true => self.normal,
+            false => -self.normal,
+        }
     }
 
     /// By both normals.

@@ -126,7 +126,8 @@ impl MeasurementPoints {
         }));
     }
 
-    /// Adds a point; one where nothing can be measured (no radius within [`Lookup::RADII`], no light to carry) is left out.
+    /// Adds a point; one where nothing can be measured (no radius within [`Lookup::RADII`], nothing finite to carry, or
+    /// the surface seen from behind its normal) is left out.
     pub(super) fn push(&mut self, seen: Seen<'_>) {
         let Seen { vertex, wo, .. } = seen;
         let ng = vertex.local_normal();

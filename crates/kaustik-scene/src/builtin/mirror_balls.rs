@@ -13,12 +13,12 @@ pub(super) const SCENE: BuiltinScene = BuiltinScene {
 };
 
 /// Balls: where on the floor, and radius.
-const BALLS: [([f32; 2], f32); 5] = [
+pub(super) const BALLS: [([f32; 2], f32); 5] = [
     ([1.5, 2.2], 0.7),
     ([3.2, 3.0], 0.9),
     ([4.5, 1.8], 0.5),
     ([2.6, 1.2], 0.4),
-    ([4.2, 4.0], 0.6),
+    ([4.3, 4.1], 0.6),
 ];
 /// Half the width of the room, and its height.
 const ROOM: [f32; 2] = [3.0, 5.0];

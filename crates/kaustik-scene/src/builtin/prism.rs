@@ -20,7 +20,7 @@ pub(super) const SCENE: BuiltinScene = BuiltinScene {
         },
         BuiltinParameter {
             key: "glass",
-            values: "a glass as in extras.kaustik, for instance n-bk7, sf11, diamond",
+            values: "a glass as in extras.kaustik that lets yellow light out again (an index up to 1.88), for instance n-bk7, sf11, water_20c",
             default: "sf11",
             meaning: "what the prism is made of",
         },
@@ -28,9 +28,16 @@ pub(super) const SCENE: BuiltinScene = BuiltinScene {
     build,
 };
 
-/// Half the deviation of yellow light (587.6 nm, n = 1.785) by 60 degrees of SF11, when light
-/// inside runs parallel to the base: asin(n / 2) - 30 degrees.
-const HALF_DEVIATION: f64 = 0.579_0;
+/// Yellow light, in nm.
+const YELLOW: f32 = 587.6;
+/// Beyond this index the light that meets the prism's first face so grazingly that it could leave by the second is none to speak of.
+const LARGEST_INDEX: f32 = 1.88;
+
+/// Half the deviation of light by 60 degrees of a glass of this index, when light inside runs parallel to
+/// the base: asin(n / 2) - 30 degrees.
+pub(super) fn half_deviation(index: f32) -> f64 {
+    libm::asin(0.5 * f64::from(index)) - std::f64::consts::FRAC_PI_6
+}
 
 /// From the prism's middle to the lamp, to the slit and to the screen.
 const LAMP: f32 = 3.0;
@@ -45,7 +52,10 @@ const STRENGTH: f32 = 500.0;
 
 fn build(query: &Query<'_>) -> Result<Description, BuiltinError> {
     let width = query.number("light", 0.005, 0.4)?;
-    let glass = Glass::named(query.text("glass")).ok_or_else(|| query.refuse("glass"))?;
+    let glass = Glass::named(query.text("glass"))
+        .filter(|glass| glass.at(YELLOW) <= LARGEST_INDEX)
+        .ok_or_else(|| query.refuse("glass"))?;
+    let half_deviation = half_deviation(glass.at(YELLOW));
     let mut stage = Stage::new();
     let white = stage.material(materials::diffuse("white", [0.8; 3]));
     let black = stage.material(materials::diffuse("black", [0.02; 3]));
@@ -54,7 +64,7 @@ fn build(query: &Query<'_>) -> Result<Description, BuiltinError> {
         glass: Some(glass),
         ..materials::solid("prism", 1.785, 0.0)
     });
-    let (sin, cos) = (libm::sin(HALF_DEVIATION), libm::cos(HALF_DEVIATION));
+    let (sin, cos) = (libm::sin(half_deviation), libm::cos(half_deviation));
     let (sin, cos) = (sin as f32, cos as f32);
     let floor = [(-5.0, -5.0), (5.0, -5.0), (5.0, 5.0), (-5.0, 5.0)];
     let floor = floor.map(|(x, z)| Vec3::new(x, 0.0, z));

@@ -325,11 +325,33 @@ fn every_ball_is_made_and_comes_back_from_a_file() {
     assert!(wrong.to_string().contains("rough-glass"), "{wrong}");
 }
 
-/// A ray of yellow light through the slit comes to the middle of the screen: the constants of the
-/// scene are those of the glass.
+/// A ray of yellow light through the slit comes to the middle of the screen, other colours beside it, whatever glass it is
+/// that lets light out at all.
 #[test]
 fn the_prism_bends_light_onto_the_screen() {
-    let glass = kaustik_spectrum::Glass::named("sf11").unwrap();
+    let mut shown = Vec::new();
+    for name in kaustik_spectrum::Glass::names() {
+        let loaded = load(&format!("prism?glass={name}"));
+        let glass = kaustik_spectrum::Glass::named(name).unwrap();
+        if glass.at(587.6) > 1.88 {
+            assert!(loaded.unwrap_err().to_string().contains("up to 1.88"));
+            continue;
+        }
+        assert!(loaded.is_ok(), "{name}");
+        shown.push((name, spread_on_screen(&glass)));
+    }
+    for (name, spread) in &shown {
+        assert!(*spread < 1.5, "{name}: {spread}");
+    }
+    let flint = shown.iter().find(|(name, _)| *name == "sf11");
+    assert!(
+        flint.is_some_and(|(_, spread)| *spread > 0.3) && shown.len() > 6,
+        "{shown:?}"
+    );
+}
+
+/// How far violet and red light come apart on a screen 3.2 away, whose half width is 1.6.
+fn spread_on_screen(glass: &kaustik_spectrum::Glass) -> f64 {
     let deviation = |nm: f32| {
         // symmetric at 587.6 nm; others by Snell's law at both faces
         let apex = 60.0_f64.to_radians();
@@ -339,10 +361,21 @@ fn the_prism_bends_light_onto_the_screen() {
         let last = (n * (apex - inside).sin()).asin();
         first + last - apex
     };
-    assert!((0.5 * deviation(587.6) - 0.579_0).abs() < 2e-4);
-    let spread = deviation(420.0) - deviation(680.0);
-    // on a screen 3.2 away, some tenths of a unit: within its half width of 1.6
-    assert!(spread * 3.2 > 0.3 && spread * 3.2 < 1.5, "{spread}");
+    let half = super::prism::half_deviation(glass.at(587.6));
+    assert!((0.5 * deviation(587.6) - half).abs() < 1e-9);
+    3.2 * (deviation(420.0) - deviation(680.0))
+}
+
+#[test]
+fn the_mirror_balls_do_not_touch() {
+    // all stand on the floor
+    let balls =
+        super::mirror_balls::BALLS.map(|([x, z], radius)| (glam::Vec3::new(x, radius, z), radius));
+    for (i, (a, r)) in balls.iter().enumerate() {
+        for (b, s) in &balls[..i] {
+            assert!(a.distance(*b) > r + s, "{a} {r}, {b} {s}");
+        }
+    }
 }
 
 #[test]

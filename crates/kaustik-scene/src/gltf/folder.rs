@@ -41,6 +41,13 @@ impl Folder {
         }
     }
 
+    /// The files that were read so far, in alphabetical order.
+    pub(super) fn files(&self) -> Vec<PathBuf> {
+        let mut files: Vec<PathBuf> = self.read.keys().cloned().collect();
+        files.sort();
+        files
+    }
+
     /// The bytes that the uri at `place` stands for.
     pub(super) fn fetch(
         &mut self,

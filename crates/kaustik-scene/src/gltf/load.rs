@@ -1,4 +1,4 @@
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use serde_json::Value;
 
@@ -34,6 +34,8 @@ pub struct Loaded {
     pub variants: Vec<String>,
     /// The extensions that the file names.
     pub extensions: Extensions,
+    /// The other files that were read, without links, in alphabetical order.
+    pub files: Vec<PathBuf>,
 }
 
 /// Loads a `.gltf` or `.glb` file; which of them it is, its first bytes tell.
@@ -106,6 +108,7 @@ fn document<'a>(
         warnings: reader.warnings.into_list(),
         variants: variants.names,
         extensions,
+        files: reader.folder.files(),
     })
 }
 

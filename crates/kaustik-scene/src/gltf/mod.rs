@@ -56,7 +56,7 @@ mod vertices;
 mod warning;
 
 pub use error::{ErrorKind, LoadError};
-pub use export::{ExportError, export, export_bytes};
+pub use export::{ExportError, export, export_bytes, export_text};
 pub use extension::{EXTENSIONS, Extensions};
 pub use lines::{Line, lines};
 pub use load::{Loaded, load, load_bytes};

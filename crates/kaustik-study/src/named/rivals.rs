@@ -5,10 +5,20 @@ use crate::chart::number;
 use crate::ranks::chance_to_be_so_low;
 use crate::{Cell, Curve, Figure, Finding, Group, Quartiles, Results, Verdict};
 
+/// What two methods that are compared have in common.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Terms {
+    /// The study's budget: time, or so many samples a pixel.
+    Budget,
+    /// Time, whatever the budget is: what the claim says.
+    Time,
+}
+
 /// One method against others. A pair tells nothing where the one that came out better took more than a tenth longer, as
 /// methods may that go by whole passes, where an error is too small for the reference, or where the seeds lie among each other.
 struct Contest<'a> {
     results: &'a Results,
+    terms: Terms,
     measured: String,
     /// A pair was told, and was lost.
     lost: bool,
@@ -80,9 +90,10 @@ impl<'a> Entrant<'a> {
 }
 
 impl<'a> Contest<'a> {
-    fn new(results: &'a Results, measured: String) -> Self {
+    fn new(results: &'a Results, terms: Terms, measured: String) -> Self {
         Self {
             results,
+            terms,
             measured,
             lost: false,
             untold: None,
@@ -99,7 +110,8 @@ impl<'a> Contest<'a> {
         let won = ours.value <= factor * theirs.value;
         let (better, worse) = if won { (ours, theirs) } else { (theirs, ours) };
         let [long, short] = [better, worse].map(|entrant| entrant.group.seconds());
-        if self.results.study.budgets.unit.is_time() && long > LONGER * short {
+        let in_time = self.terms == Terms::Time || self.results.study.budgets.unit.is_time();
+        if in_time && long > LONGER * short {
             self.untold = Some(format!(
                 "{} took {} s, {} {} s",
                 better.name,
@@ -135,7 +147,7 @@ type Enter<'b> = dyn for<'a> Fn(&'a str, &'a Group) -> Option<Entrant<'a>> + 'b;
 
 /// Methods at the last budget by some figure, the first against the others, each with a factor.
 fn against(
-    results: &Results,
+    (results, terms): (&Results, Terms),
     (place, what): (&str, &str),
     enter: &Enter<'_>,
     better: &str,
@@ -144,7 +156,7 @@ fn against(
     let found = || {
         let ours = enter(better, last(results, place, better)?)?;
         let measured = format!("{place}, {what}: {better} {}", told(results, &ours));
-        let mut contest = Contest::new(results, measured);
+        let mut contest = Contest::new(results, terms, measured);
         for &(name, factor) in worse {
             let theirs = enter(name, last(results, place, name)?)?;
             let ratio = ours.value / theirs.value;
@@ -180,8 +192,47 @@ pub(super) fn lower(
     better: &str,
     worse: &[(&str, f64)],
 ) -> Finding {
+    lower_by(Terms::Budget, results, (place, figure), better, worse)
+}
+
+/// As [`lower`], of a claim about equal time: open where times differ, also where the budget is one of samples.
+pub(super) fn lower_in_time(
+    results: &Results,
+    place: &str,
+    figure: Figure,
+    better: &str,
+    worse: &[(&str, f64)],
+) -> Finding {
+    lower_by(Terms::Time, results, (place, figure), better, worse)
+}
+
+fn lower_by(
+    terms: Terms,
+    results: &Results,
+    (place, figure): (&str, Figure),
+    better: &str,
+    worse: &[(&str, f64)],
+) -> Finding {
     let enter: &Enter<'_> = &|name, group| Entrant::of(name, group, figure.into());
-    against(results, (place, figure.name()), enter, better, worse)
+    let finding = against(
+        (results, terms),
+        (place, figure.name()),
+        enter,
+        better,
+        worse,
+    );
+    let known = scene(results, place).map(|scene| &scene.reference);
+    match known.filter(|known| !figure.cancels_noise() && known.error > known.wanted) {
+        None => finding,
+        Some(known) => Finding::new(
+            format!(
+                "{}; the reference is known to {:.1} % only",
+                finding.measured,
+                100.0 * known.error
+            ),
+            Verdict::Open,
+        ),
+    }
 }
 
 /// At the last budget the normalised standard deviation of `better` over its seeds is at most `factor` times
@@ -193,7 +244,13 @@ pub(super) fn lower_nsd(
     worse: &[(&str, f64)],
 ) -> Finding {
     let enter: &Enter<'_> = &|name, group| Entrant::of(name, group, Curve::Nsd);
-    against(results, (place, "NSD"), enter, better, worse)
+    against(
+        (results, Terms::Budget),
+        (place, "NSD"),
+        enter,
+        better,
+        worse,
+    )
 }
 
 /// At the last budget the root mean square relative difference of `better` over the darkest quarter of the picture is
@@ -210,7 +267,8 @@ pub(super) fn lower_in_the_dark(
                 cell.quarters[quarter]
             }))
         };
-        against(results, (place, what), enter, better, &[(worse, 1.0)])
+        let terms = (results, Terms::Budget);
+        against(terms, (place, what), enter, better, &[(worse, 1.0)])
     };
     let dark = of_quarter(
         0,
@@ -237,7 +295,7 @@ pub(super) fn lower_always(
     };
     let budgets = results.study.budgets.amounts.len();
     let measured = format!("{place}, {}: {better} is below", curve.name());
-    let mut contest = Contest::new(results, measured);
+    let mut contest = Contest::new(results, Terms::Budget, measured);
     for &name in worse {
         let Some(theirs) = method(results, name) else {
             return not_rendered();
@@ -266,6 +324,27 @@ pub(super) fn best(
     among: &[&str],
     wanted: &[&str],
 ) -> Finding {
+    best_by(Terms::Budget, results, (place, figure), among, wanted)
+}
+
+/// As [`best`], of a claim about equal time.
+pub(super) fn best_in_time(
+    results: &Results,
+    place: &str,
+    figure: Figure,
+    among: &[&str],
+    wanted: &[&str],
+) -> Finding {
+    best_by(Terms::Time, results, (place, figure), among, wanted)
+}
+
+fn best_by(
+    terms: Terms,
+    results: &Results,
+    (place, figure): (&str, Figure),
+    among: &[&str],
+    wanted: &[&str],
+) -> Finding {
     let entrant = |name| Entrant::of(name, last(results, place, name)?, figure.into());
     let found: Option<Vec<Entrant<'_>>> = among.iter().copied().map(entrant).collect();
     let Some(found) = found else {
@@ -273,10 +352,10 @@ pub(super) fn best(
     };
     let parts = found
         .iter()
-        .map(|entrant| format!("{} {}", entrant.name, number(entrant.value)));
+        .map(|entrant| format!("{} {}", entrant.name, told(results, entrant)));
     let parts: Vec<String> = parts.collect();
     let measured = format!("{place}, {}: {}", figure.name(), parts.join(", "));
-    let mut contest = Contest::new(results, measured);
+    let mut contest = Contest::new(results, terms, measured);
     let is_wanted = |entrant: &&Entrant<'_>| wanted.contains(&entrant.name);
     let first = (found.iter().filter(is_wanted)).min_by(|a, b| a.value.total_cmp(&b.value));
     let Some(first) = first else {

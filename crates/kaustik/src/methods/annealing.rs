@@ -407,6 +407,7 @@ impl<const K: usize> Engine for AnnealingEngine<'_, K> {
             levels: told.levels.iter().enumerate().map(level).collect(),
             sweeps: told.rounds,
             exchange_acceptance: Vec::new(),
+            permutation_acceptance: None,
             pairs: Vec::new(),
             even: 0,
             scouts: 0,

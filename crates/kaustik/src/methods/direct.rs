@@ -142,6 +142,17 @@ impl<'a> DirectApart<'a> {
             grain => [direct, whole(grain)],
         }
     }
+
+    /// As few passes of a ladder as leave the chains a step: one part alone is no picture. A small ladder's passes may be less
+    /// than a sweep of replicas.
+    fn least(&self, ladder: u32) -> u64 {
+        let pass = self.direct.grain(ladder);
+        let suffices = |passes: &u64| self.split(ladder, passes * pass)[1] > 0;
+        if pass == 0 || self.chains.grain(ladder) == 0 {
+            return LEAST;
+        }
+        (LEAST..).find(suffices).unwrap_or(LEAST)
+    }
 }
 
 impl Engine for DirectApart<'_> {
@@ -170,12 +181,14 @@ impl Engine for DirectApart<'_> {
             Budget::Total(n) => n / self.pass,
             Budget::Time(_) => u64::MAX,
         };
-        passes.max(LEAST).saturating_mul(self.direct.grain(ladder))
+        passes
+            .max(self.least(ladder))
+            .saturating_mul(self.direct.grain(ladder))
     }
 
     /// A first round has something of both.
     fn grain(&self, ladder: u32) -> u64 {
-        LEAST * self.direct.grain(ladder)
+        self.least(ladder) * self.direct.grain(ladder)
     }
 
     fn develop(&mut self) -> Result<Image, RenderError> {

@@ -205,8 +205,22 @@ impl Options {
             });
         }
         match method {
-            Method::Relt => self.check_permutations(),
-            Method::Annealing => self.check_line(),
+            Method::Relt => self.check_permutations().and_then(|()| self.check_delta()),
+            Method::Annealing => self.check_line().and_then(|()| self.check_delta()),
+            _ => Ok(()),
+        }
+    }
+
+    /// Is `delta` asked of replicas that it says something about?
+    fn check_delta(&self) -> Result<(), RenderError> {
+        let is_default = self.delta.to_bits() == ReplicaSet::DELTA.to_bits();
+        match self.replicas {
+            Some(set) if !is_default => Err(RenderError::Setting {
+                what: "delta",
+                found: format!("{} with replicas={set}", self.delta),
+                expected: "delta with the standard replicas alone; others state the weights of their last themselves"
+                    .to_owned(),
+            }),
             _ => Ok(()),
         }
     }

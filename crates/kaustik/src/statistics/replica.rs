@@ -8,8 +8,11 @@ pub struct ReplicaStatistics {
     /// Sweeps of all ladders.
     pub sweeps: u64,
     /// Mean acceptance of exchanges, for each pair that exchanges
-    /// ([`ReplicaSet::pairs`](crate::estimate::ReplicaSet::pairs)).
-    pub exchange_acceptance: Vec<f64>,
+    /// ([`ReplicaSet::pairs`](crate::estimate::ReplicaSet::pairs)); `None` where it was never tried by itself, as with
+    /// `exchange=gibbs` and `exchange=none`.
+    pub exchange_acceptance: Vec<Option<f64>>,
+    /// With `exchange=gibbs`: how probable it was in the mean that any states change their places.
+    pub permutation_acceptance: Option<f64>,
     /// The pairs, counted from 1.
     pub pairs: Vec<[usize; 2]>,
     /// Independent samples of all ladders that were spread evenly over the image.

@@ -68,7 +68,7 @@ pub(crate) const SUMS: &[Fault] = &[
     fault(
         "an index forgets the weights before it",
         "draws.rs",
-        "                rest -= weight;\n",
+        "            rest -= weight;\n",
         "",
         "lib:draws::tests::indices_follow_their_weights",
     ),

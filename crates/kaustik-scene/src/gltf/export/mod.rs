@@ -36,7 +36,7 @@ pub fn export(description: &Description, path: &Path) -> Result<(), ExportError>
         .extension()
         .is_some_and(|extension| extension.eq_ignore_ascii_case("gltf"));
     let bytes = if is_text {
-        text(description)?
+        export_text(description)?
     } else {
         export_bytes(description)?
     };
@@ -69,8 +69,11 @@ pub fn export_bytes(description: &Description) -> Result<Vec<u8>, ExportError> {
     Ok(bytes)
 }
 
-/// A scene as JSON text with its buffer as a data uri.
-fn text(description: &Description) -> Result<Vec<u8>, ExportError> {
+/// A scene as JSON text with its buffer as a data uri: what a `.gltf` file holds.
+///
+/// # Errors
+/// What glTF and `extras.kaustik` cannot hold exactly.
+pub fn export_text(description: &Description) -> Result<Vec<u8>, ExportError> {
     let uri = |bytes: &[u8]| {
         let payload = STANDARD.encode(bytes);
         Some(format!("data:application/octet-stream;base64,{payload}"))

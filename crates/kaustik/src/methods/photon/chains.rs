@@ -60,6 +60,10 @@ pub(super) struct PhotonChains<const K: usize> {
     adaptations: [AcceptanceAdaptation<Power>; K],
     /// Rough normalisers: those of the iteration before.
     rough: [f64; K],
+    /// The unit of contributions of single photons of uniform light paths.
+    quantum: Quantum,
+    /// Share of uniform light paths that are visible, by the samples of the start; never 0.
+    visible_at_start: f64,
     /// XYZ of each pixel, summed over iterations. Where visibility's normaliser comes only at the end: of all
     /// chains but the first, not yet multiplied by it.
     sums: Vec<[f64; 3]>,
@@ -123,6 +127,8 @@ impl<const K: usize> PhotonChains<K> {
             targets,
             adaptations: std::array::from_fn(|_| adaptation.clone()),
             rough: [1.0; K],
+            quantum,
+            visible_at_start: 1.0,
             sums: vec![[0.0; 3]; settings.pixels() as usize],
             visible: progressive.then(Mean::new),
             lit: 0,
@@ -258,9 +264,28 @@ impl<const K: usize> PhotonChains<K> {
         course
     }
 
-    /// The unit of films.
-    fn quantum(&self) -> Quantum {
-        self.films[0].quantum()
+    /// The unit of a level's film in this iteration. Where few light paths are visible, those that chains visit each stand for
+    /// little: by the balance heuristic a visit weighs as much as all visible paths at most, times the chains' relative numbers of samples. In the unit of whole
+    /// photons it would be rounded away.
+    fn quantum(&self, level: usize) -> Quantum {
+        let weighs_little = level > 0 || self.options.combine == Combine::Balance;
+        if !weighs_little {
+            return self.quantum;
+        }
+        let of_chain = (self.levels.0.iter().zip(self.rough))
+            .find(|(kind, _)| **kind == PhotonTargetKind::Visibility);
+        let visible = of_chain.map_or(self.visible_at_start, |(_, share)| share);
+        self.quantum.scaled(visible.min(1.0))
+    }
+
+    /// Black films in their units, but for one that goes on.
+    fn renew_films(&mut self, spare: &mut Film) {
+        let units: [Quantum; K] = std::array::from_fn(|level| self.quantum(level));
+        let goes_on = usize::from(self.visible.is_some());
+        let films = self.films.iter_mut().chain(std::iter::once(spare));
+        for (film, unit) in films.zip(units).skip(goes_on) {
+            film.renew(unit);
+        }
     }
 
     /// Targets of the points of the iteration that the stage has begun.
@@ -296,7 +321,7 @@ impl<const K: usize> Tracer for PhotonChains<K> {
     fn trace(&mut self, stage: &Stage<'_>, spare: &mut Film, stop: Option<&AtomicBool>) -> bool {
         let mark = stop.is_some().then(|| self.mark());
         self.begin(stage);
-        spare.renew(self.quantum());
+        self.renew_films(spare);
         if !self.run(stage, spare, stop) {
             if let Some(mark) = mark {
                 self.take_back(mark);

@@ -1,10 +1,15 @@
 //! What replicas tell about themselves.
 
 use kaustik_estimate::ReplicaShares;
-use kaustik_mcmc::{LadderStatistics, RunningNormalisers, Statistics};
+use kaustik_mcmc::{Acceptance, LadderStatistics, RunningNormalisers, Statistics};
 
 use super::{ReltEngine, finite};
 use crate::{ReplicaLevel, ReplicaStatistics};
+
+/// The rate of what was tried at all.
+fn tried(acceptance: &Acceptance) -> Option<f64> {
+    (acceptance.proposed > 0).then(|| acceptance.rate())
+}
 
 /// What all replicas are compared by.
 struct Compared<const K: usize> {
@@ -40,8 +45,9 @@ impl<const K: usize> ReltEngine<'_, K> {
         ReplicaStatistics {
             levels: (0..K).map(|k| self.replica(k, &compared)).collect(),
             sweeps: self.sweeps(),
-            exchange_acceptance: (pairs.iter().map(|&(a, b)| exchanges.swap(a, b).rate()))
+            exchange_acceptance: (pairs.iter().map(|&(a, b)| tried(exchanges.swap(a, b))))
                 .collect(),
+            permutation_acceptance: tried(&exchanges.permutations),
             pairs: pairs.iter().map(|&(a, b)| [a + 1, b + 1]).collect(),
             even: self.sweeps() * u64::from(self.even),
             scouts: match self.specular_light {

@@ -71,6 +71,27 @@ fn what_is_written_of_replicas_is_what_was_set() {
 }
 
 #[test]
+fn delta_is_of_the_standard_replicas() {
+    for (replicas, delta, fits) in [
+        ("standard", "0.1", true),
+        ("paper", "0.05", true),
+        ("paper", "0.1", false),
+        ("uniform;1,0,0,0,0,0", "0.1", false),
+    ] {
+        for method in [Method::Relt, Method::Annealing] {
+            let mut options = Options::default();
+            options.set(method, &format!("delta={delta}")).unwrap();
+            options
+                .set(method, &format!("replicas={replicas}"))
+                .unwrap();
+            assert_eq!(options.check(method).is_ok(), fits, "{replicas} {delta}");
+            // a method without replicas does not ask
+            assert!(options.check(Method::Path).is_ok());
+        }
+    }
+}
+
+#[test]
 fn what_is_written_of_mutations_is_what_was_set() {
     let mut options = Options::default();
     for text in [

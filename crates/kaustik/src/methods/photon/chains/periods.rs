@@ -27,7 +27,7 @@ impl<const K: usize> Periods<K> {
     pub(super) fn new(pace: Pace, levels: &PhotonLevels<K>, visible: f64) -> Self {
         let all = match pace {
             Pace::Periods(all) => all,
-            // what stands beside the paper's chains steps as it was published
+            // by turns: as published a chain of visibility steps only after a uniform light path that is not visible
             Pace::Auto if !levels.has(PhotonTargetKind::Full) => [1; 4],
             Pace::Auto if visible > WELL_SEEN => OPEN,
             Pace::Auto => OCCLUDED,

@@ -33,7 +33,7 @@ impl<const K: usize> PhotonChains<K> {
         self.begin(stage);
         self.read_anew(stage);
         let mut ladders = std::mem::take(&mut self.ladders);
-        spare.renew(self.quantum());
+        self.renew_films(spare);
         let iteration = self.shared(stage, spare, ladders.len());
         let mut heard = Heard {
             sweep: step.sweep,

@@ -51,6 +51,7 @@ impl<const K: usize> PhotonChains<K> {
         self.nonfinite = vec![Nonfinite::default(); ladders.len()];
         self.ladders = ladders;
         self.rough = rough;
+        self.visible_at_start = visible.max(least);
         self.periods = Periods::new(self.options.pace, &self.levels, visible);
     }
 }

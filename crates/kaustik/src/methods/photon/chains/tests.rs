@@ -97,3 +97,26 @@ fn normalisers_agree_with_plain_counts() {
         assert!(off.abs() > 8.0, "{off}");
     }
 }
+
+/// The light of all pixels after an iteration whose chains take visibility's normaliser for so many times what it is.
+fn light(rough: f64) -> f64 {
+    let mut settings = small::settings(Method::PhotonVisibility, SIZE);
+    settings.options.photon.photons = Some(60_000);
+    let scene = small::scene("cornell", SIZE);
+    let mut stage = Stage::new(&scene, &settings);
+    stage.begin(None);
+    let levels = PhotonLevels([PhotonTargetKind::Uniform, PhotonTargetKind::Visibility]);
+    let mut chains = PhotonChains::new(&stage, &settings, levels, Space::World).expect("chains");
+    chains.rough[1] *= rough;
+    let mut spare = stage.film(&settings).expect("a film");
+    assert!(chains.trace(&stage, &mut spare, None));
+    chains.sums.iter().map(|xyz| xyz[1]).sum()
+}
+
+/// Where a trillionth of all light paths is visible a visit stands for a trillionth of a photon: any rough normaliser gives the
+/// same picture.
+#[test]
+fn visits_that_stand_for_little_are_not_rounded_away() {
+    let ratio = light(1e-12) / light(1.0);
+    assert!((ratio - 1.0).abs() < 0.1, "{ratio}");
+}
