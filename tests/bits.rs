@@ -105,7 +105,7 @@ impl Watch for Onlooker {
 fn looks_change_nothing_but_rounding() {
     let scene = scene("glass-cube?light=0.8", 24);
     for method in Method::ALL {
-        let settings = settings(method, 24, 32);
+        let settings = settings(method, 24, 20);
         let alone = picture(&scene, &settings);
         let mut onlooker = Onlooker::default();
         let watched = render_watched(&scene, &settings, &mut Control::default(), &mut onlooker);
@@ -223,9 +223,9 @@ fn filters_keep_the_brightness() {
     for method in Method::ALL {
         // An iteration of photon methods has 2,000 light paths.
         let spp = if method.name().contains("photon") || method == Method::Sppm {
-            48
+            32
         } else {
-            64
+            40
         };
         for name in Filter::names() {
             if name != "mitchell" && !kinds.contains(&method) {
@@ -239,7 +239,7 @@ fn filters_keep_the_brightness() {
             };
             let [r, g, b] = crate::support::means(&picture(&scene, &settings));
             for mean in [r, g, b] {
-                assert!((mean - 1.0).abs() < 0.03, "{method} {name}: {mean}");
+                assert!((mean - 1.0).abs() < 0.04, "{method} {name}: {mean}");
             }
         }
     }

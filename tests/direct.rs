@@ -131,20 +131,23 @@ fn the_sum_of_the_parts_is_the_whole_for_all() {
 /// black.
 #[test]
 fn the_direct_part_is_path_up_to_two_edges() {
+    assert_direct_parts(&[Method::Pssmlt, Method::Relt]);
+}
+
+#[test]
+#[ignore = "long"]
+fn the_direct_part_of_others_is_path_up_to_two_edges() {
+    assert_direct_parts(&[Method::Mmlt, Method::ErptPss, Method::Mlt]);
+}
+
+fn assert_direct_parts(methods: &[Method]) {
     let scene = scene("cornell", SIDE);
     let short = RenderSettings {
         max_depth: 2,
         ..settings(Method::Path, SIDE, 256)
     };
     let path = tiles_of_seeds(&scene, &short, SEEDS);
-    let methods = [
-        Method::Pssmlt,
-        Method::Mmlt,
-        Method::Relt,
-        Method::ErptPss,
-        Method::Mlt,
-    ];
-    for method in methods {
+    for &method in methods {
         let settings = apart(method, 128);
         let layers = SEEDS.map(|seed| direct_layer(&rendered(&scene, &settings, seed).image));
         assert_agree(method.name(), &path, &tiles_of(layers), 0.05);

@@ -129,15 +129,27 @@ const SEEDS: u64 = 16;
 /// wider.
 const BOUNDS: std::ops::Range<f64> = 2.4..44.3;
 
+/// The first two of the same number of passes.
+const SPREAD: [(Method, u64); 3] = [
+    (Method::Pssmlt, 1_000),
+    (Method::Mlt, 2_000),
+    (Method::Relt, 200),
+];
+
 #[test]
 fn seeds_differ_by_the_error_that_they_state() {
+    assert_stated_errors(&SPREAD[..1]);
+}
+
+#[test]
+#[ignore = "long"]
+fn seeds_of_every_method_differ_by_the_error_that_they_state() {
+    assert_stated_errors(&SPREAD);
+}
+
+fn assert_stated_errors(methods: &[(Method, u64)]) {
     let scene = lamp();
-    // the first two of the same number of passes
-    for (method, spp) in [
-        (Method::Pssmlt, 1_000),
-        (Method::Mlt, 2_000),
-        (Method::Relt, 200),
-    ] {
+    for &(method, spp) in methods {
         let of_seed = |seed| {
             let mut settings = settings(method, SIDE, spp);
             (settings.seed, settings.options.pilot) = (seed, 5_000);

@@ -324,7 +324,21 @@ fn photons(method: Method, iterations: u64, photons: u64) -> RenderSettings {
 }
 
 #[test]
+fn photons_show_the_mean_of_still_pictures() {
+    photons_show_the_mean(&[Method::Sppm, Method::PhotonSpatial]);
+}
+
+#[test]
+#[ignore = "long"]
 fn photon_methods_show_the_mean_of_still_pictures() {
+    photons_show_the_mean(&[
+        Method::PhotonVisibility,
+        Method::PhotonDensity,
+        Method::PhotonImage,
+    ]);
+}
+
+fn photons_show_the_mean(methods: &[Method]) {
     let few = PHOTONS / 2;
     let still = |seed| sum_of_stills(seed, &photons(Method::Sppm, 1, few));
     let stills = tiles_of(SEEDS.map(still));
@@ -337,15 +351,8 @@ fn photon_methods_show_the_mean_of_still_pictures() {
         ))
     };
     let scene = compile(&between(0.0, 1.0), SIDE);
-    for method in [
-        Method::Sppm,
-        Method::PhotonVisibility,
-        Method::PhotonDensity,
-        Method::PhotonSpatial,
-        Method::PhotonImage,
-    ] {
+    for &method in methods {
         let found = verdict(&stills, &blurred(&scene, method, SEEDS));
-        println!("{method}: {found:?}");
         if found.rejected.is_empty() {
             assert!(found.uncertain.is_empty(), "{method}: {found:?}");
             continue;

@@ -32,8 +32,8 @@ fn short_stages_are_unbiased() {
             let stages = stages.expect("a render").statistics.stages;
             let least = if ladder == StageLadder::Two { 2 } else { 8 };
             assert!(stages.len() >= least, "{method}: {stages:?}");
-            let tiles = tiles_of_seeds(&scene, &short, 0..128);
-            let verdict = agree(&path, &tiles, |_| true, 0.05);
+            let tiles = tiles_of_seeds(&scene, &short, 0..64);
+            let verdict = agree(&path, &tiles, |_| true, 0.08);
             assert!(
                 verdict.rejected.is_empty() && verdict.uncertain.is_empty(),
                 "{method}, {ladder:?}: {verdict:?}"
