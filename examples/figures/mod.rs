@@ -21,7 +21,7 @@ struct Words {
     /// One figure of the paper, by its number
     #[arg(long, value_name = "N")]
     figure: Option<u32>,
-    /// Where everything goes [default: study- and the example's name]
+    /// Where everything goes [default: study- and the study's name, with -quick or -as-published]
     folder: Option<PathBuf>,
 }
 
@@ -56,7 +56,7 @@ impl Display {
 pub(crate) fn run(name: &str) -> Result<(), StudyError> {
     let words = Words::parse();
     let scale = FigureScale::of_words(words.quick, words.as_published);
-    let folder = (words.folder).unwrap_or_else(|| format!("study-{name}").into());
+    let folder = (words.folder).unwrap_or_else(|| scale.folder(name));
     let study = named::find(name).expect("a study of this name");
     let mut display = Display::new();
     let mut tell = |progress: &StudyProgress<'_>| {

@@ -257,7 +257,7 @@ pub(crate) struct StudyWords {
     #[arg(long)]
     pub(crate) as_published: bool,
     /// Folder for renders, tables, curves and page; a study that was cut goes on in it
-    /// [default: study-NAME]
+    /// [default: study-NAME, with -quick or -as-published]
     #[arg(short, long, value_name = "FOLDER")]
     pub(crate) output: Option<PathBuf>,
     /// No progress

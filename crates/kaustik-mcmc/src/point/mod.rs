@@ -98,6 +98,15 @@ pub(crate) struct Clock {
 }
 
 /// One stored coordinate.
+///
+/// What it is follows from `modify` and the point's [`Clock`]:
+///
+/// | `modify` | the coordinate | when it is read |
+/// |---|---|---|
+/// | below `large_time` | is older than the last large step, or was never used | it is drawn |
+/// | from there to `time - 2` | sleeps, and owes `time - 1 - modify` steps | these are replayed |
+/// | `time - 1` | is the current state's | it is as it stands |
+/// | `time` | is the open proposal's | it is as it stands |
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(
