@@ -4,7 +4,7 @@
 //! cargo run --release --example pssmlt -- [--quick | --as-published] [--figure N] [FOLDER]
 //! ```
 //!
-//! Renders go to FOLDER (`study-pssmlt` by default) with tables, curves and the page `index.html`. Each claim
+//! Renders go to FOLDER (`study-pssmlt` by default, with `-quick` or `-as-published`) with tables, curves and the page `index.html`. Each claim
 //! of the paper is printed with what was measured and whether it holds. A run that was cut goes on where
 //! it was.
 //!

@@ -55,6 +55,8 @@ mod furnace;
 mod glossy;
 /// Faults at the system's calls.
 mod injected;
+/// What a scene is made from is not written over.
+mod inputs;
 /// The command and its states: signals, kills, disks that are full.
 mod kept;
 /// Two commands on one output.

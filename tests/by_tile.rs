@@ -131,7 +131,7 @@ const MMLT_LARGE_STEPS: Contender = Contender {
     ..MMLT_BY_TILES
 };
 
-/// Consistent, not unbiased, to one percent: held to half of it, as the others are.
+/// Consistent, not unbiased; held to half a percent as the others are.
 const RELT: Contender = Contender {
     method: Method::Relt,
     first: 500,

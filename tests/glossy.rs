@@ -78,7 +78,7 @@ fn brightness(scene: &Scene, settings: &RenderSettings) -> (f64, f64) {
 }
 
 /// Methods on paths multiply BSDF values, not throughputs: these have no bound, and light that overflowed was lost. They
-/// divide by squares of lengths as well, in whatever unit a scene has.
+/// divide by squares of lengths as well, which are small here.
 #[test]
 fn long_glossy_paths_do_not_overflow() {
     as_bright_as_by_path(1e-4);

@@ -1,10 +1,12 @@
 //! Errors of pixels from the spread of parts that are merged.
 
+use std::sync::atomic::AtomicBool;
+
 use kaustik::film::Image;
 use kaustik::scene::Scene;
 use kaustik::{
-    Control, Method, Options, Progress, RenderSettings, Rendered, State, merge, merged_settings,
-    resume,
+    Control, Method, Options, Outcome, Progress, RenderSettings, Rendered, State, merge,
+    merged_settings, render_watched, resume,
 };
 
 use crate::bits::bits;
@@ -222,6 +224,31 @@ fn uneven_shares_catch_up_in_rounds() {
         assert!(
             told.len() > 3 && first < (after - before) / 2,
             "{method}: {told:?} {before} {after}"
+        );
+    }
+}
+
+/// A render that was stopped before anything was whole holds nothing; one that finds no light holds a black picture.
+#[test]
+fn what_holds_nothing_is_told_from_what_is_black() {
+    let stopped = AtomicBool::new(true);
+    for (words, stop, outcome) in [
+        ("cornell", Some(&stopped), Outcome::Stopped),
+        ("mirror-balls", None, Outcome::Complete),
+    ] {
+        let scene = crate::support::scene(words, SIDE);
+        let settings = settings(Method::Bdpt, SIDE, 1);
+        let mut keeper = Keeper::default();
+        let mut control = Control {
+            stop,
+            ..Control::default()
+        };
+        render_watched(&scene, &settings, &mut control, &mut keeper).expect("a render");
+        let states = [read(keeper.states.last().expect("a state"))];
+        let merged = merged(&scene, &states, &mut Keeper::default());
+        assert_eq!(
+            (merged.outcome, merged.statistics.steps == 0),
+            (outcome, stop.is_some())
         );
     }
 }

@@ -26,6 +26,7 @@ fn assert_alike(
     [samples, mutations]: [u64; 2],
     seeds: u64,
     share: f64,
+    spared: usize,
 ) {
     let scene = scene(words, side);
     let truth = tiles_of_seeds(&scene, &settings(Method::Bdpt, side, samples), 0..seeds);
@@ -38,13 +39,16 @@ fn assert_alike(
         let tiles = tiles_of_seeds(&scene, &settings, 0..seeds);
         let verdict = agree(&truth, &tiles, |_| true, share);
         assert!(verdict.rejected.is_empty(), "{words}, {set}: {verdict:?}");
-        assert!(verdict.uncertain.len() <= 3, "{words}, {set}: {verdict:?}");
+        assert!(
+            verdict.uncertain.len() <= spared,
+            "{words}, {set}: {verdict:?}"
+        );
     }
 }
 
 #[test]
 fn sets_of_mutations_agree_roughly() {
-    assert_alike(("cornell", &FEW), 16, [128, 256], 8, 0.15);
+    assert_alike(("cornell", &FEW), 16, [128, 256], 8, 0.15, 0);
 }
 
 #[test]
@@ -55,6 +59,6 @@ fn all_sets_of_mutations_agree() {
         "ring-and-sphere?light=0.8",
         "glass-cube?light=0.8",
     ] {
-        assert_alike((words, &SETS), 32, [1_000, 4_000], 16, 0.05);
+        assert_alike((words, &SETS), 32, [1_000, 4_000], 16, 0.05, 3);
     }
 }

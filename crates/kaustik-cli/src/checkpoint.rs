@@ -103,7 +103,7 @@ impl Watch for Checkpoints<'_> {
         }
     }
 
-    fn image_failed(&mut self, error: &RenderError) {
+    fn image_failed(&mut self, error: RenderError) {
         output::note(&format!(
             "warning: no picture could be made: {error}; the render goes on"
         ));

@@ -119,6 +119,12 @@ fn held(output: &Path, path: &Path, mut file: File) -> Failure {
     }
     let output = output.display();
     Failure::Input(match holder {
+        // Names that differ in their case alone, where that makes no difference.
+        Some(id) if id == std::process::id() => {
+            format!(
+                "{output}: this command writes it already: expected another name for each output"
+            )
+        }
         Some(id) => format!(
             "{output}: process {id} is writing it (lock: {}); choose another name, or wait until it is done",
             path.display()

@@ -4,12 +4,14 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use kaustik::film::{WriteError, check_writable};
-use kaustik::{Progress, RenderSettings, Snapshot, Source, State, Watch, merge, merged_settings};
+use kaustik::{
+    Outcome, Progress, RenderSettings, Snapshot, Source, State, Watch, merge, merged_settings,
+};
 
 use crate::arguments::MergeWords;
 use crate::lock::Locks;
 use crate::render::{Loading, failure};
-use crate::{Failure, picture};
+use crate::{Failure, output, picture};
 
 pub(crate) fn run(words: &MergeWords) -> Result<ExitCode, Failure> {
     let inputs = words.states.iter().map(PathBuf::as_path);
@@ -57,13 +59,16 @@ pub(crate) fn run(words: &MergeWords) -> Result<ExitCode, Failure> {
     };
     let rendered = merge(&scene, &settings, &states, &mut keeper);
     let rendered = rendered.map_err(|error| failure(&error))?;
-    let unkept = keeper.failure;
     let (statistics, outcome) = (rendered.statistics.clone(), rendered.outcome);
-    if statistics.steps == 0 {
+    if outcome == Outcome::Stopped && statistics.steps == 0 {
+        if let Some(error) = keeper.failure {
+            output::note(&format!("error: {error}"));
+        }
         return Err(Failure::Input(
             "the states hold no whole pass, iteration or round: no picture was written".to_owned(),
         ));
     }
+    let unkept = keeper.failure;
     let written = picture::write(&words.outputs, &source, &settings, rendered);
     picture::report(&words.outputs, outcome, &statistics);
     note_missing(words, &settings);

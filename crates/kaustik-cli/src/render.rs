@@ -166,7 +166,8 @@ fn finish(
         (Ok(rendered), _) => rendered,
         // It was to end: the state is kept, if one was asked for.
         (Err(error), Some(status)) => {
-            output::note(&format!("error: {error}: no picture was written"));
+            let failure = resumed(words, &error);
+            output::note(&format!("error: {failure}: no picture was written"));
             return Ok(ExitCode::from(status));
         }
         (Err(error), None) => return Err(resumed(words, &error)),

@@ -25,6 +25,11 @@ pub(crate) fn run(words: &ReplayWords) -> Result<ExitCode, Failure> {
         state,
     } = asked(words)?;
     if let Some(path) = &words.gltf {
+        if path.as_os_str() == "-" {
+            let what =
+                "lines do not go to standard output: expected the name of a file (./- is one)";
+            return Err(wrong(path, &what));
+        }
         let states = [
             Some(Path::new(&words.render.scene)),
             words.render.resume.as_deref(),

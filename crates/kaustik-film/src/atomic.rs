@@ -131,11 +131,15 @@ pub fn write_file(
 
 /// Writes after what is there: what the caller has open may be a file that others write to as well.
 fn write_directly(path: &Path, bytes: &[u8]) -> io::Result<()> {
-    if path == Path::new("/dev/stdout") {
-        // Where it stands now, as this process may have written there.
+    let is_one_of = |names: [&str; 3]| names.iter().any(|name| path == Path::new(name));
+    // Where these stand now: this process writes there as well.
+    if is_one_of(["/dev/stdout", "/dev/fd/1", "/proc/self/fd/1"]) {
         let mut out = io::stdout().lock();
         out.write_all(bytes)?;
         return out.flush();
+    }
+    if is_one_of(["/dev/stderr", "/dev/fd/2", "/proc/self/fd/2"]) {
+        return io::stderr().lock().write_all(bytes);
     }
     let mut file = fs::OpenOptions::new().append(true).open(path)?;
     file.write_all(bytes)
@@ -165,8 +169,7 @@ struct Target {
 }
 
 impl Target {
-    /// What is there and is no file that may be renamed over. Links are not followed by hand: those of a process
-    /// lead to no path.
+    /// What is there and is no file that may be renamed over.
     fn special(path: &Path) -> Option<Self> {
         let there = fs::metadata(path).ok().filter(|there| !there.is_dir())?;
         let writable = !there.permissions().readonly();
@@ -179,10 +182,10 @@ impl Target {
     }
 
     fn find(path: &Path) -> Result<Self, WriteError> {
-        if let Some(special) = Self::special(path) {
+        let path = follow(path)?;
+        if let Some(special) = Self::special(&path) {
             return Ok(special);
         }
-        let path = follow(path)?;
         let ends_in_separator = path.as_os_str().as_encoded_bytes().ends_with(b"/");
         if path.file_name().is_none() || ends_in_separator {
             return Err(WriteError::NotAFile(path));
@@ -225,11 +228,12 @@ fn replaceable(path: &Path) -> Result<Option<Metadata>, WriteError> {
     Ok(Some(old))
 }
 
-/// The path that a chain of symbolic links ends at, whether or not a file stands there.
+/// The path that a chain of symbolic links ends at, whether or not a file stands there; what the caller has open is an end.
 fn follow(path: &Path) -> Result<PathBuf, WriteError> {
     let mut path = path.to_owned();
     for _ in 0..40 {
-        let Ok(next) = fs::read_link(&path) else {
+        let next = fs::read_link(&path).ok().filter(|_| !is_descriptor(&path));
+        let Some(next) = next else {
             return Ok(path);
         };
         path = match path.parent() {

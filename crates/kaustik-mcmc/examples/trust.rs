@@ -1,10 +1,11 @@
 //! How far a run can be trusted: four chains, what they say of each other, step sizes that learn and then stay.
 //!
-//! Two humps far apart, one three times as heavy as the other: what is the mean? Chains of small
-//! steps look healthy, each by itself: as many steps are accepted as should be, the error is tiny. Only that chains which began elsewhere say something else gives them away (R-hat far from 1). With large
-//! steps in between all agree, and the effective number of samples tells how many digits of the answer are known.
+//! Two humps far apart, one three times as heavy as the other: what is the mean? Chains of small steps look healthy,
+//! each by itself: as many steps are accepted as should be, and the error is tiny. What gives them away is that chains
+//! which began elsewhere say something else: R-hat is far from 1. With large steps in between all agree, and the effective
+//! number of samples tells how many digits of the answer are known.
 //!
-//! `cargo run --release -p kaustik-mcmc --example trust`
+//! `cargo run --release -p kaustik-mcmc --features serde --example trust`
 
 #![expect(clippy::print_stdout, reason = "an example shows what it found")]
 

@@ -120,7 +120,7 @@ where
 )]
 pub struct Annealed<S, V, const K: usize> {
     /// The product of mean weights at each level, fit for the weights of a run; 0 from the
-    /// level on where the population died, with an error that says nothing.
+    /// level on where the population died, with the error 0, which says nothing then.
     pub normalisers: RoughNormalisers<K>,
     /// The stages; `None` from the level on where the population died.
     #[cfg_attr(feature = "serde", serde(with = "crate::serial::array"))]

@@ -105,8 +105,8 @@ impl<S, V, const K: usize> Metropolis<S, V, K> {
     /// average. A step counts as one in [`Statistics`](crate::Statistics); the second try is
     /// a move of its own kind ([`Move::SECOND`] for points).
     ///
-    /// Only first tries that call themselves independent are followed by a second. A kernel may do so only if its proposal is
-    /// uniform on the cube, with ratio 1.
+    /// Only first tries that call themselves independent are followed by a second. A kernel may call a proposal independent
+    /// only if it is uniform on the cube, with ratio 1.
     pub fn step_delayed<N, F, D, R>(
         &mut self,
         kernel: &N,

@@ -336,8 +336,7 @@ impl<S, V, const K: usize> Ladder<S, V, K> {
     }
 
     /// Forgets the statistics of exchanges and the sums of normalisers (after burn-in, say).
-    /// Where lineages stand is kept; so are the replicas' own statistics
-    /// ([`Metropolis::take_statistics`]). [Flush](Self::flush) first (into
+    /// Where lineages stand is kept; so are the replicas' own statistics. [Flush](Self::flush) first (into
     /// [`Ignore`](crate::Ignore) after burn-in): what is pending would be counted afterwards.
     pub fn reset_statistics(&mut self) {
         self.statistics = LadderStatistics::new();

@@ -298,7 +298,8 @@ impl<S, V, const K: usize> Metropolis<S, V, K> {
         &self.statistics
     }
 
-    /// The statistics so far, and begins anew: after burn-in, say, or between rounds of adaptation.
+    /// The statistics so far, and begins anew: after burn-in, say. Not while an
+    /// [`AcceptanceAdaptation`](crate::AcceptanceAdaptation) goes by them, which wants totals from the beginning.
     pub fn take_statistics(&mut self) -> Statistics<K> {
         std::mem::take(&mut self.statistics)
     }

@@ -339,9 +339,9 @@ impl Matter {
         })
     }
 
-    /// Is the interface of this material hidden from a ray that meets its front or its back? It shows
-    /// where crossing it changes what fills the space: where its own solid does on its inner side (none of higher priority, and
-    /// none of the same that was entered later), and not on its outer side (as another object of the same material).
+    /// Is the interface of this material hidden from a ray that meets its front or its back? It is visible where its own
+    /// solid fills the inner side (none there has a higher priority, and none of the same was entered later) and not the outer side (where
+    /// another object of the same material would).
     pub(crate) fn is_overruled(&self, material: u32, front: bool, interior: &Interior) -> bool {
         if self.material(material).solid().is_none() {
             return false;

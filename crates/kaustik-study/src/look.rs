@@ -5,7 +5,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use kaustik::{
-    Budget, Control, Outcome, Progress, RenderSettings, Rendered, Watch, render_watched,
+    Budget, Control, Outcome, Progress, RenderError, RenderSettings, Rendered, Watch,
+    render_watched,
 };
 
 use crate::clock::Clock;
@@ -160,6 +161,13 @@ impl Watch for Eyes<'_, '_> {
             return false;
         }
         self.due() > self.next
+    }
+
+    /// A render that goes on for ever is to end with its last look.
+    fn image_failed(&mut self, source: RenderError) {
+        let what = "a look at a render".to_owned();
+        self.failed = Some(StudyError::Render { what, source });
+        self.stop.store(true, Ordering::Relaxed);
     }
 
     fn see_image(&mut self, rendered: Rendered) {

@@ -29,7 +29,7 @@ use crate::{
 pub enum FigureScale {
     /// Less than a minute in all: shows that everything works, and nothing else.
     Quick,
-    /// Small pictures, up to 20 CPU seconds a render: a quarter of an hour to two hours in all, references on top.
+    /// Small pictures, up to 20 CPU seconds a render: a quarter of an hour to more than two hours in all, references on top.
     #[default]
     Usual,
     /// The paper's own sizes and times: hours to days.

@@ -198,10 +198,11 @@ impl<'a> Merged<'a> {
     }
 
     fn outcome(&self) -> Outcome {
-        if self.engine.is_lit() {
-            Outcome::Complete
-        } else {
-            Outcome::Black
+        match (self.engine.is_lit(), self.engine.steps()) {
+            (false, _) => Outcome::Black,
+            // Renders that were stopped before anything was whole.
+            (true, 0) => Outcome::Stopped,
+            (true, _) => Outcome::Complete,
         }
     }
 

@@ -59,7 +59,7 @@ pub trait Watch {
     fn see_image(&mut self, _rendered: Rendered) {}
 
     /// The image that was wanted could not be made; the render goes on.
-    fn image_failed(&mut self, _error: &RenderError) {}
+    fn image_failed(&mut self, _error: RenderError) {}
 
     /// The pilot is over: from now on there is a state to be kept.
     fn pilot_done(&mut self) {}

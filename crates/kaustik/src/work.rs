@@ -167,7 +167,7 @@ impl<'a> Work<'a> {
         match pool.install(|| self.rendered(engine, Outcome::Stopped)) {
             Ok(rendered) => watch.see_image(rendered),
             // As of a merged state whose ladders have not come as far as each other yet.
-            Err(error) => watch.image_failed(&error),
+            Err(error) => watch.image_failed(error),
         }
         if let Some(kept) = kept {
             pool.install(|| take_up(engine, &kept, true))?;

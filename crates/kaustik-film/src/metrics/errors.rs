@@ -16,11 +16,11 @@ pub struct Errors {
     /// Root of `mse`; 0 if that is negative.
     pub rmse: f64,
     /// Mean over pixels and R, G, B of the same divided by r^2 + 0.01 mean(r)^2, the latter mean being
-    /// over all pixels and channels.
+    /// over all pixels and channels. Infinite if r is black and x is not.
     pub relative_mse: f64,
     /// RMSE over pixels and X, Y, Z: RELT (25); 0 if the estimate of its square is negative.
     pub rmse_xyz: f64,
-    /// Mean luminance of x over mean luminance of r, less 1.
+    /// Mean luminance of x over mean luminance of r, less 1. Infinite if r is black and x is not.
     pub bias: f64,
 }
 

@@ -10,7 +10,7 @@ use crate::Scalable;
 /// factor that begins at 4. Then the best of them becomes the present size; the factor's
 /// logarithm shrinks by 0.9 when the size moves and by 0.5 when it stays. So the search
 /// reaches about a factor of 10^6 either way, and freezes geometrically. Where nothing moves at any of the three the
-/// steps are too large, and all become smaller.
+/// steps are taken to be too large, and all become smaller, down to a millionth of the first.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct JumpAdaptation<M> {
@@ -26,6 +26,9 @@ pub struct JumpAdaptation<M> {
     #[cfg_attr(feature = "serde", serde(deserialize_with = "trial"))]
     trial: usize,
 }
+
+/// So far down the search goes by itself where nothing moves: log2 of the scale.
+const LOWEST: f64 = -20.0;
 
 /// Where the trials stand, in spreads from the centre.
 const TRIALS: [f64; 3] = [0.0, -1.0, 1.0];
@@ -59,8 +62,8 @@ impl<M: Scalable> JumpAdaptation<M> {
     fn conclude(&mut self) {
         let [here, below, above] = self.jumps;
         if here.max(below).max(above) <= 0.0 {
-            // Nothing is learnt of how far apart trials should be.
-            self.centre -= self.spread;
+            // Nothing is learnt of how far apart trials should be. A chain that moves at no size is not helped by smaller ones.
+            self.centre = (self.centre - self.spread).max(LOWEST.min(self.centre));
             return;
         }
         let towards = if below.max(above) <= here {

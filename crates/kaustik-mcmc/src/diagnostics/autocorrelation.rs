@@ -123,6 +123,13 @@ impl Default for Autocorrelation {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn numbers_that_alternate_tell_of_no_error() {
+        let mut numbers = Autocorrelation::new();
+        (0..10_000).for_each(|i| numbers.push(f64::from(i % 2)));
+        assert_eq!((numbers.time(), numbers.standard_error()), (None, None));
+    }
     use crate::{Draws, generator};
 
     /// x' = phi x + uniform noise: autocorrelations phi^k.

@@ -53,6 +53,8 @@ pub struct Changes<const H: usize> {
 
 /// So many draws, at most, for a start of positive weight in the mean.
 const MOST_DRAWS: u64 = 1000;
+/// After so many of which none had weight nothing starts at all.
+const MOST_DARK: u64 = 100_000;
 
 impl PairedTest {
     /// Runs all pairs. `start` draws a state and its weight f/p, at least 0; `step` makes one
@@ -61,7 +63,8 @@ impl PairedTest {
     ///
     /// # Panics
     ///
-    /// If a weight is negative, infinite or no number, or of so many draws hardly one in a thousand has weight.
+    /// If a weight is negative, infinite or no number, or if fewer than one draw in a thousand has positive weight. (If none
+    /// of 100,000 has, nothing moved.)
     pub fn run<S, const H: usize>(
         &self,
         mut start: impl FnMut(&mut Pcg64Dxsm) -> (S, f64),
@@ -71,7 +74,7 @@ impl PairedTest {
         let mut changes = [Mean::new(); H];
         let mut moved = Mean::new();
         for n in 0..self.starts.saturating_mul(MOST_DRAWS) {
-            if moved.count() == self.starts {
+            if moved.count() == self.starts || (moved.count() == 0 && n == MOST_DARK) {
                 break;
             }
             let mut rng = generator(self.seed, n);
@@ -92,7 +95,7 @@ impl PairedTest {
             }
         }
         assert!(
-            moved.count() == self.starts,
+            moved.count() == self.starts || moved.count() == 0,
             "of {MOST_DRAWS} times as many draws only {} had weight, expected {} starts",
             moved.count(),
             self.starts

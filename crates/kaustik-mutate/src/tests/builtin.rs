@@ -155,7 +155,7 @@ fn keeps(kind: Kind) {
             100.0 * found.moved
         );
         // no path of a room without mirrors suits some kernels
-        if p < 1e-4 && found.moved > 0.0 {
+        if (p.is_nan() || p < 1e-4) && found.moved > 0.0 {
             println!("{found}");
             broken.push((name, chi, p));
         }

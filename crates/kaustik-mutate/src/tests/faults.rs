@@ -133,7 +133,7 @@ fn missed(kind: Kind, faults: &[(Factor, &str)], starts: u64) -> Vec<String> {
             "{} without {factor:?} on {name}: chi2 {chi:.1} p {p:.1e} moved {:.2}",
             kind.0, found.moved
         );
-        if p > 1e-6 {
+        if p.is_nan() || p > 1e-6 {
             missed.push(format!("{} {factor:?} {name} {chi}", kind.0));
         }
     }

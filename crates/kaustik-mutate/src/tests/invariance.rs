@@ -246,7 +246,7 @@ fn keeps_with_a_million_starts(kind: Kind) {
             "{:13} {name:14} chi2 {chi:.2} p {p:.4} moved {moved:.1} %",
             kind.0
         );
-        if p < 1e-4 {
+        if p.is_nan() || p < 1e-4 {
             println!("{found}");
             broken.push((*name, chi, p));
         }

@@ -178,7 +178,7 @@ impl MeasurementPoints {
     }
 
     /// Whether a photon within the radius of a point counts there: no outline separates them, the surface
-    /// faces the same way, the whole path has at most `max_edges` edges and, on an opaque surface, the
+    /// is met on a side that faces the same way, the whole path has at most `max_edges` edges and, on an opaque surface, the
     /// light arrives on the side that is seen. Photons that land on the back must not make a path visible:
     /// under a terrain there may be more of them than on top.
     #[inline]

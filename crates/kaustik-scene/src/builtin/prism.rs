@@ -30,7 +30,7 @@ pub(super) const SCENE: BuiltinScene = BuiltinScene {
 
 /// Yellow light, in nm.
 const YELLOW: f32 = 587.6;
-/// Beyond this index the light that meets the prism's first face so grazingly that it could leave by the second is none to speak of.
+/// Of a glass of higher index only light that grazes the first face leaves by the second.
 const LARGEST_INDEX: f32 = 1.88;
 
 /// Half the deviation of light by 60 degrees of a glass of this index, when light inside runs parallel to

@@ -285,7 +285,8 @@ fn larger_by_chance((a, of_a): (f64, f64), (b, of_b): (f64, f64)) -> f64 {
 /// What comes out so by chance no oftener is told.
 const LEVEL: f64 = 0.05;
 
-/// Seconds that a step of the chains takes by the study's clock, the start apart, in one scene over another.
+/// Seconds that a step of the chains takes by the study's clock, less those of the start by the clock on the wall (a start of a
+/// few thousand samples, a hundredth of the whole), in one scene over another.
 pub(super) fn cost_of_a_step(
     results: &Results,
     name: &str,

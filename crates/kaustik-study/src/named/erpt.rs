@@ -113,8 +113,8 @@ fn two(scale: FigureScale) -> PaperFigure {
 const LENGTHS: [&str; 3] = ["100", "300", "1000"];
 
 const COLOURED: &str = "cornell";
-/// Of its white wall, what is beside the red and beside the green one: left, top, right, bottom as shares of the picture.
-const BESIDE_COLOUR: [[f64; 4]; 2] = [[0.19, 0.3, 0.24, 0.7], [0.76, 0.3, 0.81, 0.7]];
+/// Of its white wall, which spans 0.22 to 0.79 of the width, what is beside the red and beside the green one: left, top, right, bottom as shares of the picture.
+const BESIDE_COLOUR: [[f64; 4]; 2] = [[0.23, 0.3, 0.28, 0.7], [0.73, 0.3, 0.78, 0.7]];
 
 fn three(scale: FigureScale) -> PaperFigure {
     let mut study = study(

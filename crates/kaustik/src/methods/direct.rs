@@ -21,7 +21,7 @@ use crate::{
 pub(crate) const MOST_EDGES: u32 = 2;
 /// Of so many passes' worth of steps, direct light takes the first.
 const CYCLE: u64 = 8;
-/// So many passes' worth of steps leave both parts with something.
+/// So many passes' worth of steps leave both parts with something where a step of the chains is less than a pass.
 const LEAST: u64 = 2;
 /// Turns the seed of the chains into another one.
 const SEED: u64 = 0xD1EC_7A9A_2750_CE11;
@@ -102,6 +102,8 @@ pub(crate) struct DirectApart<'a> {
     done: Vec<[u64; 2]>,
     /// Steps of one pass over the image, of all ladders.
     pass: u64,
+    /// Passes that leave both parts of each ladder with something.
+    least: u64,
 }
 
 impl<'a> DirectApart<'a> {
@@ -120,14 +122,18 @@ impl<'a> DirectApart<'a> {
         of_direct.options.next_event = true;
         let direct = IndependentEngine::path(scene, &of_direct)?;
         let ladders = settings.ladder_range();
-        Ok(Self {
-            pass: (0..settings.options.ladders).map(|l| direct.grain(l)).sum(),
+        let all = settings.options.ladders;
+        let mut both = Self {
+            pass: (0..all).map(|l| direct.grain(l)).sum(),
+            least: LEAST,
             given: vec![0; ladders.len()],
             done: vec![[0; 2]; ladders.len()],
             chains,
             direct,
             ladders,
-        })
+        };
+        both.least = both.least_of_all(all);
+        Ok(both)
     }
 
     /// Of so many steps of a ladder those for direct light, whole passes, and those for the chains, as many
@@ -143,15 +149,18 @@ impl<'a> DirectApart<'a> {
         }
     }
 
-    /// As few passes of a ladder as leave the chains a step: one part alone is no picture. A small ladder's passes may be less
-    /// than a sweep of replicas.
-    fn least(&self, ladder: u32) -> u64 {
-        let pass = self.direct.grain(ladder);
-        let suffices = |passes: &u64| self.split(ladder, passes * pass)[1] > 0;
-        if pass == 0 || self.chains.grain(ladder) == 0 {
-            return LEAST;
-        }
-        (LEAST..).find(suffices).unwrap_or(LEAST)
+    /// As few passes as leave the chains of each ladder a step: one part alone is no picture. A small ladder's passes may be less than a
+    /// sweep of replicas; but all ladders take as many, as some filters want whole passes of all.
+    fn least_of_all(&self, ladders: u32) -> u64 {
+        let least = |ladder| {
+            let pass = self.direct.grain(ladder);
+            let suffices = |passes: &u64| self.split(ladder, passes * pass)[1] > 0;
+            if pass == 0 || self.chains.grain(ladder) == 0 {
+                return LEAST;
+            }
+            (LEAST..).find(suffices).unwrap_or(LEAST)
+        };
+        (0..ladders).map(least).max().unwrap_or(LEAST)
     }
 }
 
@@ -182,13 +191,13 @@ impl Engine for DirectApart<'_> {
             Budget::Time(_) => u64::MAX,
         };
         passes
-            .max(self.least(ladder))
+            .max(self.least)
             .saturating_mul(self.direct.grain(ladder))
     }
 
     /// A first round has something of both.
     fn grain(&self, ladder: u32) -> u64 {
-        self.least(ladder) * self.direct.grain(ladder)
+        self.least * self.direct.grain(ladder)
     }
 
     fn develop(&mut self) -> Result<Image, RenderError> {
