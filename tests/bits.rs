@@ -103,9 +103,19 @@ impl Watch for Onlooker {
 /// Whoever looks at a render on its way changes nothing but rounding, and sees in the end what is kept.
 #[test]
 fn looks_change_nothing_but_rounding() {
+    assert_looks_change_nothing(20);
+}
+
+#[test]
+#[ignore = "long"]
+fn looks_at_longer_renders_change_nothing_but_rounding() {
+    assert_looks_change_nothing(32);
+}
+
+fn assert_looks_change_nothing(spp: u64) {
     let scene = scene("glass-cube?light=0.8", 24);
     for method in Method::ALL {
-        let settings = settings(method, 24, 20);
+        let settings = settings(method, 24, spp);
         let alone = picture(&scene, &settings);
         let mut onlooker = Onlooker::default();
         let watched = render_watched(&scene, &settings, &mut Control::default(), &mut onlooker);
@@ -212,6 +222,17 @@ fn an_exported_scene_renders_to_the_same_bits() {
 /// photons under all filters, every other method under one that is wide and has negative lobes.
 #[test]
 fn filters_keep_the_brightness() {
+    assert_brightness_kept([32, 40], 0.04);
+}
+
+#[test]
+#[ignore = "long"]
+fn filters_keep_the_brightness_to_three_percent() {
+    assert_brightness_kept([48, 64], 0.03);
+}
+
+/// So many iterations of photon methods, of 2,000 light paths each, and samples a pixel of others.
+fn assert_brightness_kept([iterations, samples]: [u64; 2], within: f64) {
     let scene = scene("furnace?kind=diffuse", 16);
     let kinds = [
         Method::Path,
@@ -221,11 +242,10 @@ fn filters_keep_the_brightness() {
         Method::Sppm,
     ];
     for method in Method::ALL {
-        // An iteration of photon methods has 2,000 light paths.
         let spp = if method.name().contains("photon") || method == Method::Sppm {
-            32
+            iterations
         } else {
-            40
+            samples
         };
         for name in Filter::names() {
             if name != "mitchell" && !kinds.contains(&method) {
@@ -239,7 +259,7 @@ fn filters_keep_the_brightness() {
             };
             let [r, g, b] = crate::support::means(&picture(&scene, &settings));
             for mean in [r, g, b] {
-                assert!((mean - 1.0).abs() < 0.04, "{method} {name}: {mean}");
+                assert!((mean - 1.0).abs() < within, "{method} {name}: {mean}");
             }
         }
     }

@@ -23,6 +23,17 @@ fn short(method: Method, ladder: StageLadder) -> RenderSettings {
 /// The mean of many short renders is the picture, whatever maps their stages went by.
 #[test]
 fn short_stages_are_unbiased() {
+    assert_unbiased(64, 0.08);
+}
+
+#[test]
+#[ignore = "long"]
+fn short_stages_are_unbiased_to_five_percent() {
+    assert_unbiased(128, 0.05);
+}
+
+/// By the mean of so many, known to a share of each tile.
+fn assert_unbiased(seeds: u64, share: f64) {
     let scene = scene("cornell", SIDE);
     let path = tiles_of_seeds(&scene, &settings(Method::Path, SIDE, 2_048), 0..8);
     for method in METHODS {
@@ -32,8 +43,8 @@ fn short_stages_are_unbiased() {
             let stages = stages.expect("a render").statistics.stages;
             let least = if ladder == StageLadder::Two { 2 } else { 8 };
             assert!(stages.len() >= least, "{method}: {stages:?}");
-            let tiles = tiles_of_seeds(&scene, &short, 0..64);
-            let verdict = agree(&path, &tiles, |_| true, 0.08);
+            let tiles = tiles_of_seeds(&scene, &short, 0..seeds);
+            let verdict = agree(&path, &tiles, |_| true, share);
             assert!(
                 verdict.rejected.is_empty() && verdict.uncertain.is_empty(),
                 "{method}, {ladder:?}: {verdict:?}"

@@ -304,6 +304,17 @@ pub(crate) fn merged(scene: &Scene, states: &[State], keeper: &mut Keeper) -> Re
 
 #[test]
 fn shares_add_up_to_the_whole() {
+    assert_shares_add_up(|count| vec![0, count / 3, count / 2 + 1, count - 1, count]);
+}
+
+#[test]
+#[ignore = "long"]
+fn halves_add_up_to_the_whole() {
+    assert_shares_add_up(|count| vec![0, count / 2, count]);
+}
+
+/// `bounds`: where so many ladders are parted.
+fn assert_shares_add_up(bounds: fn(u32) -> Vec<u32>) {
     let scene = a_scene();
     for (what, settings) in cases() {
         if !settings.method.has_shares() {
@@ -324,7 +335,7 @@ fn shares_add_up_to_the_whole() {
         let one = bits(&picture(&scene, &settings));
         let through = last_state(&scene, &settings);
         let count = settings.options.ladders;
-        let mut bounds = vec![0, count / 3, count / 2 + 1, count - 1, count];
+        let mut bounds = bounds(count);
         bounds.dedup();
         let mut states = shares(&scene, &settings, &bounds);
         let mut keeper = Keeper::default();

@@ -123,6 +123,7 @@ impl Default for Autocorrelation {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::{Draws, generator};
 
     #[test]
     fn numbers_that_alternate_tell_of_no_error() {
@@ -130,7 +131,6 @@ mod tests {
         (0..10_000).for_each(|i| numbers.push(f64::from(i % 2)));
         assert_eq!((numbers.time(), numbers.standard_error()), (None, None));
     }
-    use crate::{Draws, generator};
 
     /// x' = phi x + uniform noise: autocorrelations phi^k.
     fn autoregressive(phi: f64, steps: usize, ladder: u64) -> Autocorrelation {
