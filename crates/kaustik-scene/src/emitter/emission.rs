@@ -25,7 +25,7 @@ impl Emitters {
         self.emission_of(chosen, matter, wavelengths, u)
     }
 
-    /// The start of a photon's walk, with the emitter chosen by power as far as [`PHOTON_FLOOR`] lets it.
+    /// The start of a photon's walk, with the emitter chosen by its flux, as far as the floors of [`Shares`](super::shares) let it.
     pub(crate) fn sample_photon(
         &self,
         matter: &Matter,

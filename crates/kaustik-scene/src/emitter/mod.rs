@@ -3,7 +3,7 @@
 //! One distribution chooses the emitter both for next-event estimation and for light walks,
 //! so that the density of a light vertex does not depend on the
 //! technique. Emissive triangles are emitters of their own; an environment takes half of the
-//! choice when there is anything else, because its flux through the scene's sphere says
+//! choice when there is anything else, and directional lights half of what is left at most, because their flux through the scene's sphere says
 //! little about what it does for the picture. Photons, which no other technique has to know the density of,
 //! have a distribution of their own that goes by that flux: they should all carry as much.
 
@@ -13,6 +13,7 @@ mod emission;
 mod point;
 mod punctual;
 mod sample;
+mod shares;
 mod triangle;
 
 use std::f64::consts::PI;
@@ -29,6 +30,7 @@ use crate::{Interior, Vertex};
 use alias::AliasTable;
 use density::lambertian_pdf;
 pub(crate) use punctual::Punctual;
+use shares::Shares;
 use triangle::{TriangleEmitter, interiors_around, typical_area};
 
 pub use density::EmissionPdf;
@@ -41,18 +43,6 @@ const DARK: u32 = u32::MAX;
 /// Emissive triangles that a scene may have, each instance's counted: a list of them takes some 3 GB, and
 /// files of a kilobyte can ask for any number.
 const MOST_TRIANGLES: u64 = 1 << 24;
-
-/// Share of the mean power that the dimmest emissive triangle is chosen with at least: a texture
-/// may be bright where the power estimate did not look.
-const POWER_FLOOR: f64 = 1e-3;
-
-/// Share of the photons that emitters other than the environment have at least: what is near in a room may have
-/// little power beside the sky, and yet be all that is seen.
-const PHOTON_FLOOR: f64 = 0.05;
-
-/// The same of the environment beside them. It counts with all that goes through the whole scene, and so rather
-/// with too many photons than with too few; many that carry little hide the few that carry much.
-const ENVIRONMENT_FLOOR: f64 = 0.01;
 
 #[derive(Clone, Copy, Debug)]
 enum Emitter {
@@ -103,19 +93,14 @@ impl Emitters {
             radius: sources.radius,
             ..Self::default()
         };
-        let mut powers = Vec::new();
+        let mut shares = Shares::default();
         for instance in 0..matter.material_of.len() as u32 {
-            emitters.add_instance(matter, instance, &mut powers);
-        }
-        let triangles = powers.len().max(1) as f64;
-        let floor = powers.iter().sum::<f64>() / triangles * POWER_FLOOR;
-        for power in powers.iter_mut().filter(|power| **power > 0.0) {
-            *power = power.max(floor);
+            emitters.add_instance(matter, instance, &mut shares);
         }
         let disc = PI * sources.radius * sources.radius;
         for (index, light) in sources.punctual.iter().enumerate() {
             emitters.list.push(Emitter::Punctual(index as u32));
-            powers.push(light.power(disc));
+            shares.punctual(light, disc);
             emitters.punctual_interior.push(if light.is_directional() {
                 Interior::VACUUM
             } else {
@@ -124,22 +109,15 @@ impl Emitters {
         }
         emitters.punctual = sources.punctual;
         if let Some(environment) = sources.environment.filter(|e| e.mean_radiance() > 0.0) {
-            let rest: f64 = powers.iter().sum();
             emitters.list.push(Emitter::Environment);
-            if rest > 0.0 {
-                let of_photons = rest * environment_odds(&environment, disc, rest);
-                powers.push(of_photons);
-                emitters.photon_choice = Some(AliasTable::new(&powers));
-                powers.pop();
-            }
-            powers.push(if rest > 0.0 { rest } else { 1.0 });
+            shares.environment(&environment, disc);
             emitters.environment = Some(environment);
         }
-        emitters.choice = AliasTable::new(&powers);
+        (emitters.choice, emitters.photon_choice) = shares.tables();
         Ok(emitters)
     }
 
-    fn add_instance(&mut self, matter: &Matter, instance: u32, powers: &mut Vec<f64>) {
+    fn add_instance(&mut self, matter: &Matter, instance: u32, shares: &mut Shares) {
         let world = &matter.world;
         let material_index = matter.material_of[instance as usize];
         let material = matter.material(material_index);
@@ -148,6 +126,7 @@ impl Emitters {
             return;
         }
         self.first_of_instance.push(self.list.len() as u32);
+        shares.instance();
         let sides = if material.emits_on_both_sides() {
             2.0
         } else {
@@ -156,7 +135,7 @@ impl Emitters {
         for primitive in 0..world.mesh_of(instance).indices.len() as u32 {
             let area = typical_area(world, instance, primitive);
             let mean = material.mean_emission(&matter.textures, world, instance, primitive);
-            powers.push(area * sides * PI * mean);
+            shares.triangle(area * sides * PI * mean);
             let around = interiors_around(matter, instance, primitive, area);
             // Neighbours mostly share their surroundings.
             if self.interiors.last() != Some(&around) {
@@ -391,14 +370,6 @@ fn emissive_triangles(matter: &Matter, instance: u32) -> u64 {
         true => matter.world.mesh_of(instance).indices.len() as u64,
         false => 0,
     }
-}
-
-/// How many photons of the environment there are for one of all other emitters, whose power is `rest`.
-fn environment_odds(environment: &Environment, disc: f64, rest: f64) -> f64 {
-    let power = 4.0 * PI * environment.mean_radiance() * disc;
-    let most = 1.0 - PHOTON_FLOOR;
-    let share = ENVIRONMENT_FLOOR + (most - ENVIRONMENT_FLOOR) * power / (power + rest);
-    share / (1.0 - share)
 }
 
 #[cfg(test)]

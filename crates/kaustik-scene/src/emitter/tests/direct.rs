@@ -8,7 +8,7 @@ use kaustik_geometry::Ray;
 use super::super::alias::AliasTable;
 use super::{FAST, LONG, Sphere, accepts, under_sky};
 use crate::description::{LightKind, MaterialDescription};
-use crate::testing::{Rng, Stage, double_sided, lamp, punctual, rectangle, wavelengths};
+use crate::testing::{Rng, Stage, double_sided, grey, lamp, punctual, rectangle, wavelengths};
 use crate::{Interior, Reach, Scene, Vertex};
 
 const FROM: DVec3 = DVec3::new(0.1, -0.2, 0.05);
@@ -162,6 +162,41 @@ fn emitters_are_chosen_with_the_stated_probability() {
     let (_, wrong) = choices(&all_kinds(1.2).build(), FAST);
     assert!(!accepts(&observed, &wrong.map(|p| p * f64::from(FAST))));
     assert!((stated[3] - 0.5).abs() < 1e-12, "the sky takes half");
+}
+
+/// The probability with which next event chooses a lamp that stands above the origin, beside others.
+fn chance_of_the_point(stage: Stage) -> f64 {
+    let point = punctual(LightKind::Point, 1.0, Vec3::Y, Vec3::Z);
+    let scene = stage.light(point).build();
+    let mut rng = Rng::new(3);
+    (0..FAST)
+        .filter_map(|_| scene.sample_direct(DVec3::ZERO, &wavelengths(), |_| rng.uniform()))
+        .find(|sample| matches!(sample.reach, Reach::Point(_)))
+        .map_or(0.0, |sample| sample.pdf)
+}
+
+/// A ground of a square kilometre under the sun, and a dome of a thousand times the lamp's power, say little about what is
+/// seen by the lamp.
+#[test]
+fn small_lamps_are_chosen_beside_large_ones() {
+    let sun = punctual(LightKind::Directional, 3.0, Vec3::ZERO, Vec3::NEG_Y);
+    let ground = Stage::new().add(
+        grey(0.5),
+        rectangle(Vec3::NEG_Y, Vec3::X * 500.0, Vec3::Z * 500.0),
+    );
+    let beside_the_sun = chance_of_the_point(ground.light(sun));
+    assert!((beside_the_sun - 0.5).abs() < 1e-12, "{beside_the_sun}");
+    let dome = rectangle(Vec3::Y * 90.0, Vec3::X * 80.0, Vec3::Z * 80.0);
+    let under_a_dome = chance_of_the_point(Stage::new().add(lamp(1.0), dome));
+    // A tenth of half of both.
+    assert!((0.047..0.051).contains(&under_a_dome), "{under_a_dome}");
+    let far = punctual(LightKind::Directional, 1e-6, Vec3::ZERO, Vec3::NEG_Y);
+    let starlight = chance_of_the_point(
+        Stage::new()
+            .add(grey(0.5), rectangle(Vec3::NEG_Y, Vec3::X, Vec3::Z))
+            .light(far),
+    );
+    assert!((1.0 / starlight - 1.05).abs() < 1e-9, "{starlight}");
 }
 
 #[test]
