@@ -97,7 +97,7 @@ pub(crate) struct RenderWords {
     /// The ladders that this process runs, half-open
     #[arg(long, value_name = "I..J", value_parser = ladders)]
     pub(crate) ladders: Option<Range<u32>>,
-    /// Most memory that loading the scene may take, for instance 500M or 4G [default: 1G and 16 bytes for each byte of its files]
+    /// Most memory that loading the scene may take, for instance 500M or 4G [default: 1G and 64 bytes for each byte of its files]
     #[arg(long, value_name = "SIZE", value_parser = size)]
     pub(crate) max_memory: Option<u64>,
     /// A setting of the method (see `kaustik methods NAME`); may be repeated, and of one key the last counts
@@ -179,7 +179,7 @@ pub(crate) struct MergeWords {
     /// Worker threads; changes nothing in the picture [default: one a processor]
     #[arg(long, value_name = "T", value_parser = clap::value_parser!(u32).range(1..=4096))]
     pub(crate) threads: Option<u32>,
-    /// Most memory that loading the scene may take, for instance 500M or 4G [default: 1G and 16 bytes for each byte of its files]
+    /// Most memory that loading the scene may take, for instance 500M or 4G [default: 1G and 64 bytes for each byte of its files]
     #[arg(long, value_name = "SIZE", value_parser = size)]
     pub(crate) max_memory: Option<u64>,
 }
@@ -222,7 +222,7 @@ pub(crate) struct MethodWords {
 pub(crate) struct InfoWords {
     /// A .gltf or .glb file, or builtin:NAME
     pub(crate) scene: String,
-    /// Most memory that loading the scene may take, for instance 500M or 4G [default: 1G and 16 bytes for each byte of its files]
+    /// Most memory that loading the scene may take, for instance 500M or 4G [default: 1G and 64 bytes for each byte of its files]
     #[arg(long, value_name = "SIZE", value_parser = size)]
     pub(crate) max_memory: Option<u64>,
 }

@@ -223,7 +223,13 @@ impl Matter {
         material.opacity(&self.textures, uv, self.world.color(hit)[3])
     }
 
-    /// The same at a point of a surface that was chosen and not met.
+    /// Is nothing there for light? The interface of a solid is there for what keeps count of solids, however clear.
+    fn is_cut_out(&self, hit: &Hit) -> bool {
+        let material = self.material(self.material_of[hit.instance as usize]);
+        material.has_alpha() && material.solid().is_none() && self.opacity(hit) <= 0.0
+    }
+
+    /// [`Self::opacity`] at a point of a surface that was chosen and not met.
     pub(crate) fn coverage(&self, material: u32, surface: &Surface) -> f32 {
         let material = self.material(material);
         if !material.has_alpha() {
@@ -276,7 +282,8 @@ impl Matter {
             if hidden || passage.is_stopped_by(self.opacity(&hit)) {
                 return Some(hit);
             }
-            hit = self.world.intersect_after(ray, &hit, |_| true)?;
+            // One more walk for all cut-outs of a leaf, not one for each.
+            hit = (self.world).intersect_after(ray, &hit, |next| !self.is_cut_out(next))?;
         }
         Some(hit)
     }
@@ -324,7 +331,7 @@ impl Matter {
                     }
                 }
             }
-            next = self.world.intersect_after(ray, &hit, |_| true);
+            next = (self.world).intersect_after(ray, &hit, |next| !self.is_cut_out(next));
         }
         if next.is_none() { passed } else { 0.0 }
     }

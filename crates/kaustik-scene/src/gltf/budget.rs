@@ -3,8 +3,9 @@ use super::{ErrorKind, LoadError, LoadOptions};
 /// Granted to any file, however small.
 const BASE: u64 = 1 << 30;
 /// Granted for each byte that is read from disk: decoded images and indexed geometry are
-/// larger than what they are stored as.
-const PER_BYTE: u64 = 16;
+/// larger than what they are stored as. A large JPEG has half a bit a pixel or more, and
+/// a pixel takes four bytes.
+const PER_BYTE: u64 = 64;
 
 /// Counts the bytes that a file asks for *before* they are allocated: a failed allocation
 /// aborts the process and cannot be caught, and a successful one of 100 GB is no better.
@@ -96,4 +97,27 @@ pub(super) fn size(bytes: u64) -> String {
         return format!("{bytes} B");
     }
     format!("{value:.1} {}", UNITS[unit])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Budget;
+    use crate::gltf::LoadOptions;
+
+    const MIB: u64 = 1 << 20;
+
+    /// Ten materials of three pictures of 4096 x 4096, at most; as many from files of a kilobyte are refused.
+    #[test]
+    fn rooms_of_large_pictures_fit_and_lies_do_not() {
+        let loads = |file: u64| {
+            let mut budget = Budget::new(&LoadOptions::default());
+            (0..30).all(|_| {
+                let fits = budget.file("/images", file).is_ok();
+                fits && budget.take("/images", 4 * 4096 * 4096 + 3 * file).is_ok()
+            })
+        };
+        for (file, fits) in [(3 * MIB / 2, true), (MIB, true), (MIB / 1024, false)] {
+            assert_eq!(loads(file), fits, "{file} bytes each");
+        }
+    }
 }

@@ -3,7 +3,7 @@ use super::warning::Warnings;
 use super::{ErrorKind, LoadError};
 
 /// The extensions that are read.
-pub const EXTENSIONS: [&str; 20] = [
+pub const EXTENSIONS: [&str; 21] = [
     "EXT_lights_image_based",
     "EXT_mesh_gpu_instancing",
     "EXT_meshopt_compression",
@@ -23,6 +23,7 @@ pub const EXTENSIONS: [&str; 20] = [
     "KHR_materials_variants",
     "KHR_materials_volume",
     "KHR_mesh_quantization",
+    "KHR_node_visibility",
     "KHR_texture_transform",
 ];
 

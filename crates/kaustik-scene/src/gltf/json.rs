@@ -175,8 +175,12 @@ impl<'a> Cursor<'a> {
     }
 
     pub(super) fn flag(&self, key: &'a str) -> Result<bool> {
+        self.flag_or(key, false)
+    }
+
+    pub(super) fn flag_or(&self, key: &'a str, default: bool) -> Result<bool> {
         let Some(member) = self.get(key)? else {
-            return Ok(false);
+            return Ok(default);
         };
         let flag = member.value.as_bool();
         flag.ok_or_else(|| member.mismatch("true or false"))

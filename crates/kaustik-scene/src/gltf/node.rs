@@ -17,6 +17,8 @@ pub(super) struct Placed<'a> {
     pub(super) index: usize,
     /// Position of its parent in the list of placed nodes.
     pub(super) parent: Option<usize>,
+    /// Its meshes and lights are not there (`KHR_node_visibility`, which says nothing of cameras).
+    pub(super) hidden: bool,
 }
 
 /// The parent of each node, after it has been checked that the nodes are a forest of bounded
@@ -109,14 +111,24 @@ pub(super) fn flatten<'a>(
         for child in node.list("children")?.iter().rev() {
             pending.push((child.index("/nodes", nodes.len())?, Some(placed.len())));
         }
+        let hidden = parent.is_some_and(|parent| placed[parent].hidden) || is_hidden(node)?;
         placed.push(Placed {
             node: node.clone(),
             world,
             index,
             parent,
+            hidden,
         });
     }
     Ok(placed)
+}
+
+/// Is the node hidden by itself, and with it all below it?
+fn is_hidden(node: &Cursor<'_>) -> Result<bool> {
+    match node.extension("KHR_node_visibility")? {
+        Some(visibility) => Ok(!visibility.flag_or("visible", true)?),
+        None => Ok(false),
+    }
 }
 
 fn roots(scene: &Cursor<'_>, nodes: usize) -> Result<Vec<usize>> {

@@ -3,7 +3,7 @@
 #[non_exhaustive]
 pub struct LoadOptions {
     /// Most bytes that loading may hold at a time, as counted before they are allocated;
-    /// `None`: 1 GiB plus 16 times the bytes of the files that are read.
+    /// `None`: 1 GiB plus 64 times the bytes of the files that are read.
     pub max_memory: Option<u64>,
     /// Most instances (placements of a mesh) in the scene.
     pub max_instances: usize,

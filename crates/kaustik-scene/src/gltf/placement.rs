@@ -40,7 +40,7 @@ pub(super) fn place<'a>(
     for (position, placed) in nodes.iter().enumerate() {
         let name = placed.node.text("name")?;
         let carrier = rig.carrier(position);
-        if placed.node.get("mesh")?.is_some() {
+        if !placed.hidden && placed.node.get("mesh")?.is_some() {
             let held = match skin(reader, placed, parts)? {
                 Some(skin) => Held {
                     copies: vec![(
@@ -59,7 +59,8 @@ pub(super) fn place<'a>(
         if let Some((index, camera)) = camera(reader, placed, name, &parts.cameras)? {
             cameras.push((index, camera, carrier));
         }
-        if let Some(light) = light(reader, placed, name, &parts.lights)? {
+        let light = light(reader, placed, name, &parts.lights)?;
+        if let Some(light) = light.filter(|_| !placed.hidden) {
             carry(description, Load::Light(description.lights.len()), carrier);
             description.lights.push(light);
         }

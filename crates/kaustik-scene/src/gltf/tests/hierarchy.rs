@@ -45,6 +45,37 @@ fn parents_apply_to_children() {
     assert!(found[1].abs_diff_eq(parent, 1e-6));
 }
 
+/// What is hidden is not there, nor what hangs below it; cameras are.
+#[test]
+fn hidden_nodes_show_nothing() {
+    let visible = |visible: bool| json!({ "KHR_node_visibility": { "visible": visible } });
+    let mut file = nodes(
+        json!([
+            { "extensions": visible(false), "children": [1, 2] },
+            { "mesh": 0, "name": "below", "extensions": visible(true) },
+            { "camera": 0, "extensions": { "KHR_lights_punctual": { "light": 0 } } },
+            { "mesh": 0, "name": "seen", "extensions": { "KHR_node_visibility": {} } },
+            { "mesh": 0, "name": "hidden", "extensions": visible(false) },
+        ]),
+        json!([0, 3, 4]),
+    );
+    file.json["cameras"] =
+        json!([{ "type": "perspective", "perspective": { "yfov": 1, "znear": 0.1 } }]);
+    file.json["extensions"] = json!({ "KHR_lights_punctual": { "lights": [{ "type": "point" }] } });
+    let used = json!(["KHR_node_visibility", "KHR_lights_punctual"]);
+    file.json["extensionsUsed"] = used.clone();
+    file.json["extensionsRequired"] = used;
+    let found = file.clean();
+    let names: Vec<&str> = found.instances.iter().map(|i| i.name.as_str()).collect();
+    assert_eq!(names, ["seen"]);
+    assert_eq!((found.cameras.len(), found.lights.len()), (1, 0));
+    file.json["nodes"][4]["extensions"] = json!({ "KHR_node_visibility": { "visible": 0 } });
+    assert_eq!(
+        file.error().place(),
+        "/nodes/4/extensions/KHR_node_visibility/visible"
+    );
+}
+
 #[test]
 fn matrices_keep_their_bits() {
     let m = [
