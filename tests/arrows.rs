@@ -45,7 +45,7 @@ const TABLE: &[(u8, &str, &str, &str, &str)] = &[
         2,
         "kaustik-scene",
         "bsdf geometry spectrum",
-        "base64 blake3 glam image libm meshoptimizer-rs rayon serde serde_json thiserror",
+        "base64 bevy_mikktspace blake3 glam image libm meshoptimizer-rs rayon serde serde_json thiserror",
         "",
     ),
     (

@@ -5,6 +5,7 @@ mod content;
 mod endpoint;
 mod error;
 mod motion;
+mod tangents;
 
 use std::sync::Arc;
 

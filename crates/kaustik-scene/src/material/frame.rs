@@ -63,4 +63,16 @@ impl Material {
         let coat = layers.and_then(|layers| layers.coat_unwrapping());
         coat.unwrap_or_default()
     }
+
+    /// How the texture lies for which a mesh needs tangents; `None` if no texture and no brush marks follow them.
+    pub(crate) fn tangents_along(&self) -> Option<Unwrapping> {
+        let coat = self
+            .layers
+            .as_ref()
+            .and_then(|layers| layers.coat_unwrapping());
+        match self.needs_tangent() {
+            true => Some(self.unwrapping()),
+            false => coat,
+        }
+    }
 }

@@ -8,7 +8,7 @@ use kaustik_geometry::{Aabb, Instance, Motion, World};
 
 use super::content::content;
 use super::motion::Motions;
-use super::{Scene, SceneError};
+use super::{Scene, SceneError, tangents};
 use crate::camera::Camera;
 use crate::description::{
     CameraDescription, Description, EnvironmentDescription, InstanceDescription, Load,
@@ -254,7 +254,7 @@ fn matter(
     let textures = textures(description)?;
     let materials = materials(description, options, &textures)?;
     let material_of = material_of(description)?;
-    let (instances, moving) = instances(description, motions);
+    let (mut instances, moving) = instances(description, motions);
     let used = |test: fn(&Material) -> bool| {
         material_of
             .iter()
@@ -262,7 +262,11 @@ fn matter(
     };
     let has_alpha = used(Material::has_alpha);
     let has_solids = used(|material| material.solid().is_some());
-    let world = World::moving(description.meshes.clone(), instances, moving)?;
+    let meshes = tangents::complete(&description.meshes, &mut instances, |instance| {
+        let material = &materials[material_of[instance] as usize];
+        material.tangents_along()
+    });
+    let world = World::moving(meshes, instances, moving)?;
     Ok(Matter {
         world,
         materials: materials.into(),

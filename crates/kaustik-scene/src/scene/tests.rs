@@ -5,6 +5,7 @@ mod normals;
 mod reflectances;
 mod solids;
 mod surroundings;
+mod tangents;
 
 use glam::{DVec3, Vec3};
 use kaustik_geometry::Ray;
