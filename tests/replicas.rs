@@ -91,6 +91,39 @@ fn all_variants_agree_roughly_with_path() {
     }
 }
 
+/// Exchanges that try pairs tell how each fares, one that permutes all tells of the whole, and none tells nothing.
+#[test]
+fn each_exchange_tells_its_own_rates() {
+    let told = |exchange| {
+        let mut settings = settings(Method::Relt, 16, 64);
+        settings.options.exchange = exchange;
+        let replicas = rendered("cornell", &settings).statistics.replicas;
+        replicas.expect("statistics of replicas")
+    };
+    let is_rate = |rate: Option<f64>| rate.is_some_and(|rate| rate > 0.0 && rate <= 1.0);
+    for exchange in [
+        Schedule::Alternating,
+        Schedule::RandomPair,
+        Schedule::RandomMatching,
+    ] {
+        let told = told(exchange);
+        let mut rates = told.exchange_acceptance.iter();
+        assert!(rates.all(|&rate| is_rate(rate)), "{exchange:?} {told:?}");
+        assert_eq!(told.permutation_acceptance, None, "{exchange:?}");
+    }
+    let all = told(Schedule::Permutation);
+    assert!(is_rate(all.permutation_acceptance), "{all:?}");
+    let none = told(Schedule::Off);
+    assert_eq!(none.permutation_acceptance, None);
+    for told in [all, none] {
+        assert!(
+            told.exchange_acceptance.iter().all(Option::is_none),
+            "{told:?}"
+        );
+        assert_eq!(told.exchange_acceptance.len(), told.pairs.len());
+    }
+}
+
 /// Tiles where the pictures differ by more than a share of their mean, noise apart, and those where
 /// noise is too large to tell.
 fn further_apart(a: &[Tile], b: &[Tile], share: f64) -> [Vec<usize>; 2] {

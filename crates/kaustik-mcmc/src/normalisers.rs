@@ -232,6 +232,20 @@ mod tests {
         assert!(close(rough.values()[1], 0.55));
     }
 
+    /// Of no particles at all there is no mean, and nothing that is not a number.
+    #[test]
+    fn nothing_adds_nothing() {
+        let nothing = || RoughNormalisers::annealed([Estimate::exact(0.0); 2], 0);
+        let mut rough = nothing();
+        rough.merge(&nothing());
+        assert_eq!(rough, nothing());
+        let some = RoughNormalisers::annealed([Estimate::exact(1.0), Estimate::exact(0.3)], 10);
+        rough.merge(&some);
+        assert_eq!(rough, some);
+        rough.merge(&nothing());
+        assert_eq!(rough, some);
+    }
+
     #[test]
     fn running_ones_scale_and_compare() {
         let running = RunningNormalisers {

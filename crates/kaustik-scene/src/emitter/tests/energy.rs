@@ -148,6 +148,36 @@ fn photons_of_sun_and_sky_carry_alike() {
     assert!(photons < 1.1 && walks > 1.8, "{photons} {walks}");
 }
 
+/// Beside a sun on much ground, and under a sky as well, a twentieth of the photons is a lamp's; the power is that of all.
+#[test]
+fn a_lamp_has_photons_beside_the_sun() {
+    let ground = || {
+        let ground = rectangle(Vec3::ZERO, Vec3::Z * 80.0, Vec3::X * 80.0);
+        let lamp = punctual(LightKind::Point, 2.0, Vec3::Y, Vec3::NEG_Y);
+        Stage::new()
+            .add(grey(0.5), ground)
+            .light(lamp)
+            .light(sun(30.0, Vec3::NEG_Y))
+    };
+    for (sky, stage) in [(0.0, ground()), (0.1, ground().sky(0.1))] {
+        let scene = stage.build();
+        let disc = PI * scene.bounding_sphere().1.powi(2);
+        let mut rng = Rng::new(37);
+        let mut of_lamp = 0;
+        let photons = mean((0..SAMPLES).map(|_| {
+            let sample = scene.sample_photon(&wavelengths(), |_| rng.uniform());
+            sample.map_or(0.0, |sample| {
+                of_lamp += usize::from(sample.ray.origin.distance(Vec3::Y) < 1e-3);
+                f64::from(sample.weight.hero()) / unit()
+            })
+        }));
+        let power = (30.0 + sky * 4.0 * PI) * disc + 2.0 * 4.0 * PI;
+        assert_mean("photons", photons, power);
+        let share = of_lamp as f64 / SAMPLES as f64;
+        assert!((share - 0.05).abs() < 0.004, "{share}");
+    }
+}
+
 /// Irradiance at the origin of a surface that faces up.
 fn irradiance(scene: &Scene) -> (f64, f64) {
     let mut rng = Rng::new(29);
