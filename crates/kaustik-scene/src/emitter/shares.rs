@@ -171,9 +171,10 @@ impl Shares {
 
 /// The environment's part of what comes from infinitely far away.
 fn sky_share(environment: f64, directional: f64) -> f64 {
-    match (environment > 0.0, directional > 0.0) {
-        (true, true) => share(environment, directional),
-        (sky, _) => f64::from(u8::from(sky)),
+    match directional > 0.0 && environment > 0.0 {
+        true => share(environment, directional),
+        false if environment > 0.0 => 1.0,
+        false => 0.0,
     }
 }
 

@@ -23,62 +23,51 @@ const MOST_CORNERS: u32 = 256;
 /// The meshes, and with them those that get tangents for instances: `along(i)` tells how the texture lies that instance `i`
 /// needs tangents for, if it does. Instances are turned to what they need, and meshes that nobody needs as they are, are
 /// replaced.
+///
+/// A mesh gets tangents once, for the first that needs some: a file of few bytes can lay its textures in any number of ways, and
+/// each would be a mesh of its own. Where they lie otherwise, triangles keep their own tangents.
 pub(super) fn complete(
     meshes: &[Arc<Mesh>],
     instances: &mut [Instance],
     along: impl Fn(usize) -> Option<Unwrapping>,
 ) -> Vec<Arc<Mesh>> {
-    let mut made: HashMap<Need, Option<Arc<Mesh>>> = HashMap::new();
-    let mut needs = Vec::with_capacity(instances.len());
-    for (i, instance) in instances.iter().enumerate() {
-        let mesh = meshes.get(instance.mesh as usize);
-        let need = along(i).zip(mesh).and_then(|(along, mesh)| {
-            let need = Need::new(instance.mesh, &along);
-            let with = made
-                .entry(need)
-                .or_insert_with(|| with_tangents(mesh, &along));
-            with.is_some().then_some(need)
-        });
-        needs.push(need);
-    }
-    let kept = instances.iter().zip(&needs);
-    let kept = kept.filter(|(_, need)| need.is_none());
-    let mut taken: HashSet<u32> = kept.map(|(instance, _)| instance.mesh).collect();
+    let mut made: HashMap<u32, (Unwrapping, Option<Arc<Mesh>>)> = HashMap::new();
+    let turned: Vec<bool> = (instances.iter().enumerate())
+        .map(|(i, instance)| {
+            let mesh = meshes.get(instance.mesh as usize);
+            along(i).zip(mesh).is_some_and(|(along, mesh)| {
+                let make = || (along, with_tangents(mesh, &along));
+                let (lies, made) = made.entry(instance.mesh).or_insert_with(make);
+                *lies == along && made.is_some()
+            })
+        })
+        .collect();
+    let kept = instances
+        .iter()
+        .zip(&turned)
+        .filter(|(_, turned)| !**turned);
+    let kept: HashSet<u32> = kept.map(|(instance, _)| instance.mesh).collect();
     let mut list = meshes.to_vec();
-    let mut place_of: HashMap<Need, u32> = HashMap::new();
-    for (instance, need) in instances.iter_mut().zip(needs) {
-        let Some((need, mesh)) = need.and_then(|need| Some((need, made.get(&need)?.as_ref()?)))
-        else {
+    let mut place_of: HashMap<u32, u32> = HashMap::new();
+    for (instance, _) in instances
+        .iter_mut()
+        .zip(turned)
+        .filter(|(_, turned)| *turned)
+    {
+        let old = instance.mesh;
+        let Some((_, Some(mesh))) = made.get(&old) else {
             continue;
         };
-        instance.mesh = *place_of.entry(need).or_insert_with(|| {
-            if taken.insert(need.mesh) {
-                list[need.mesh as usize] = Arc::clone(mesh);
-                return need.mesh;
+        instance.mesh = *place_of.entry(old).or_insert_with(|| {
+            if kept.contains(&old) {
+                list.push(Arc::clone(mesh));
+                return list.len() as u32 - 1;
             }
-            list.push(Arc::clone(mesh));
-            list.len() as u32 - 1
+            list[old as usize] = Arc::clone(mesh);
+            old
         });
     }
     list
-}
-
-/// A mesh under a texture.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-struct Need {
-    mesh: u32,
-    set: usize,
-    turned: [u64; 4],
-}
-
-impl Need {
-    fn new(mesh: u32, along: &Unwrapping) -> Self {
-        Self {
-            mesh,
-            set: along.set,
-            turned: along.turned.to_cols_array().map(f64::to_bits),
-        }
-    }
 }
 
 /// The mesh with tangents; `None` if it has some, or none can be made.
@@ -100,7 +89,7 @@ fn with_tangents(mesh: &Mesh, along: &Unwrapping) -> Option<Arc<Mesh>> {
         return None;
     }
     fenced(|| generate_tangents(&mut work))?.ok()?;
-    Some(Arc::new(split(mesh, &work.tangents)))
+    split(mesh, &work.tangents).map(Arc::new)
 }
 
 /// A mesh as the algorithm sees it: without triangles that are none, for which it would look at all others.
@@ -194,13 +183,17 @@ impl Geometry<Portable> for Work<'_> {
     }
 }
 
-/// The mesh with a vertex of its own for each tangent that corners have in one place.
-fn split(mesh: &Mesh, tangents: &[[Vec4; 3]]) -> Mesh {
+/// The mesh with a vertex of its own for each tangent that corners have in one place; `None` if it would have more than twice the
+/// vertices, as no texture asks for that and memory has been counted without.
+fn split(mesh: &Mesh, tangents: &[[Vec4; 3]]) -> Option<Mesh> {
     let mut with = mesh.clone();
     with.tangents = vec![Vec4::W; mesh.positions.len()];
     let mut first = vec![true; mesh.positions.len()];
     let mut copies: HashMap<(u32, [u32; 4]), u32> = HashMap::new();
     for (triangle, tangents) in with.indices.iter_mut().zip(tangents) {
+        if with.positions.len() > 2 * mesh.positions.len() {
+            return None;
+        }
         for (index, &tangent) in triangle.iter_mut().zip(tangents) {
             let vertex = *index as usize;
             let bits = tangent.to_array().map(f32::to_bits);
@@ -218,7 +211,7 @@ fn split(mesh: &Mesh, tangents: &[[Vec4; 3]]) -> Mesh {
             });
         }
     }
-    with
+    Some(with)
 }
 
 fn repeat<T: Copy>(values: &mut Vec<T>, vertex: usize) {

@@ -129,27 +129,36 @@ fn mirrored_sides_stay_apart() {
     }
 }
 
-/// Each instance has the mesh that its material needs; what nobody needs as it was is not kept.
+/// Each instance has the mesh that its material needs, but that one gets tangents once; what nobody needs as it was is not kept.
 #[test]
 fn instances_get_what_they_need() {
     let meshes = [Arc::new(globe()), Arc::new(globe())];
-    let turned = Unwrapping {
+    let plain = Some(Unwrapping::default());
+    let turned = Some(Unwrapping {
         turned: glam::DMat2::from_angle(1.0),
         ..Unwrapping::default()
-    };
-    let needs = [
-        None,
-        Some(Unwrapping::default()),
-        Some(turned),
-        Some(turned),
-    ];
-    let mut instances = [standing(0), standing(0), standing(1), standing(1)];
+    });
+    let needs = [None, plain, turned, turned, turned];
+    let mut instances = [0, 0, 0, 1, 1].map(standing);
     let list = complete(&meshes, &mut instances, |i| needs[i]);
-    assert_eq!(instances.each_ref().map(|i| i.mesh), [0, 2, 1, 1]);
+    assert_eq!(instances.each_ref().map(|i| i.mesh), [0, 2, 0, 1, 1]);
     assert_eq!(list.len(), 3);
     assert!(Arc::ptr_eq(&list[0], &meshes[0]));
     assert!(list[1..].iter().all(|mesh| !mesh.tangents.is_empty()));
     assert_ne!(list[1].tangents, list[2].tangents);
+}
+
+/// Textures that lie in a thousand ways make no thousand meshes.
+#[test]
+fn a_mesh_gets_tangents_once() {
+    let mut instances = vec![standing(0); 1000];
+    let list = complete(&[Arc::new(globe())], &mut instances, |i| {
+        Some(Unwrapping {
+            turned: glam::DMat2::from_angle(i as f64 * 1e-3),
+            ..Unwrapping::default()
+        })
+    });
+    assert_eq!(list.len(), 2);
 }
 
 /// A wheel of so many triangles around one vertex would take the square of their number, and a stack as deep.
