@@ -51,8 +51,10 @@ fn sample(scene: &Scene, raster: [f64; 2], u: &mut impl Draws, fault: Fault) -> 
         let passing = u.uniform();
         let through = || passing;
         let segment = scene.advance(&ray, &mut interior, &wavelengths, through, &mut vertex);
-        let Some(segment) = segment else { break };
-        throughput *= segment.transmittance;
+        throughput *= segment.factor();
+        if segment.escapes() {
+            break;
+        }
         let weight = match last {
             Some((position, pdf)) if fault != Fault::EmissionUnweighted => {
                 let mut rival = scene.direct_pdf(position, &vertex);
@@ -83,7 +85,8 @@ fn sample(scene: &Scene, raster: [f64; 2], u: &mut impl Draws, fault: Fault) -> 
             if !found.delta && fault != Fault::NextEventUnweighted {
                 weight *= balance(found.pdf, bsdf.pdf(wo, wi, Mode::Radiance));
             }
-            if shading::sides_agree(wo, wi, ng) && is_visible(scene, &vertex, &found) {
+            if shading::sides_agree(wo, wi, ng) && is_visible(scene, &vertex, &found, &wavelengths)
+            {
                 let f = bsdf.eval(wo, wi, Mode::Radiance);
                 light += throughput * f * found.radiance * weight;
             }
@@ -108,9 +111,15 @@ fn sample(scene: &Scene, raster: [f64; 2], u: &mut impl Draws, fault: Fault) -> 
 }
 
 /// This tracer knows solids only by what `Scene` says of them: it is used in empty space.
-fn is_visible(scene: &Scene, vertex: &Vertex, found: &DirectSample) -> bool {
+fn is_visible(
+    scene: &Scene,
+    vertex: &Vertex,
+    found: &DirectSample,
+    wavelengths: &Wavelengths,
+) -> bool {
     let around = scene.camera_interior();
-    scene.visibility(&scene.shadow_ray(vertex, found), &around) > 0.5
+    let ray = scene.shadow_ray(vertex, found);
+    scene.visibility(&ray, &around, wavelengths).chance > 0.5
 }
 
 /// A picture of independent samples.

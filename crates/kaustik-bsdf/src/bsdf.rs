@@ -1,8 +1,8 @@
 use crate::lobe::lobe_of_variants;
 use crate::{
     Coated, Conductor, Delta, Dielectric, Interface, Lambertian, LayerParameters, Layered, Lobe,
-    Mirror, Mode, OrenNayar, Phong, Principled, PrincipledParameters, Reflectance, RoughConductor,
-    RoughDielectric, RoughThinDielectric, Sample, ThinDielectric,
+    Mirror, Mode, OrenNayar, Passing, Phong, Principled, PrincipledParameters, Reflectance,
+    RoughConductor, RoughDielectric, RoughThinDielectric, Sample, ThinDielectric,
 };
 use glam::DVec3;
 use kaustik_spectrum::Spectrum;
@@ -96,7 +96,35 @@ impl Bsdf {
         if alpha >= SMOOTH_ALPHA && interface.bends() {
             Self::RoughThinDielectric(RoughThinDielectric::new(interface, alpha, compensation))
         } else {
-            Self::ThinDielectric(ThinDielectric { interface })
+            Self::ThinDielectric(ThinDielectric {
+                interface,
+                passable: false,
+            })
+        }
+    }
+
+    /// The same without what goes straight through a smooth pane: where rays pass by themselves, as they pass the holes of
+    /// a leaf, that is not scattering but [`passing`](Self::passing). Panes under layers stay as they are.
+    #[must_use]
+    pub fn passable(self) -> Self {
+        match self {
+            Self::ThinDielectric(pane) => Self::ThinDielectric(ThinDielectric {
+                passable: true,
+                ..pane
+            }),
+            Self::Principled(lobe) => Self::Principled(lobe.passable()),
+            other => other,
+        }
+    }
+
+    /// What of light from `wo` (local, unit) passes a [`passable`](Self::passable) pane unscattered; nothing passes any
+    /// other. It and what is scattered sum to 1 at most.
+    #[inline]
+    pub fn passing(&self, wo: DVec3) -> Passing {
+        match self {
+            Self::ThinDielectric(pane) => pane.passing(wo),
+            Self::Principled(lobe) => lobe.passing(wo),
+            _ => Passing::NOTHING,
         }
     }
 

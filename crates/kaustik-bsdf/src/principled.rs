@@ -9,7 +9,7 @@ pub(crate) use store::{PrincipledPieces, PrincipledStore};
 
 use crate::facets::{Facets, rebound_colour};
 use crate::ggx::Ggx;
-use crate::{Bsdf, Delta, Lobe, Mode, Reflectance, Sample, local, warp};
+use crate::{Bsdf, Delta, Lobe, Mode, Passing, Reflectance, Sample, local, warp};
 use body::Body;
 use clear::Clear;
 use glam::DVec3;
@@ -94,6 +94,21 @@ impl Principled {
         }
         let plain = p.transmission <= 0.0 && p.specular <= 0.0;
         plain.then(|| Bsdf::lambertian(p.base_color))
+    }
+
+    /// The same with a [passable](crate::ThinDielectric::passable) pane, if it has a smooth one.
+    pub(crate) fn passable(self) -> Self {
+        Self {
+            clear: self.clear.map(Clear::passable),
+            ..self
+        }
+    }
+
+    /// What [passes](crate::ThinDielectric::passing).
+    #[inline]
+    pub(crate) fn passing(&self, wo: DVec3) -> Passing {
+        self.clear
+            .map_or(Passing::NOTHING, |clear| clear.passing(wo))
     }
 
     /// Probabilities of glossy, diffuse and clear from `wo`; they sum to 1 unless all is black.
@@ -281,6 +296,6 @@ impl Lobe for Principled {
 
     #[inline]
     fn transmits(&self) -> bool {
-        self.clear.is_some()
+        self.clear.is_some_and(|clear| clear.transmits())
     }
 }

@@ -1,4 +1,4 @@
-use crate::{Delta, Interface, Lobe, Mode, Sample, local};
+use crate::{Delta, Interface, Lobe, Mode, Passing, Sample, local};
 use glam::DVec3;
 use kaustik_spectrum::Spectrum;
 
@@ -10,6 +10,33 @@ use kaustik_spectrum::Spectrum;
 pub struct ThinDielectric {
     /// The pane against its surroundings.
     pub interface: Interface,
+    /// Is light that goes straight through not scattered at all, but [passing](Self::passing)? Then the pane reflects,
+    /// and no more.
+    pub passable: bool,
+}
+
+impl ThinDielectric {
+    /// What of light from `wo` passes without being scattered: nothing unless [`passable`](Self::passable).
+    #[inline]
+    pub fn passing(&self, wo: DVec3) -> Passing {
+        if self.passable && local::usable(wo) {
+            let (_, share) = pane(&self.interface, wo.z.abs());
+            Passing { share }
+        } else {
+            Passing::NOTHING
+        }
+    }
+
+    /// Reflected and transmitted share, and the probability of reflecting.
+    #[inline]
+    fn shares(&self, wo: DVec3) -> (Spectrum, Spectrum, f64) {
+        let (reflected, transmitted) = pane(&self.interface, wo.z.abs());
+        if self.passable {
+            return (reflected, Spectrum::ZERO, 1.0);
+        }
+        let p = reflect_probability(reflected, transmitted);
+        (reflected, transmitted, p)
+    }
 }
 
 /// Reflected and transmitted share of a pane, tinted, of a facet met at `cosine`.
@@ -47,8 +74,7 @@ impl Lobe for ThinDielectric {
         if !local::usable(wo) {
             return None;
         }
-        let (reflected, transmitted) = pane(&self.interface, wo.z.abs());
-        let p = reflect_probability(reflected, transmitted);
+        let (reflected, transmitted, p) = self.shares(wo);
         if uc < p {
             Sample::delta(wo, local::mirror(wo), reflected, p)
         } else {
@@ -61,8 +87,7 @@ impl Lobe for ThinDielectric {
         if !local::usable(wo) {
             return None;
         }
-        let (reflected, through) = pane(&self.interface, wo.z.abs());
-        let p = reflect_probability(reflected, through);
+        let (reflected, through, p) = self.shares(wo);
         let sample = if transmitted {
             Sample::delta(wo, -wo, through, 1.0 - p)
         } else {
@@ -73,8 +98,12 @@ impl Lobe for ThinDielectric {
 
     #[inline]
     fn albedo(&self, wo: DVec3) -> Spectrum {
-        let (reflected, transmitted) = pane(&self.interface, wo.z.abs());
+        let (reflected, transmitted, _) = self.shares(wo);
         reflected + transmitted
+    }
+
+    fn transmits(&self) -> bool {
+        !self.passable
     }
 
     fn is_delta(&self) -> bool {

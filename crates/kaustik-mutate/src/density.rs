@@ -1,5 +1,6 @@
 //! With which density a step of a walk makes a vertex: see the crate's page on the measure.
 
+use glam::DVec3;
 use kaustik_bsdf::{Lobe, Mode, shading};
 use kaustik_scene::{EmissionPdf, EmitterPoint};
 
@@ -22,7 +23,19 @@ pub(crate) fn geometry_to_eye(path: &impl Vertices, i: usize) -> f64 {
                 / factor(Factor::DistanceToEye, from.edge.squared)
         }
     };
-    measure * factor(Factor::PassedToEye, from.edge.passed * to.opacity)
+    measure
+        * factor(Factor::PassedToEye, from.edge.passed * to.opacity)
+        * factor(Factor::MeetingToEye, meeting(to, to.wi))
+}
+
+/// Probability that a walk which comes to a vertex from local direction `w` does not pass it as a pane.
+#[inline]
+fn meeting(vertex: &PathVertex, w: DVec3) -> f64 {
+    match vertex.kind {
+        VertexKind::Surface => vertex.bsdf.passing(w).meeting(),
+        // No emitter is a pane.
+        VertexKind::Emitter(_) | VertexKind::Lens => 1.0,
+    }
 }
 
 /// What of a step against the light is geometry: vertex `i` from vertex `i + 1`.
@@ -37,7 +50,9 @@ pub(crate) fn geometry_to_light(path: &impl Vertices, i: usize) -> f64 {
                 / factor(Factor::DistanceToLight, to.edge.squared)
         }
     };
-    measure * factor(Factor::PassedToLight, to.edge.passed * to.opacity)
+    measure
+        * factor(Factor::PassedToLight, to.edge.passed * to.opacity)
+        * factor(Factor::MeetingToLight, meeting(to, to.wo))
 }
 
 /// `s / S`: what a walk with the light has in its density at a Dirac scattering, beside the probability.

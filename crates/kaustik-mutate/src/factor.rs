@@ -17,6 +17,8 @@ pub(crate) enum Factor {
     CosBeforeRunToLight,
     /// Against the light: what passes on the way, and stops at its end.
     PassedToLight,
+    /// Against the light: chance that a pane where the step arrives is met and not passed.
+    MeetingToLight,
     /// Against the light: probability of a direction.
     DirectionToLight,
     /// Against the light: probability of a Dirac scattering.
@@ -29,6 +31,8 @@ pub(crate) enum Factor {
     CosBeforeRunToEye,
     /// With the light: what passes on the way, and stops at its end.
     PassedToEye,
+    /// With the light: chance that a pane where the step arrives is met and not passed.
+    MeetingToEye,
     /// With the light: probability of a direction.
     DirectionToEye,
     /// With the light: probability of a Dirac scattering.

@@ -62,13 +62,14 @@ impl PathSpace<'_> {
     fn see(&self, path: &mut Path, i: usize) -> bool {
         let wavelengths = path.wavelengths;
         let (light, eye) = path.pair(i);
-        let passed = self.passed(light, eye);
+        let passed = self.passed(light, eye, &wavelengths);
         light.edge = Edge {
             squared: light.edge.squared,
-            passed,
+            passed: 1.0,
             transmittance: self.transmittance_between(light, eye, &wavelengths),
         };
-        passed > 0.0
+        light.edge.dim(passed);
+        !passed.is_nothing()
     }
 
     /// Share of light left by what fills the edge between two neighbours; all of it where it comes

@@ -19,8 +19,10 @@
 //! | to `b` from `a`, with the light | `p_w(a) P.. / cos_a` times `s / S` of each vertex passed |
 //!
 //! where `P` are the probabilities of the lobes, `s` is the squared ratio of the indices that radiance
-//! is multiplied by and `S` the factor of shading normals for particles (both: Veach 1997 ch. 5). Each step has one
-//! factor more: the share of light that passes what is partly transparent on the way, times the opacity of where it ends.
+//! is multiplied by and `S` the factor of shading normals for particles (both: Veach 1997 ch. 5). Each step has
+//! two factors more: the chance to pass what is partly transparent on the way, times the opacity of where it ends; and where
+//! that is a smooth pane, which rays pass as well ([`Bsdf::passing`](kaustik_bsdf::Bsdf::passing)), the chance to meet it. `f` has the first, and
+//! in the transmittance of the edge what passes panes over the chance to.
 //!
 //! The unit of area is the scene's own, or in a scene of millimetres or of kilometres the square of the
 //! length that is usual there: products over long paths stay within the range of `f64`.

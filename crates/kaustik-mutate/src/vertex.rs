@@ -1,6 +1,6 @@
 use glam::DVec3;
 use kaustik_bsdf::Bsdf;
-use kaustik_scene::{EmitterPoint, Interior, Vertex};
+use kaustik_scene::{EmitterPoint, Interior, Passed, Vertex};
 use kaustik_spectrum::Spectrum;
 
 use crate::walk::WalkDirection;
@@ -52,7 +52,7 @@ pub(crate) struct PathVertex {
     pub(crate) cos_light: f64,
     /// Geometric cosine toward the eye; 1 where there is none.
     pub(crate) cos_eye: f64,
-    /// Probability that a ray that comes here meets the surface.
+    /// Share of the surface that is there.
     pub(crate) opacity: f64,
     /// The edge toward the eye.
     pub(crate) edge: Edge,
@@ -63,10 +63,19 @@ pub(crate) struct PathVertex {
 pub(crate) struct Edge {
     /// Square of the length; 1 where one end is infinitely far away.
     pub(crate) squared: f64,
-    /// Share of light that passes what is partly transparent.
+    /// Probability to pass what is partly transparent.
     pub(crate) passed: f64,
-    /// Share of light that what fills the space leaves over.
+    /// Share of light that what fills the space leaves over, and all that is passed over the probability of it.
     pub(crate) transmittance: Spectrum,
+}
+
+impl Edge {
+    /// Takes in what is in the way.
+    #[inline]
+    pub(crate) fn dim(&mut self, passed: Passed) {
+        self.passed = passed.chance;
+        self.transmittance *= passed.tint;
+    }
 }
 
 impl Default for Edge {

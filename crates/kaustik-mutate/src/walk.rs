@@ -4,8 +4,8 @@ use glam::DVec3;
 use kaustik_bsdf::{Lobe, Mode};
 use kaustik_geometry::Ray;
 use kaustik_mcmc::Draws;
-use kaustik_scene::{EmitterPoint, Interior};
-use kaustik_spectrum::Spectrum;
+use kaustik_scene::{EmitterPoint, Interior, Passed};
+use kaustik_spectrum::{Spectrum, Wavelengths};
 
 use crate::vertex::{Edge, PathVertex, VertexKind};
 use crate::{Path, PathSpace};
@@ -57,16 +57,16 @@ impl PathSpace<'_> {
         slot.specular = false;
         slot.transmitted = false;
         slot.dispersive = false;
-        let Some(segment) = segment else {
+        if segment.escapes() {
             let seen = !self.scene.environment(direction, &wavelengths).is_zero();
             slot.kind = VertexKind::Emitter(EmitterPoint::Environment(direction));
             slot.opacity = 1.0;
             slot.edge = Edge::default();
-            if seen && self.scene.has_alpha() {
-                slot.edge.passed = f64::from(self.scene.visibility(ray, &start));
+            if seen && self.scene.has_openings() {
+                (slot.edge).dim(self.scene.visibility(ray, &start, &wavelengths));
             }
             return seen;
-        };
+        }
         let squared = (slot.vertex.position - from.vertex.position).length_squared();
         let parallel = from.kind == VertexKind::Lens && self.scene.camera().is_dirac_direction();
         slot.edge = Edge {
@@ -75,8 +75,8 @@ impl PathSpace<'_> {
             transmittance: segment.transmittance,
         };
         self.arrive(slot, interior, -direction);
-        if self.scene.has_alpha() {
-            slot.edge.passed = self.passed(slot, from);
+        if self.scene.has_openings() {
+            slot.edge.dim(self.passed(slot, from, &wavelengths));
         }
         if i == 0 {
             slot.kind = VertexKind::Emitter(EmitterPoint::Surface);
@@ -102,9 +102,9 @@ impl PathSpace<'_> {
         let draw = || draws.uniform();
         let segment =
             (self.scene).advance(ray, &mut interior, &wavelengths, draw, &mut slot.vertex);
-        let Some(segment) = segment else {
+        if segment.escapes() {
             return false;
-        };
+        }
         slot.toward_light = -direction;
         slot.specular = false;
         slot.transmitted = false;
@@ -112,8 +112,8 @@ impl PathSpace<'_> {
         self.arrive(slot, interior, -direction);
         (self.scene).write_bsdf(&slot.vertex, &wavelengths, &interior, &mut slot.bsdf);
         from.edge = self.edge_from(from, slot, segment.transmittance);
-        if self.scene.has_alpha() {
-            from.edge.passed = self.passed(from, slot);
+        if self.scene.has_openings() {
+            from.edge.dim(self.passed(from, slot, &wavelengths));
         }
         true
     }
@@ -148,10 +148,15 @@ impl PathSpace<'_> {
         slot.opacity = f64::from(self.scene.opacity(&slot.vertex));
     }
 
-    /// Share of light that passes between two neighbours; 0 where they do not see each other.
-    pub(crate) fn passed(&self, light: &PathVertex, eye: &PathVertex) -> f64 {
+    /// What passes between two neighbours; nothing where they do not see each other.
+    pub(crate) fn passed(
+        &self,
+        light: &PathVertex,
+        eye: &PathVertex,
+        wavelengths: &Wavelengths,
+    ) -> Passed {
         let interior = self.interior_between(light, eye);
-        f64::from(self.scene.visibility(&self.sight(light, eye), &interior))
+        (self.scene).visibility(&self.sight(light, eye), &interior, wavelengths)
     }
 
     /// The solids around the beginning of [`Self::sight`]: where interfaces are hidden, those at its other

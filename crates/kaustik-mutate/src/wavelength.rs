@@ -4,7 +4,7 @@ use kaustik_spectrum::Wavelengths;
 
 use crate::{Path, PathSpace};
 
-/// Draws the wavelengths anew and keeps the vertices: no ray is traced. Symmetric.
+/// Draws the wavelengths anew and keeps the vertices: no ray is traced but through panes. Symmetric.
 ///
 /// A path that refracts smoothly where the index depends on the wavelength would run elsewhere: such a
 /// proposal is impossible.
@@ -67,10 +67,13 @@ impl WavelengthMutation<'_> {
         space.evaluate(y).then_some(1.0)
     }
 
-    /// Absorption along the edge of vertex `i`.
+    /// What is left of light along the edge of vertex `i`.
     fn tint(&self, y: &mut Path, i: usize) {
         let wavelengths = y.wavelengths;
         let (light, eye) = y.pair(i);
         light.edge.transmittance = (self.space).transmittance_between(light, eye, &wavelengths);
+        if self.space.scene.has_panes() {
+            light.edge.dim(self.space.passed(light, eye, &wavelengths));
+        }
     }
 }

@@ -5,7 +5,7 @@ use kaustik_bsdf::{Bsdf, Lobe, Mode};
 use kaustik_scene::{Scene, Vertex};
 use kaustik_spectrum::{Illuminant, Rgb, WavelengthSampling, Wavelengths};
 
-/// Of the first surface that a camera ray meets.
+/// Of the first surface that a camera ray meets; panes that it is more likely to pass than not are passed.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Features {
     /// Reflectance under D65, linear Rec.709; an estimate from four wavelengths.
@@ -26,15 +26,15 @@ pub fn features(scene: &Scene, raster: DVec2, wavelength: f64) -> Features {
     let traced = ray.ray();
     let mut vertex = Vertex::default();
     let segment = scene.advance(&traced, &mut interior, &wavelengths, || 0.5, &mut vertex);
-    let Some(segment) = segment else {
+    if segment.escapes() {
         return Features {
             beyond_light_tracing: true,
             ..Features::default()
         };
-    };
+    }
     let bsdf = scene.bsdf(&vertex, &wavelengths, &interior);
     let wo = vertex.frame.to_local(-ray.direction);
-    let lit = bsdf.albedo(wo) * Illuminant::D65.eval(&wavelengths);
+    let lit = bsdf.albedo(wo) * segment.factor() * Illuminant::D65.eval(&wavelengths);
     let normal = vertex.frame.z.as_vec3();
     Features {
         albedo: Rgb::from(wavelengths.to_xyz(lit)).0,
@@ -44,7 +44,8 @@ pub fn features(scene: &Scene, raster: DVec2, wavelength: f64) -> Features {
             normal
         },
         depth: segment.distance as f32,
-        beyond_light_tracing: has_dirac(&bsdf, wo),
+        // What a pane reflects is lost as what any mirror does.
+        beyond_light_tracing: segment.through_pane || has_dirac(&bsdf, wo),
     }
 }
 

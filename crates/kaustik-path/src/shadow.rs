@@ -25,11 +25,11 @@ impl Shadow {
         wavelengths: &Wavelengths,
         value: &mut Spectrum,
     ) -> bool {
-        let visible = scene.visibility(&self.ray, &self.interior);
-        if visible == 0.0 {
+        let passed = scene.visibility(&self.ray, &self.interior, wavelengths);
+        if passed.is_nothing() {
             return false;
         }
-        *value *= visible;
+        *value *= passed.share();
         if !self.interior.is_vacuum() {
             *value *= scene.transmittance(&self.interior, wavelengths, self.distance);
         }

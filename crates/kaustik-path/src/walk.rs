@@ -122,16 +122,14 @@ impl<'w> Walk<'w> {
             || u.get(Stream::Transparency, index),
             vertex,
         );
-        let Some(segment) = segment else {
+        self.throughput *= segment.factor();
+        if segment.escapes() {
             note(|| Event::Escape {
                 side: Side::of(self.mode),
                 edge: self.edges,
                 direction: self.direction,
             });
             return None;
-        };
-        if !self.interior.is_vacuum() {
-            self.throughput *= segment.transmittance;
         }
         note(|| self.reached(vertex, segment.distance));
         Some(segment.distance)

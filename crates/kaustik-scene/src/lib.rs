@@ -14,6 +14,7 @@ pub mod gltf;
 mod interior;
 mod material;
 mod matter;
+mod passed;
 mod scene;
 #[cfg(any(test, doc, feature = "testing"))]
 pub mod testing;
@@ -26,5 +27,6 @@ pub use emitter::{
 };
 pub use fence::is_fenced;
 pub use interior::Interior;
+pub use passed::Passed;
 pub use scene::{Scene, SceneError, SceneOptions, Segment};
 pub use vertex::Vertex;

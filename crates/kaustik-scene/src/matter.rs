@@ -3,18 +3,19 @@
 use std::sync::Arc;
 
 use glam::{DVec3, Vec3};
-use kaustik_bsdf::{Bsdf, Frame};
+use kaustik_bsdf::{Bsdf, Frame, Passing};
 use kaustik_geometry::{Hit, Ray, Surface, World};
 use kaustik_spectrum::{Spectrum, Wavelengths};
 
 use crate::material::Material;
 use crate::texture::Texture;
-use crate::{Interior, Vertex};
+use crate::{Interior, Passed, Vertex};
 
 mod crossings;
 mod passage;
 
 use crossings::Crossings;
+use passage::Opening;
 pub(crate) use passage::Passage;
 
 /// So many transparent surfaces one behind the other, or in one place, let light through; then it is blocked. A bound
@@ -31,6 +32,8 @@ pub(crate) struct Matter {
     pub(crate) material_of: Arc<[u32]>,
     /// Can any ray pass any surface because of its alpha?
     pub(crate) has_alpha: bool,
+    /// Can any ray pass any surface because that is a smooth pane?
+    pub(crate) has_panes: bool,
     /// Does any material bound a solid?
     pub(crate) has_solids: bool,
 }
@@ -213,7 +216,7 @@ impl Matter {
         self.emission(material, surface, wavelengths) * self.coverage(material, surface)
     }
 
-    /// Probability that a ray that comes to this point meets the surface.
+    /// Share of the surface that is there at this point, in [0, 1].
     fn opacity(&self, hit: &Hit) -> f32 {
         let material = self.material(self.material_of[hit.instance as usize]);
         if !material.has_alpha() {
@@ -221,6 +224,39 @@ impl Matter {
         }
         let uv = |set: u8| self.world.uv(hit, usize::from(set));
         material.opacity(&self.textures, uv, self.world.color(hit)[3])
+    }
+
+    /// What lets light past the surface that a ray within these solids meets.
+    fn opening(
+        &self,
+        ray: &Ray,
+        hit: &Hit,
+        interior: &Interior,
+        wavelengths: &Wavelengths,
+    ) -> Opening {
+        let opacity = self.opacity(hit);
+        let material = self.material(self.material_of[hit.instance as usize]);
+        Opening {
+            opacity,
+            pane: (material.is_pane() && opacity > 0.0)
+                .then(|| self.passing(ray, hit, interior, wavelengths)),
+        }
+    }
+
+    /// What passes a pane.
+    #[inline(never)]
+    fn passing(
+        &self,
+        ray: &Ray,
+        hit: &Hit,
+        interior: &Interior,
+        wavelengths: &Wavelengths,
+    ) -> Passing {
+        let (mut vertex, mut bsdf) = (Vertex::default(), Bsdf::black());
+        self.vertex(ray, hit, &mut vertex);
+        self.write_bsdf(&vertex, wavelengths, interior, &mut bsdf);
+        let back = -ray.direction.as_dvec3().normalize();
+        bsdf.passing(vertex.frame.to_local(back))
     }
 
     /// Is nothing there for light? The interface of a solid is there for what keeps count of solids, however clear.
@@ -239,18 +275,24 @@ impl Matter {
         material.opacity(&self.textures, uv, surface.color[3])
     }
 
-    /// The first surface that stops the ray, or that `interior` hides. Partly transparent ones
+    /// May light get past any surface without being scattered?
+    #[inline]
+    pub(crate) fn has_openings(&self) -> bool {
+        self.has_alpha || self.has_panes
+    }
+
+    /// The first surface that stops the ray, or that `interior` hides. Partly transparent ones and panes
     /// stop it by chance, see [`Passage`].
     #[inline]
     pub(crate) fn intersect(
         &self,
         ray: &Ray,
         interior: &Interior,
-        passage: &mut Passage<impl FnOnce() -> f64>,
+        passage: &mut Passage<'_, impl FnOnce() -> f64>,
     ) -> Option<Hit> {
         let hit = self.world.intersect(ray)?;
-        if self.has_alpha {
-            self.pass_alpha(ray, hit, interior, passage)
+        if self.has_openings() {
+            self.pass(ray, hit, interior, passage)
         } else {
             Some(hit)
         }
@@ -262,24 +304,28 @@ impl Matter {
         ray: &Ray,
         hit: &Hit,
         interior: &Interior,
-        passage: &mut Passage<impl FnOnce() -> f64>,
+        passage: &mut Passage<'_, impl FnOnce() -> f64>,
     ) -> Option<Hit> {
         let hit = self.world.intersect_after(ray, hit, |_| true)?;
-        self.pass_alpha(ray, hit, interior, passage)
+        self.pass(ray, hit, interior, passage)
     }
 
     #[cold]
-    fn pass_alpha(
+    fn pass(
         &self,
         ray: &Ray,
         mut hit: Hit,
         interior: &Interior,
-        passage: &mut Passage<impl FnOnce() -> f64>,
+        passage: &mut Passage<'_, impl FnOnce() -> f64>,
     ) -> Option<Hit> {
         for _ in 0..MOST_LAYERS {
             // What is not there has no alpha; the walk must still notice that it crosses it.
             let hidden = self.hidden_side(ray, &hit, interior).is_some();
-            if hidden || passage.is_stopped_by(self.opacity(&hit)) {
+            if hidden {
+                return Some(hit);
+            }
+            let opening = self.opening(ray, &hit, interior, passage.wavelengths);
+            if passage.is_stopped_by(&opening) {
                 return Some(hit);
             }
             // One more walk for all cut-outs of a leaf, not one for each.
@@ -288,32 +334,46 @@ impl Matter {
         Some(hit)
     }
 
-    /// Share of light that passes a segment, in [0, 1]. Interfaces that are hidden there are none.
+    /// What passes a segment. Interfaces that are hidden there are none.
     #[inline]
-    pub(crate) fn visibility(&self, ray: &Ray, interior: &Interior) -> f32 {
+    pub(crate) fn visibility(
+        &self,
+        ray: &Ray,
+        interior: &Interior,
+        wavelengths: &Wavelengths,
+    ) -> Passed {
         if !interior.is_vacuum() {
-            return self.visibility_within(ray, *interior);
+            return self.visibility_within(ray, *interior, wavelengths);
         }
-        match self.has_alpha {
-            false => f32::from(u8::from(!self.world.occluded(ray))),
-            true => self.filtered_visibility(ray),
+        if self.has_openings() {
+            return self.filtered_visibility(ray, wavelengths);
+        }
+        match self.world.occluded(ray) {
+            true => Passed::NOTHING,
+            false => Passed::ALL,
         }
     }
 
     /// Outside of all solids nothing is hidden, and surfaces may come in any order.
-    fn filtered_visibility(&self, ray: &Ray) -> f32 {
-        let (mut passed, mut layers) = (1.0, 0);
+    fn filtered_visibility(&self, ray: &Ray, wavelengths: &Wavelengths) -> Passed {
+        let (mut passed, mut layers) = (Passed::ALL, 0);
         let blocked = self.world.occluded_filtered(ray, |hit| {
-            passed *= 1.0 - self.opacity(hit);
+            let opening = self.opening(ray, hit, &Interior::VACUUM, wavelengths);
+            passed = opening.dim(passed);
             layers += 1;
-            passed <= 0.0 || layers > MOST_LAYERS
+            passed.is_nothing() || layers > MOST_LAYERS
         });
-        if blocked { 0.0 } else { passed }
+        if blocked { Passed::NOTHING } else { passed }
     }
 
     /// Within solids surface comes after surface: which of them end a solid depends on all before.
-    fn visibility_within(&self, ray: &Ray, mut interior: Interior) -> f32 {
-        let mut passed = 1.0;
+    fn visibility_within(
+        &self,
+        ray: &Ray,
+        mut interior: Interior,
+        wavelengths: &Wavelengths,
+    ) -> Passed {
+        let mut passed = Passed::ALL;
         let mut next = self.world.intersect(ray);
         for _ in 0..MOST_LAYERS {
             let Some(hit) = next else {
@@ -325,15 +385,20 @@ impl Matter {
                     interior.pass(material, front);
                 }
                 None => {
-                    passed *= 1.0 - self.opacity(&hit);
-                    if passed <= 0.0 {
-                        return 0.0;
+                    let opening = self.opening(ray, &hit, &interior, wavelengths);
+                    passed = opening.dim(passed);
+                    if passed.is_nothing() {
+                        return Passed::NOTHING;
                     }
                 }
             }
             next = (self.world).intersect_after(ray, &hit, |next| !self.is_cut_out(next));
         }
-        if next.is_none() { passed } else { 0.0 }
+        if next.is_none() {
+            passed
+        } else {
+            Passed::NOTHING
+        }
     }
 
     /// The solid that fills a point within these.

@@ -17,7 +17,7 @@ use kaustik_spectrum::{Spectrum, Wavelengths};
 use crate::camera::Camera;
 use crate::emitter::{AreaSample, DirectSample, EmissionPdf, EmissionSample, Emitters, Reach};
 use crate::matter::{Matter, Passage};
-use crate::{Interior, Vertex};
+use crate::{Interior, Passed, Vertex};
 pub use build::SceneOptions;
 pub use error::SceneError;
 
@@ -48,10 +48,38 @@ pub struct Scene {
 /// The way to the next vertex of a walk.
 #[derive(Clone, Copy, Debug)]
 pub struct Segment {
-    /// Share of light that what fills the space has left over.
+    /// Share of light that what fills the space has left over; all of it where the ray leaves the scene.
     pub transmittance: Spectrum,
-    /// Length in scene units.
+    /// One over the chance to pass each smooth pane on the way, times the share of light that passes; and one over the
+    /// chance to meet the surface, if that is one. 1 without panes: holes stop the same share of rays as of light.
+    pub weight: Spectrum,
+    /// Length in scene units; infinite where the ray leaves the scene.
     pub distance: f64,
+    /// Did it go through a smooth pane?
+    pub through_pane: bool,
+}
+
+impl Segment {
+    fn escaping<U: FnOnce() -> f64>(passage: &Passage<'_, U>) -> Self {
+        Self {
+            transmittance: Spectrum::ONE,
+            weight: passage.weight,
+            distance: f64::INFINITY,
+            through_pane: passage.through_pane,
+        }
+    }
+
+    /// Does the ray leave the scene?
+    #[inline]
+    pub fn escapes(&self) -> bool {
+        self.distance.is_infinite()
+    }
+
+    /// What a walk's throughput is multiplied by.
+    #[inline]
+    pub fn factor(&self) -> Spectrum {
+        self.transmittance * self.weight
+    }
 }
 
 impl Scene {
@@ -160,9 +188,9 @@ impl Scene {
         self.camera_interior
     }
 
-    /// Follows a ray to the next surface that counts, through what alpha or priority hides, and
-    /// writes it into `vertex`; `None` if the ray leaves the scene. `interior` is updated where
-    /// hidden interfaces of solids are crossed. `transparency` gives one number in [0, 1), asked
+    /// Follows a ray to the next surface that counts, through what alpha or priority hides and through smooth panes, and
+    /// writes it into `vertex`; `vertex` is not written where the ray leaves the scene ([`Segment::escapes`]). `interior`
+    /// is updated where hidden interfaces of solids are crossed. `transparency` gives one number in [0, 1), asked
     /// for at most once.
     ///
     /// The vertex goes into the caller's slot because it is large, and this is the innermost loop.
@@ -174,24 +202,25 @@ impl Scene {
         wavelengths: &Wavelengths,
         transparency: impl FnOnce() -> f64,
         vertex: &mut Vertex,
-    ) -> Option<Segment> {
-        let mut passage = Passage::new(transparency);
-        let hit = self.matter.intersect(ray, interior, &mut passage)?;
-        self.matter.vertex(ray, &hit, vertex);
-        let distance = f64::from(hit.t) * ray.direction.as_dvec3().length();
-        if interior.is_vacuum() {
-            return Some(Segment {
-                transmittance: Spectrum::ONE,
-                distance,
-            });
-        }
-        let transmittance = self.matter.transmittance(interior, wavelengths, distance);
-        let segment = Segment {
-            transmittance,
-            distance,
+    ) -> Segment {
+        let mut passage = Passage::new(wavelengths, transparency);
+        let Some(hit) = self.matter.intersect(ray, interior, &mut passage) else {
+            return Segment::escaping(&passage);
         };
+        self.matter.vertex(ray, &hit, vertex);
+        let mut segment = Segment {
+            transmittance: Spectrum::ONE,
+            weight: passage.weight,
+            distance: f64::from(hit.t) * ray.direction.as_dvec3().length(),
+            through_pane: passage.through_pane,
+        };
+        if interior.is_vacuum() {
+            return segment;
+        }
+        segment.transmittance =
+            (self.matter).transmittance(interior, wavelengths, segment.distance);
         if !self.is_overruled(ray, vertex, interior) {
-            return Some(segment);
+            return segment;
         }
         let walk = (vertex, interior);
         self.pass_overruled(ray, hit, segment, walk, &mut passage, wavelengths)
@@ -206,25 +235,30 @@ impl Scene {
         mut hit: Hit,
         mut segment: Segment,
         (vertex, interior): (&mut Vertex, &mut Interior),
-        passage: &mut Passage<impl FnOnce() -> f64>,
+        passage: &mut Passage<'_, impl FnOnce() -> f64>,
         wavelengths: &Wavelengths,
-    ) -> Option<Segment> {
+    ) -> Segment {
         /// A bound for senseless scenes.
         const MOST: usize = 1000;
         let unit = ray.direction.as_dvec3().length();
         for _ in 0..MOST {
             self.cross(vertex, ray.direction.as_dvec3(), interior);
-            hit = self.matter.intersect_after(ray, &hit, interior, passage)?;
+            let Some(next) = (self.matter).intersect_after(ray, &hit, interior, passage) else {
+                return Segment::escaping(passage);
+            };
+            hit = next;
             self.matter.vertex(ray, &hit, vertex);
             let distance = f64::from(hit.t) * unit;
             let further = distance - segment.distance;
             segment.transmittance *= self.matter.transmittance(interior, wavelengths, further);
             segment.distance = distance;
+            segment.weight = passage.weight;
+            segment.through_pane = passage.through_pane;
             if !self.is_overruled(ray, vertex, interior) {
-                return Some(segment);
+                return segment;
             }
         }
-        None
+        Segment::escaping(passage)
     }
 
     /// Is the interface that a ray met as `vertex` hidden within these solids?
@@ -413,10 +447,11 @@ impl Scene {
         self.emitters.area_interior(&self.matter, area, direction)
     }
 
-    /// Share of light that passes a segment (0 or 1 without alpha), for a ray whose ends are excluded.
+    /// What of the light on a segment gets past the surfaces between its ends (all or nothing without alpha and smooth
+    /// panes), for a ray whose ends are excluded.
     #[inline]
-    pub fn visibility(&self, ray: &Ray, interior: &Interior) -> f32 {
-        self.matter.visibility(ray, interior)
+    pub fn visibility(&self, ray: &Ray, interior: &Interior, wavelengths: &Wavelengths) -> Passed {
+        self.matter.visibility(ray, interior, wavelengths)
     }
 
     /// Share of light left by what fills `interior` after `distance`.

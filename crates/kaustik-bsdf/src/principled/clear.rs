@@ -1,8 +1,8 @@
 use super::{PrincipledParameters, Wall};
 use crate::lobe::lobe_of_variants;
 use crate::{
-    Bsdf, Delta, Dielectric, Interface, Lobe, Mode, RoughDielectric, RoughThinDielectric, Sample,
-    ThinDielectric,
+    Bsdf, Delta, Dielectric, Interface, Lobe, Mode, Passing, RoughDielectric, RoughThinDielectric,
+    Sample, ThinDielectric,
 };
 use glam::DVec3;
 use kaustik_spectrum::Spectrum;
@@ -27,7 +27,10 @@ impl Clear {
         let rough = p.alpha() > 0.0 && interface.bends();
         let (alpha, compensation) = (p.alpha(), p.compensation);
         match (p.wall, rough) {
-            (Wall::Thin, false) => Self::Pane(ThinDielectric { interface }),
+            (Wall::Thin, false) => Self::Pane(ThinDielectric {
+                interface,
+                passable: false,
+            }),
             (Wall::Thin, true) => {
                 Self::FrostedPane(RoughThinDielectric::new(interface, alpha, compensation))
             }
@@ -35,6 +38,26 @@ impl Clear {
             (Wall::Solid, true) => {
                 Self::RoughSolid(RoughDielectric::new(interface, alpha, compensation))
             }
+        }
+    }
+
+    /// The same, [passable](ThinDielectric::passable) if it is a smooth pane.
+    pub(super) fn passable(self) -> Self {
+        match self {
+            Self::Pane(pane) => Self::Pane(ThinDielectric {
+                passable: true,
+                ..pane
+            }),
+            other => other,
+        }
+    }
+
+    /// What [passes](ThinDielectric::passing).
+    #[inline]
+    pub(super) fn passing(&self, wo: DVec3) -> Passing {
+        match self {
+            Self::Pane(pane) => pane.passing(wo),
+            _ => Passing::NOTHING,
         }
     }
 

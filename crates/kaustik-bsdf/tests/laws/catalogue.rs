@@ -345,5 +345,20 @@ pub(crate) fn some() -> Vec<Case> {
         all.extend(principled(roughness));
         all.extend(layers(roughness));
     }
+    all.extend(passable());
     all
+}
+
+/// What is left of smooth panes where light that passes is not scattered.
+fn passable() -> Vec<Case> {
+    let mut all = facets(0.0, true);
+    all.extend(principled(0.0));
+    let passes = |case: &Case| case.bsdf.passable() != case.bsdf;
+    let panes = all.into_iter().filter(passes).map(|case| Case {
+        name: format!("passable {}", case.name),
+        bsdf: case.bsdf.passable(),
+        lossless: false,
+        ..case
+    });
+    panes.collect()
 }

@@ -252,6 +252,60 @@ fn gltf_corners_are_what_the_conventions_say() {
     assert!(matches!(solid, Bsdf::RoughDielectric(_)));
 }
 
+/// What passes a passable pane and what it scatters are the whole pane; other surfaces are as they were.
+#[test]
+fn a_pane_and_what_passes_it_are_the_whole() {
+    let near = |a: Spectrum, b: Spectrum| (a - b).map(f32::abs).max() < 1e-6;
+    let mut panes = 0;
+    for case in some() {
+        let (whole, rest) = (case.bsdf, case.bsdf.passable());
+        for (wo, wi) in [(at(0.4, 0.0), at(0.7, 0.3)), (-at(0.2, 2.0), -at(0.9, 1.0))] {
+            let passing = rest.passing(wo).share;
+            if rest == whole {
+                assert!(
+                    case.name.starts_with("passable") || passing.is_zero(),
+                    "{}",
+                    case.name
+                );
+                continue;
+            }
+            panes += 1;
+            assert!(
+                whole.passing(wo).share.is_zero() && !passing.is_zero(),
+                "{}",
+                case.name
+            );
+            assert!(near(passing, rest.passing(-wo).share), "{}", case.name);
+            for mode in [Mode::Radiance, Mode::Importance] {
+                let share = |bsdf: &Bsdf, transmitted| {
+                    let delta = bsdf.delta(wo, transmitted, mode);
+                    delta.map_or(Spectrum::ZERO, |delta| delta.share)
+                };
+                assert!(near(share(&whole, true), passing), "{}", case.name);
+                assert!(share(&rest, true).is_zero(), "{}", case.name);
+                assert!(
+                    near(share(&whole, false), share(&rest, false)),
+                    "{}",
+                    case.name
+                );
+                assert_eq!(
+                    whole.eval(wo, wi, mode),
+                    rest.eval(wo, wi, mode),
+                    "{}",
+                    case.name
+                );
+            }
+            let sum = passing.mean() + rest.albedo(wo).mean();
+            assert!(
+                near(whole.albedo(wo), rest.albedo(wo) + passing) && sum < 1.05,
+                "{}",
+                case.name
+            );
+        }
+    }
+    assert!(panes >= 12, "{panes}");
+}
+
 /// Away from the shortcut the matt material is the Lambertian too.
 #[test]
 fn matt_in_full_is_lambertian() {

@@ -23,6 +23,7 @@ const FAULTS: &[(Kind, &[(Factor, &str)])] = &[
             (DistanceToLight, "diffuse"),
             (CosBeforeRunToLight, "ceiling"),
             (PassedToLight, "veil"),
+            (MeetingToLight, "pane"),
         ],
     ),
     (
@@ -33,6 +34,7 @@ const FAULTS: &[(Kind, &[(Factor, &str)])] = &[
             (DistanceToLight, "gallery"),
             (CosBeforeRunToLight, "gallery"),
             (PassedToLight, "veil-mirror"),
+            (MeetingToLight, "pane"),
         ],
     ),
     (
@@ -42,6 +44,7 @@ const FAULTS: &[(Kind, &[(Factor, &str)])] = &[
             (DistanceToEye, "diffuse"),
             (CosBeforeRunToEye, "gallery"),
             (PassedToEye, "veil"),
+            (MeetingToEye, "pane"),
             (ShadingNormal, "leaning-aquarium"),
             (Range, "gallery"),
         ],
@@ -55,12 +58,14 @@ const FAULTS: &[(Kind, &[(Factor, &str)])] = &[
             (DistanceToLight, "diffuse"),
             (CosBeforeRunToLight, "ceiling"),
             (PassedToLight, "veil"),
+            (MeetingToLight, "pane"),
             (DirectionToLight, "glossy"),
             (DiracToLight, "varnish"),
             (CosToEye, "diffuse"),
             (DistanceToEye, "diffuse"),
             (CosBeforeRunToEye, "aquarium"),
             (PassedToEye, "veil"),
+            (MeetingToEye, "pane"),
             (DirectionToEye, "glossy"),
             (DiracToEye, "aquarium"),
             (Index, "aquarium"),
@@ -82,6 +87,7 @@ const FAULTS: &[(Kind, &[(Factor, &str)])] = &[
             (DistanceToLight, "diffuse"),
             (CosBeforeRunToLight, "ceiling"),
             (PassedToLight, "veil"),
+            (MeetingToLight, "pane"),
             (DiracToLight, "glass"),
         ],
     ),
@@ -93,6 +99,7 @@ const FAULTS: &[(Kind, &[(Factor, &str)])] = &[
             (DistanceToLight, "moving"),
             (CosToLight, "moving"),
             (PassedToLight, "moving-veil"),
+            (MeetingToLight, "moving-pane"),
         ],
     ),
     (
@@ -103,6 +110,7 @@ const FAULTS: &[(Kind, &[(Factor, &str)])] = &[
             (DistanceToLight, "diffuse"),
             (CosBeforeRunToLight, "ceiling"),
             (PassedToLight, "veil"),
+            (MeetingToLight, "pane"),
             (Growth, "moving"),
         ],
     ),
@@ -194,6 +202,7 @@ fn every_factor_is_tried() {
         "veil",
         "moving",
         "moving-veil",
+        "pane",
     ]
     .map(scene);
     for (kind, faults) in FAULTS {

@@ -32,6 +32,7 @@ const CASES: &[(Kind, &[&str])] = &[
             "orthographic",
             "outlook",
             "veil",
+            "pane",
             "leaning",
             "leaning-glossy",
             "leaning-glass",
@@ -73,6 +74,7 @@ const CASES: &[(Kind, &[&str])] = &[
             "lens",
             "orthographic",
             "veil",
+            "pane",
             "leaning",
             "leaning-glossy",
             "leaning-glass",
@@ -105,6 +107,7 @@ const CASES: &[(Kind, &[&str])] = &[
             "orthographic",
             "outlook",
             "veil",
+            "pane",
             "leaning",
             "leaning-glossy",
             "leaning-glass",
@@ -127,6 +130,7 @@ const CASES: &[(Kind, &[&str])] = &[
             "lens",
             "huge-lens",
             "veil",
+            "pane",
             "leaning-glass",
             "moving-mirror",
         ],
@@ -139,12 +143,19 @@ const CASES: &[(Kind, &[&str])] = &[
             "frosted",
             "rainbow",
             "point",
+            "pane",
             "moving-glass",
         ],
     ),
     (
         TIME,
-        &["moving", "moving-mirror", "moving-glass", "moving-point"],
+        &[
+            "moving",
+            "moving-mirror",
+            "moving-glass",
+            "moving-point",
+            "moving-pane",
+        ],
     ),
     (
         EVERY,
@@ -166,6 +177,7 @@ const CASES: &[(Kind, &[&str])] = &[
             "blades",
             "orthographic",
             "veil",
+            "pane",
             "leaning",
             "leaning-glass",
             "glow",
@@ -208,7 +220,7 @@ fn a_mixture_keeps_the_measure_and_weighs_its_choice() {
         steps: 8,
         seed: 6,
     };
-    for name in ["mirror", "glass", "veil"] {
+    for name in ["mirror", "glass", "veil", "pane"] {
         with_pieces(&scene(name), MIXTURE, None, |start, step| {
             assert_invariant(
                 &test,

@@ -56,7 +56,7 @@ fn kept(scene: &Scene, edges: u32, samples: u64, next_event: bool) -> Mean {
         .collect()
 }
 
-const SCENES: [&str; 21] = [
+const SCENES: [&str; 22] = [
     "diffuse",
     "glossy",
     "mirror",
@@ -75,6 +75,7 @@ const SCENES: [&str; 21] = [
     "orthographic",
     "outlook",
     "veil",
+    "pane",
     "moving",
     "moving-mirror",
     "moving-point",

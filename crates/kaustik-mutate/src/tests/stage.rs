@@ -7,7 +7,7 @@ use glam::{DVec3, Vec3};
 use kaustik_geometry::Mesh;
 use kaustik_scene::Scene;
 use kaustik_scene::description::{
-    Blades, Lens, LightDescription, LightKind, Load, MaterialDescription,
+    Blades, Lens, LightDescription, LightKind, Load, MaterialDescription, Transmission,
 };
 use kaustik_scene::testing::{
     Stage, blended, ceiling, cuboid, dielectric, diffuse, floor, lamp, punctual, rectangle,
@@ -46,6 +46,21 @@ fn glass(roughness: f32, dispersion: f32) -> MaterialDescription {
 
 fn veil() -> MaterialDescription {
     blended(diffuse([0.3, 0.6, 0.8]), 0.5)
+}
+
+/// A smooth pane that scatters some of the light.
+fn pane() -> MaterialDescription {
+    MaterialDescription {
+        transmission: Some(Transmission {
+            factor: 0.6,
+            texture: None,
+        }),
+        base_color: [0.8, 0.5, 0.3, 1.0],
+        metallic: 0.0,
+        roughness: 0.0,
+        ior: 2.2,
+        ..MaterialDescription::default()
+    }
 }
 
 /// A yellowish light.
@@ -191,6 +206,7 @@ pub(crate) fn stage(name: &str) -> Stage {
             veil(),
             rectangle(Vec3::new(0.5, 1.2, -0.5), Vec3::Z * 0.5, Vec3::X * 0.4),
         ),
+        "moving-pane" => moving(plate(pane())),
         "moving-mirror" => moving(plate(metal(0.0)).lens(0.3, 2.5)),
         "moving-glass" => {
             let sinks = [([0.0, 0.1, 0.0], [1.0; 3]), ([0.0, -0.6, 0.3], [1.0; 3])];
@@ -264,6 +280,10 @@ pub(crate) fn stage(name: &str) -> Stage {
         ),
         "veil" => lit().add(
             veil(),
+            rectangle(Vec3::Y * 0.8, Vec3::Z * 0.9, Vec3::X * 0.8),
+        ),
+        "pane" => plate(pane()).add(
+            pane(),
             rectangle(Vec3::Y * 0.8, Vec3::Z * 0.9, Vec3::X * 0.8),
         ),
         other => panic!("no scene {other}"),

@@ -9,7 +9,7 @@ use super::space;
 use super::stage::scene;
 use crate::{Path, PathSpace, Seeds, WrittenPath};
 
-const SCENES: [&str; 17] = [
+const SCENES: [&str; 18] = [
     "diffuse",
     "glossy",
     "mirror",
@@ -24,6 +24,7 @@ const SCENES: [&str; 17] = [
     "lens",
     "orthographic",
     "veil",
+    "pane",
     "moving",
     "moving-mirror",
     "moving-glass",

@@ -123,15 +123,28 @@ pub(super) struct Carried {
     throughput: Spectrum,
     /// The solids around its start.
     interior: Interior,
+    ray: Ray,
 }
 
 impl Carried {
+    /// What the panes before the lens make of it: what the walk took with it is of those behind as well.
+    fn tint(&self, job: &Job<'_>, distance: f64) -> Spectrum {
+        let unit = self.ray.direction.as_dvec3().length();
+        let up_to_lens = Ray {
+            t_max: (distance / unit) as f32,
+            ..self.ray
+        };
+        let passed = (job.scene).visibility(&up_to_lens, &self.interior, job.wavelengths);
+        passed.tint
+    }
+
     /// By a walk that is about to take the edge.
     #[inline]
     pub(super) fn by(walk: &Walk<'_>) -> Self {
         Self {
             throughput: walk.throughput,
             interior: walk.interior,
+            ray: walk.ray,
         }
     }
 }
@@ -166,6 +179,9 @@ pub(super) fn meet_lens(
         joint: Joint::LensHit(hit),
     });
     value *= (job.scene).transmittance(&carried.interior, job.wavelengths, hit.distance);
+    if job.scene.has_panes() {
+        value *= carried.tint(job, hit.distance);
+    }
     let xyz = colour(value, walk.dispersive, job.wavelengths);
     out.push(hit.raster, xyz, Class::L3);
     witness.lit((walk.edges + 1, 0), walk.survived, || xyz);

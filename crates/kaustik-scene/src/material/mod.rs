@@ -51,6 +51,8 @@ pub(crate) struct Material {
     solid: Option<Solid>,
     layers: Option<Box<Layers>>,
     both_sides: bool,
+    /// A smooth pane: rays may pass it.
+    is_pane: bool,
     compensation: bool,
 }
 
@@ -95,6 +97,11 @@ impl Material {
         let kind = Kind::of(description);
         // other kinds have no place for them: an unlit surface scatters nothing, measured metals stay bare
         let is_layered = kind == Kind::Principled && Layers::exist(description);
+        let emission = Emission::new(
+            description,
+            slot(description.emissive_texture)?,
+            slot(description.base_color_texture)?,
+        )?;
         Ok(Self {
             kind,
             base,
@@ -119,11 +126,8 @@ impl Material {
             transmission: transmission.map_or(0.0, |t| t.factor),
             transmission_texture: slot(transmission.and_then(|t| t.texture))?,
             glass: index_of_refraction(description),
-            emission: Emission::new(
-                description,
-                slot(description.emissive_texture)?,
-                slot(description.base_color_texture)?,
-            )?,
+            is_pane: emission.is_none() && is_pane(description),
+            emission,
             solid: Solid::new(description),
             layers: is_layered
                 .then(|| Layers::new(description, textures).map(Box::new))
@@ -174,6 +178,15 @@ impl Material {
             Kind::Principled => *bsdf = self.principled(textures, surface, wavelengths, around()),
             _ => *bsdf = self.special(textures, surface, wavelengths, around()),
         }
+        if self.is_pane {
+            *bsdf = bsdf.passable();
+        }
+    }
+
+    /// May rays pass this surface because it is a smooth pane?
+    #[inline]
+    pub(crate) fn is_pane(&self) -> bool {
+        self.is_pane
     }
 
     /// Everything but the plain wall and glTF's mixture.
@@ -426,6 +439,21 @@ impl Kind {
             },
         }
     }
+}
+
+/// Is the surface clear and smooth, without thickness and layers? Rays pass it as they pass holes, if it does not emit:
+/// what emits is to be met.
+fn is_pane(description: &MaterialDescription) -> bool {
+    let kind = Kind::of(description);
+    let clear = description
+        .transmission
+        .is_some_and(|transmission| transmission.factor > 0.0);
+    let alpha = f64::from(description.roughness).powi(2);
+    matches!(kind, Kind::Pane | Kind::Principled)
+        && clear
+        && alpha < SMOOTH_ALPHA
+        && !(Solid::bounds(description) || Layers::exist(description))
+        && description.specular_glossiness.is_none()
 }
 
 /// A glass by name, or glTF's ior with its dispersion (20 / Abbe number). An ior of 0 is the

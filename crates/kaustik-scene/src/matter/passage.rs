@@ -1,36 +1,116 @@
-/// What has become of a segment's light at partly transparent surfaces so far.
-///
-/// One number `u` for the whole segment, asked for at the first such surface, stops it where
-/// the share that has passed falls to u.
-pub(crate) struct Passage<U> {
-    ask: Option<U>,
-    threshold: f64,
-    passed: f64,
+use kaustik_bsdf::Passing;
+use kaustik_spectrum::{Spectrum, Wavelengths};
+
+use crate::Passed;
+
+/// How light gets past one surface without being scattered: by its holes (alpha), and straight through it where it is a
+/// smooth pane.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Opening {
+    /// Share of the surface that is there, in [0, 1].
+    pub(super) opacity: f32,
+    /// What passes where it is; `None`: it is no pane.
+    pub(super) pane: Option<Passing>,
 }
 
-impl<U: FnOnce() -> f64> Passage<U> {
-    /// At the start of a segment.
+impl Opening {
+    /// Probability that a ray passes: the mean share over the wavelengths.
     #[inline]
-    pub(crate) fn new(u: U) -> Self {
-        Self {
-            ask: Some(u),
-            threshold: 0.0,
-            passed: 1.0,
+    fn chance(&self) -> f64 {
+        1.0 - self.stop()
+    }
+
+    /// Probability that a ray ends here.
+    #[inline]
+    fn stop(&self) -> f64 {
+        let opacity = f64::from(self.opacity);
+        match self.pane {
+            None => opacity,
+            Some(pane) => opacity * pane.meeting(),
         }
     }
 
-    /// Does the segment end at a surface of this opacity?
-    pub(super) fn is_stopped_by(&mut self, opacity: f32) -> bool {
-        if opacity >= 1.0 {
+    /// What is left of what has passed so far.
+    #[inline]
+    pub(super) fn dim(&self, passed: Passed) -> Passed {
+        let chance = self.chance();
+        if chance <= 0.0 {
+            return Passed::NOTHING;
+        }
+        Passed {
+            chance: passed.chance * chance,
+            tint: passed.tint * self.tint(),
+        }
+    }
+
+    /// Share of light that passes over the chance of it.
+    #[inline]
+    fn tint(&self) -> Spectrum {
+        match self.pane {
+            None => Spectrum::ONE,
+            Some(pane) => {
+                let share = Spectrum::splat(1.0 - self.opacity) + pane.share * self.opacity;
+                share * (1.0 / self.chance()) as f32
+            }
+        }
+    }
+}
+
+/// What has become of a segment's light at surfaces that let some of it pass so far.
+///
+/// One number `u` for the whole segment, asked for at the first such surface, stops it where
+/// the chance to have come so far falls to u.
+pub(crate) struct Passage<'w, U> {
+    pub(super) wavelengths: &'w Wavelengths,
+    ask: Option<U>,
+    threshold: f64,
+    passed: f64,
+    /// What light carries that has come so far, or has met a pane: one over the chance of it, times the share.
+    pub(crate) weight: Spectrum,
+    /// Has light gone through a pane?
+    pub(crate) through_pane: bool,
+}
+
+impl<'w, U: FnOnce() -> f64> Passage<'w, U> {
+    /// At the start of a segment.
+    #[inline]
+    pub(crate) fn new(wavelengths: &'w Wavelengths, u: U) -> Self {
+        Self {
+            wavelengths,
+            ask: Some(u),
+            threshold: 0.0,
+            passed: 1.0,
+            weight: Spectrum::ONE,
+            through_pane: false,
+        }
+    }
+
+    /// Does the segment end at a surface like this?
+    pub(super) fn is_stopped_by(&mut self, opening: &Opening) -> bool {
+        let stops = self.falls_at(opening);
+        if let Some(pane) = opening.pane {
+            // Light that is neither scattered nor swallowed has passed already.
+            self.weight *= match stops {
+                true => Spectrum::splat((1.0 / pane.meeting()) as f32),
+                false => opening.tint(),
+            };
+            self.through_pane |= !stops;
+        }
+        stops
+    }
+
+    fn falls_at(&mut self, opening: &Opening) -> bool {
+        let stop = opening.stop();
+        if stop >= 1.0 {
             return true;
         }
-        if opacity <= 0.0 {
+        if stop <= 0.0 {
             return false;
         }
         if let Some(u) = self.ask.take() {
             self.threshold = u();
         }
-        self.passed *= 1.0 - f64::from(opacity);
+        self.passed *= 1.0 - stop;
         self.passed <= self.threshold
     }
 }

@@ -261,6 +261,7 @@ fn matter(
             .any(|&index| test(&materials[index as usize]))
     };
     let has_alpha = used(Material::has_alpha);
+    let has_panes = used(Material::is_pane);
     let has_solids = used(|material| material.solid().is_some());
     let meshes = tangents::complete(&description.meshes, &mut instances, |instance| {
         let material = &materials[material_of[instance] as usize];
@@ -273,6 +274,7 @@ fn matter(
         textures: textures.into(),
         material_of: material_of.into(),
         has_alpha,
+        has_panes,
         has_solids,
     })
 }

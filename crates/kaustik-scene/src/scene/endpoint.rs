@@ -59,21 +59,28 @@ impl Scene {
         self.emitters.punctual_position(&self.matter, index)
     }
 
-    /// Can any ray pass any surface because of its alpha?
-    pub fn has_alpha(&self) -> bool {
-        self.matter.has_alpha
+    /// Can any ray pass any surface because of its alpha, or because that is a smooth pane?
+    #[inline]
+    pub fn has_openings(&self) -> bool {
+        self.matter.has_openings()
+    }
+
+    /// Can any ray pass any surface because that is a smooth pane?
+    #[inline]
+    pub fn has_panes(&self) -> bool {
+        self.matter.has_panes
     }
 
     /// May rays pass its surface somewhere because of alpha?
     #[inline]
     pub fn is_cut(&self, vertex: &Vertex) -> bool {
-        self.has_alpha() && self.matter.material(vertex.material).has_alpha()
+        self.matter.has_alpha && self.matter.material(vertex.material).has_alpha()
     }
 
-    /// Probability that a ray that comes to this point meets the surface: its alpha.
+    /// Share of the surface that is there at this point: its alpha.
     #[inline]
     pub fn opacity(&self, vertex: &Vertex) -> f32 {
-        if self.has_alpha() {
+        if self.matter.has_alpha {
             self.matter.coverage(vertex.material, &vertex.surface)
         } else {
             1.0

@@ -36,7 +36,7 @@ fn density(scene: &Scene, direction: DVec3) -> f64 {
     let mut interior = Interior::VACUUM;
     let sky = scene.environment_pdf(direction);
     let met = scene.advance(&ray, &mut interior, &wavelengths(), || 0.0, &mut vertex);
-    if met.is_none() || scene.emitted(&vertex, -direction, &wavelengths()).is_zero() {
+    if met.escapes() || scene.emitted(&vertex, -direction, &wavelengths()).is_zero() {
         return sky;
     }
     sky + scene.direct_pdf(FROM, &vertex)

@@ -3,10 +3,10 @@
 use glam::{Affine3A, Vec3};
 use kaustik_geometry::Ray;
 
-use super::meet;
+use super::{meet, passed_share};
 use crate::description::{AlphaMode, MaterialDescription, Pixels};
 use crate::testing::{Stage, blended, grey, image, lamp, rectangle_with_uv, wavelengths};
-use crate::{Interior, Scene, Vertex};
+use crate::{Interior, Passed, Scene, Vertex};
 
 const NUMBERS: u32 = 10_000;
 
@@ -65,7 +65,7 @@ fn each_layer_stops_its_share() {
     };
     let up = Ray::new(START - Vec3::Z * 7.9, Vec3::Z);
     for ray in [down, up] {
-        let visibility = scene.visibility(&ray, &Interior::VACUUM);
+        let visibility = passed_share(&scene, &ray, &Interior::VACUUM);
         assert!((visibility - passed).abs() < 1e-6, "{visibility}");
     }
 }
@@ -74,8 +74,8 @@ fn each_layer_stops_its_share() {
 fn the_floor_and_full_opacity_block() {
     let scene = layers(&[(0.5, 1.0), (1.0, 0.0), (0.0, 2.0)]);
     let ray = Ray::new(START, Vec3::NEG_Z);
-    let blocked = scene.visibility(&ray, &Interior::VACUUM);
-    assert_eq!(blocked.to_bits(), 0.0_f32.to_bits());
+    let blocked = scene.visibility(&ray, &Interior::VACUUM, &wavelengths());
+    assert_eq!(blocked, Passed::NOTHING);
     assert_eq!(stops(&scene, 4), [NUMBERS / 2, NUMBERS / 2, 0, 0]);
 }
 
@@ -110,7 +110,7 @@ fn instances_of_one_veil_multiply() {
     let scene = stage.build();
     let ray = Ray::new(START, Vec3::NEG_Z);
     let expected = 0.9_f32.powi(20);
-    let found = scene.visibility(&ray, &Interior::VACUUM);
+    let found = passed_share(&scene, &ray, &Interior::VACUUM);
     assert!((found - expected).abs() < 1e-6);
     let met = (0..NUMBERS).filter(|i| {
         let u = (f64::from(*i) + 0.5) / f64::from(NUMBERS);
@@ -136,7 +136,7 @@ fn halves(alpha_mode: AlphaMode) -> Scene {
 fn alpha_comes_from_the_texture() {
     let through = |scene: &Scene, x: f32| {
         let ray = Ray::new(Vec3::new(x, 0.1, 1.0), Vec3::NEG_Z);
-        let passed = scene.visibility(&ray, &Interior::VACUUM);
+        let passed = passed_share(scene, &ray, &Interior::VACUUM);
         for i in 0..100_u8 {
             let u = (f64::from(i) + 0.5) / 100.0;
             let met = meet(scene, &ray, &mut { Interior::VACUUM }, u).is_some();

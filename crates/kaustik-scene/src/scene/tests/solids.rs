@@ -7,7 +7,7 @@ use kaustik_bsdf::{Lobe, Mode};
 use kaustik_geometry::{Mesh, Ray};
 use kaustik_spectrum::{Spectrum, uplift_reflectance};
 
-use super::meet;
+use super::{meet, passed_share};
 use crate::description::MaterialDescription;
 use crate::testing::{Stage, blended, cuboid, dielectric, grey, rectangle, wavelengths};
 use crate::{Interior, Scene};
@@ -245,7 +245,7 @@ fn alpha_counts_behind_hidden_interfaces() {
     });
     assert_eq!(stopped.count(), 300);
     let short = Ray { t_max: 3.0, ..ray };
-    assert!((scene.visibility(&short, &inside) - 0.7).abs() < 1e-6);
+    assert!((passed_share(&scene, &short, &inside) - 0.7).abs() < 1e-6);
 }
 
 /// Glass from 0 to 2 and glass from 1 to 4, of one material.
@@ -283,7 +283,7 @@ fn overlapping_objects_of_one_material_are_one() {
             t_max: (to - from).abs(),
             ..Ray::new(AXIS + Vec3::X * from, Vec3::X * (to - from).signum())
         };
-        scene.visibility(&ray, &within(from))
+        passed_share(&scene, &ray, &within(from))
     };
     for (from, to, share) in [
         (0.5, 3.5, 1.0_f32),
