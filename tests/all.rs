@@ -69,6 +69,8 @@ mod motion;
 mod mutations;
 /// A scene opens nothing outside its folder.
 mod outside;
+/// Light through smooth panes.
+mod panes;
 /// Photon methods: as the radius shrinks, and against each other.
 mod photon;
 /// Photon methods against each other and against bidirectional paths, tile by tile.

@@ -1,0 +1,101 @@
+//! What is lit through a smooth pane and seen through it, in closed form.
+
+use glam::{Affine3A, Quat, Vec3};
+use kaustik::scene::Scene;
+use kaustik::scene::description::{
+    LightDescription, LightKind, MaterialDescription, Specular, Transmission,
+};
+use kaustik::{Method, RenderSettings};
+
+use crate::support::{compile, describe, from_both_sides, means, picture, settings, square};
+
+const SIDE: u32 = 16;
+const ALBEDO: f64 = 0.6;
+const IRRADIANCE: f64 = 5.0;
+
+/// Clear glass of index 1.5 without thickness.
+fn pane() -> MaterialDescription {
+    MaterialDescription {
+        roughness: 0.0,
+        metallic: 0.0,
+        base_color: [1.0; 4],
+        transmission: Some(Transmission {
+            factor: 1.0,
+            texture: None,
+        }),
+        ..MaterialDescription::default()
+    }
+}
+
+/// Paint without gloss.
+fn paint() -> MaterialDescription {
+    let [r, g, b] = [ALBEDO as f32; 3];
+    MaterialDescription {
+        base_color: [r, g, b, 1.0],
+        metallic: 0.0,
+        specular: Specular {
+            factor: 0.0,
+            texture: None,
+            color: [1.0; 3],
+            color_texture: None,
+        },
+        ..MaterialDescription::default()
+    }
+}
+
+/// A floor under panes one above the other, seen from above under a sun whose height has this sine.
+fn showcase(panes: u8, sun: f32) -> Scene {
+    let floor = (paint(), square(Vec3::ZERO, 0.6));
+    let sheets = (1..=panes).map(|i| (pane(), square(Vec3::Z * (0.1 * f32::from(i)), 1.3)));
+    let things = std::iter::once(floor).chain(sheets);
+    let mut description = describe(Vec3::new(0.03, 0.02, 9.0), 0.1, things);
+    let axis = Vec3::new((1.0 - sun * sun).sqrt(), 0.0, -sun);
+    description.lights.push(LightDescription {
+        name: "sun".to_owned(),
+        kind: LightKind::Directional,
+        color: [1.0; 3],
+        intensity: IRRADIANCE as f32,
+        range: None,
+        transform: Affine3A::from_quat(Quat::from_rotation_arc(Vec3::NEG_Z, axis)),
+    });
+    compile(&description, SIDE)
+}
+
+/// Share that passes a pane at this cosine.
+fn passes(cos: f64) -> f64 {
+    let within = (1.0 - (1.0 - cos * cos) / 2.25).sqrt();
+    let s = (cos - 1.5 * within) / (cos + 1.5 * within);
+    let p = (1.5 * cos - within) / (1.5 * cos + within);
+    let once = (s * s + p * p) / 2.0;
+    (1.0 - once) / (1.0 + once)
+}
+
+/// Direct light on the floor, with what the panes take of it on its way down and up again.
+fn expected(panes: u8, sun: f64) -> f64 {
+    let both = (passes(sun) * passes(1.0)).powi(i32::from(panes));
+    ALBEDO / std::f64::consts::PI * IRRADIANCE * sun * both
+}
+
+/// All methods show a floor in the sun below panes: what passes them is no vertex, and takes no edge of the path.
+#[test]
+fn a_floor_below_panes_is_lit_and_seen() {
+    for (panes, sun) in [(0, 1.0_f32), (1, 0.9), (2, 0.35)] {
+        let (scene, expected) = (showcase(panes, sun), expected(panes, f64::from(sun)));
+        for method in Method::ALL {
+            // Few light paths come to what little is seen.
+            let spp = if method == Method::Light { 2_048 } else { 256 };
+            let mut settings = RenderSettings {
+                max_depth: 2,
+                ..settings(method, SIDE, spp)
+            };
+            from_both_sides(&mut settings);
+            let [r, g, b] = means(&picture(&scene, &settings));
+            let mean = (r + g + b) / 3.0;
+            println!("{panes} panes, {method}: {:.4}", mean / expected);
+            assert!(
+                (mean / expected - 1.0).abs() < 0.03,
+                "{panes} panes, {method}: {mean}, {expected}"
+            );
+        }
+    }
+}
