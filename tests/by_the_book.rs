@@ -85,10 +85,10 @@ fn sample(scene: &Scene, raster: [f64; 2], u: &mut impl Draws, fault: Fault) -> 
             if !found.delta && fault != Fault::NextEventUnweighted {
                 weight *= balance(found.pdf, bsdf.pdf(wo, wi, Mode::Radiance));
             }
-            if shading::sides_agree(wo, wi, ng) && is_visible(scene, &vertex, &found, &wavelengths)
-            {
+            if shading::sides_agree(wo, wi, ng) {
                 let f = bsdf.eval(wo, wi, Mode::Radiance);
-                light += throughput * f * found.radiance * weight;
+                let passed = passed(scene, &vertex, &found, &wavelengths);
+                light += throughput * f * found.radiance * passed * weight;
             }
         }
 
@@ -111,15 +111,15 @@ fn sample(scene: &Scene, raster: [f64; 2], u: &mut impl Draws, fault: Fault) -> 
 }
 
 /// This tracer knows solids only by what `Scene` says of them: it is used in empty space.
-fn is_visible(
+fn passed(
     scene: &Scene,
     vertex: &Vertex,
     found: &DirectSample,
     wavelengths: &Wavelengths,
-) -> bool {
+) -> Spectrum {
     let around = scene.camera_interior();
     let ray = scene.shadow_ray(vertex, found);
-    scene.visibility(&ray, &around, wavelengths).chance > 0.5
+    scene.visibility(&ray, &around, wavelengths).share
 }
 
 /// A picture of independent samples.

@@ -4,7 +4,7 @@ use glam::Vec3;
 use kaustik::film::Image;
 use kaustik::geometry::Mesh;
 use kaustik::scene::Scene;
-use kaustik::scene::description::{AlphaMode, MaterialDescription};
+use kaustik::scene::description::{AlphaMode, MaterialDescription, Transmission};
 use kaustik::{Control, Method, RenderSettings, render};
 
 use crate::photon::{SIDE, luminance, photons, reference};
@@ -26,14 +26,18 @@ fn screen(z: f32, half: f32) -> Mesh {
     square(Vec3::Z * z, half)
 }
 
-/// A wall behind veils of this alpha, in the light of a lamp: each method is as bright as bidirectional paths.
-fn assert_veils(alpha: f32, veils: &[f32], methods: &[Method]) {
-    let paper = paper();
-    let veil = MaterialDescription {
+/// What this share of rays meets.
+fn veil(alpha: f32) -> MaterialDescription {
+    MaterialDescription {
         base_color: [0.8, 0.8, 0.8, alpha],
         alpha_mode: AlphaMode::Blend,
-        ..paper.clone()
-    };
+        ..paper()
+    }
+}
+
+/// A wall behind such veils, in the light of a lamp: each method is as bright as bidirectional paths.
+fn assert_veils(veil: &MaterialDescription, veils: &[f32], methods: &[Method]) {
+    let paper = paper();
     let lamp = MaterialDescription {
         emissive: [10.0; 3],
         ..paper.clone()
@@ -57,11 +61,23 @@ fn assert_veils(alpha: f32, veils: &[f32], methods: &[Method]) {
 /// discs it would count twice and more.)
 #[test]
 fn light_on_close_layers_counts_where_it_landed() {
-    assert_veils(
-        0.1,
-        &[-0.998, -0.996],
-        &[Method::Sppm, Method::PhotonSpatial],
-    );
+    let methods = [Method::Sppm, Method::PhotonSpatial];
+    assert_veils(&veil(0.1), &[-0.998, -0.996], &methods);
+}
+
+/// Panes that scatter a part of what they do not let through, a hair before a wall: light that passes is not
+/// scattered, yet it lands on all three.
+#[test]
+fn light_on_close_panes_counts_where_it_landed() {
+    let pane = MaterialDescription {
+        roughness: 0.0,
+        transmission: Some(Transmission {
+            factor: 0.8,
+            texture: None,
+        }),
+        ..paper()
+    };
+    assert_veils(&pane, &[-0.998, -0.996], &[Method::Sppm]);
 }
 
 /// A veil that a third of all rays meet, before a wall: camera and photons meet it by chance, and it counts once. (Were it
@@ -69,7 +85,7 @@ fn light_on_close_layers_counts_where_it_landed() {
 #[test]
 fn veils_are_as_bright_as_they_are() {
     let methods = Method::ALL.into_iter().filter(|m| m.traces_photons());
-    assert_veils(0.3, &[0.0], &methods.collect::<Vec<_>>());
+    assert_veils(&veil(0.3), &[0.0], &methods.collect::<Vec<_>>());
 }
 
 /// Of a surface that lets no light through it is all the same which sides of its triangles are their fronts: along an edge where

@@ -51,7 +51,7 @@ pub trait Lobe {
         false
     }
 
-    /// May light come through to the other side? If not, `eval` is zero for directions on different sides, and
+    /// May light be scattered to the other side? (What passes a [`passable`](crate::Bsdf::passable) pane is not scattered.) If not, `eval` is zero for directions on different sides, and
     /// `sample` stays on its own.
     fn transmits(&self) -> bool {
         true

@@ -56,7 +56,7 @@ impl PathSpace<'_> {
         vertex.specular = false;
         vertex.dispersive = false;
         vertex.opacity = match point {
-            EmitterPoint::Surface if self.scene.has_openings() => {
+            EmitterPoint::Surface if self.scene.has_alpha() => {
                 f64::from(self.scene.opacity(&vertex.vertex))
             }
             _ => 1.0,

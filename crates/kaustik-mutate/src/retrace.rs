@@ -174,7 +174,7 @@ impl Retrace<'_> {
         vertex.position = surface.position.as_dvec3();
         vertex.normal = surface.geometric_normal.as_dvec3();
         vertex.surface = surface;
-        if self.to.scene.has_openings() {
+        if self.to.scene.has_alpha() {
             emitter.opacity = f64::from(self.to.scene.opacity(vertex));
         }
         grown

@@ -74,7 +74,7 @@ impl Edge {
     #[inline]
     pub(crate) fn dim(&mut self, passed: Passed) {
         self.passed = passed.chance;
-        self.transmittance *= passed.tint;
+        self.transmittance *= passed.tint();
     }
 }
 

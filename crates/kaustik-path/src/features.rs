@@ -34,7 +34,7 @@ pub fn features(scene: &Scene, raster: DVec2, wavelength: f64) -> Features {
     }
     let bsdf = scene.bsdf(&vertex, &wavelengths, &interior);
     let wo = vertex.frame.to_local(-ray.direction);
-    let lit = bsdf.albedo(wo) * segment.factor() * Illuminant::D65.eval(&wavelengths);
+    let lit = bsdf.albedo(wo) * Illuminant::D65.eval(&wavelengths);
     let normal = vertex.frame.z.as_vec3();
     Features {
         albedo: Rgb::from(wavelengths.to_xyz(lit)).0,

@@ -1,6 +1,6 @@
 use std::ops::AddAssign;
 
-/// How many rays were traced. What is partly transparent, or hidden by a solid of higher priority, is passed by the
+/// How many rays were traced. What is partly transparent, a smooth pane, or hidden by a solid of higher priority, is passed by the
 /// same ray.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]

@@ -29,7 +29,7 @@ impl Shadow {
         if passed.is_nothing() {
             return false;
         }
-        *value *= passed.share();
+        *value *= passed.share;
         if !self.interior.is_vacuum() {
             *value *= scene.transmittance(&self.interior, wavelengths, self.distance);
         }

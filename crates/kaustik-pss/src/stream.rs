@@ -19,7 +19,7 @@ pub enum Stream {
     Wavelength = 4,
     /// The instant within the shutter interval.
     Time = 5,
-    /// Passing through partly transparent (alpha) surfaces.
+    /// Passing through partly transparent surfaces (alpha) and smooth panes.
     Transparency = 6,
 }
 

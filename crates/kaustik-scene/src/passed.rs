@@ -6,22 +6,22 @@ use kaustik_spectrum::Spectrum;
 pub struct Passed {
     /// Probability that a walk gets as far, in [0, 1].
     pub chance: f64,
-    /// Share of light over that probability, each lane: 1 without panes. [`chance`](Self::chance) is the mean share at each
-    /// pane, so a lane may have up to four at each.
-    pub tint: Spectrum,
+    /// Share of light that passes, each lane in [0, 1]: without panes the chance, at each pane [`chance`](Self::chance) is the mean
+    /// share over the lanes.
+    pub share: Spectrum,
 }
 
 impl Passed {
     /// Nothing is in the way.
     pub const ALL: Self = Self {
         chance: 1.0,
-        tint: Spectrum::ONE,
+        share: Spectrum::ONE,
     };
 
     /// Something is that lets nothing through.
     pub const NOTHING: Self = Self {
         chance: 0.0,
-        tint: Spectrum::ONE,
+        share: Spectrum::ZERO,
     };
 
     /// Does no light pass?
@@ -30,9 +30,13 @@ impl Passed {
         self.chance <= 0.0
     }
 
-    /// Share of light that passes, each lane in [0, 1].
+    /// What a walk that gets as far carries of what it had: the share over the chance, 0 where that is 0. No lane has more
+    /// than 1e30, which single precision holds: of the light behind fifty panes of the purest colours.
     #[inline]
-    pub fn share(&self) -> Spectrum {
-        self.tint * self.chance as f32
+    pub fn tint(&self) -> Spectrum {
+        if self.is_nothing() {
+            return Spectrum::ZERO;
+        }
+        (self.share).map(|share| (f64::from(share) / self.chance).min(1e30) as f32)
     }
 }

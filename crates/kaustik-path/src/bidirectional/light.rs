@@ -135,7 +135,7 @@ impl Carried {
             ..self.ray
         };
         let passed = (job.scene).visibility(&up_to_lens, &self.interior, job.wavelengths);
-        passed.tint
+        passed.tint()
     }
 
     /// By a walk that is about to take the edge.

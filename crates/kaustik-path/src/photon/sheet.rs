@@ -15,7 +15,7 @@ impl Sheet {
     const LETS_THROUGH: u16 = 1 << 15;
 
     pub(super) fn new(scene: &Scene, vertex: &Vertex, bsdf: &Bsdf) -> Self {
-        let lets_through = bsdf.transmits() || scene.is_cut(vertex);
+        let lets_through = bsdf.transmits() || scene.is_passed(vertex);
         // Fibonacci hashing: neighbours in a file get numbers far apart.
         let hash = (vertex.instance.wrapping_mul(0x9E37_79B9) >> 17) as u16;
         Self(hash | if lets_through { Self::LETS_THROUGH } else { 0 })

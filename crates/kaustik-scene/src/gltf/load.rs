@@ -126,14 +126,13 @@ fn describe(reader: &mut Reader<'_>, variants: &Variants) -> Result<Description,
     };
     let seen = parts.cameras.iter().any(|camera| camera.shutter.is_some());
     let rig = animation::load(reader, &nodes, seen)?;
-    placement::place(reader, &nodes, &parts, &rig, &mut description)?;
+    placement::place(reader, &nodes, parts, &rig, &mut description)?;
     if !description.animation.carried.is_empty() {
         description.animation.joints = rig.joints;
     }
     let images = image::load(reader)?;
     let textures = Textures::load(reader, &images)?;
     description.materials = material::load(reader, &textures)?;
-    description.meshes = parts.meshes.list;
     description.textures = textures.list;
     if let Some(scene) = &scene {
         description.name = scene.text("name")?.to_owned();

@@ -6,6 +6,7 @@ use kaustik_geometry::Mesh;
 use super::accessor::Accessor;
 use super::json::Cursor;
 use super::reader::Reader;
+use super::shape::Shape;
 use super::triangles::Topology;
 use super::variant::Variants;
 use super::{ErrorKind, LoadError, vertices};
@@ -44,22 +45,34 @@ impl Meshes {
         let mut parts = Vec::new();
         for place in reader.root.list("meshes")? {
             let mut own = Vec::new();
-            let mut morphs = false;
             for primitive in place.need("primitives")?.items()? {
-                morphs |= primitive.count("targets")? > 0;
                 own.extend(plan.part(reader, variants, primitive)?);
-            }
-            if morphs {
-                reader.warn(
-                    &place,
-                    "morph targets are ignored; the mesh is in its bind pose",
-                );
             }
             parts.push(own);
         }
         let list = plan.read(reader)?;
         Ok(Self { list, parts })
     }
+}
+
+/// The geometries of a mesh in another shape, in the order of [`Meshes::parts`].
+pub(super) fn shaped<'a>(
+    reader: &mut Reader<'a>,
+    place: &Cursor<'a>,
+    shape: &Shape,
+) -> Result<Vec<Arc<Mesh>>> {
+    let mut list = Vec::new();
+    for primitive in place.need("primitives")?.items()? {
+        let Some(key) = key(&primitive)? else {
+            continue;
+        };
+        let mut vertices = vertices::read(reader, &primitive.need("attributes")?)?;
+        shape.apply(reader, &primitive, &mut vertices)?;
+        let own = own_vertices(reader, &primitive, &key, &vertices)?;
+        list.push(checked(own, &primitive)?);
+        reader.budget.give(vertices.memory() as u64);
+    }
+    Ok(list)
 }
 
 /// The different geometries of a file, in the order in which they are first used.

@@ -43,6 +43,8 @@ mod node;
 mod options;
 mod placement;
 mod reader;
+mod shape;
+mod shaped;
 mod skin;
 mod syntax;
 #[cfg(test)]

@@ -1,5 +1,7 @@
 //! What stands where: nodes become instances, cameras and lights.
 
+use std::sync::Arc;
+
 use glam::{Affine3A, DAffine3, DVec3};
 
 use super::accessor::Accessor;
@@ -7,9 +9,10 @@ use super::animation::{Carrier, Rig};
 use super::camera::CameraKind;
 use super::json::Cursor;
 use super::light::Punctual;
-use super::mesh::Meshes;
+use super::mesh::{Meshes, Part};
 use super::node::Placed;
 use super::reader::Reader;
+use super::shaped::Shaped;
 use super::skin::Skin;
 use super::{ErrorKind, LoadError, transform, vertices};
 use crate::description::{
@@ -32,29 +35,44 @@ pub(super) struct Parts {
 pub(super) fn place<'a>(
     reader: &mut Reader<'a>,
     nodes: &[Placed<'a>],
-    parts: &Parts,
+    parts: Parts,
     rig: &Rig,
     description: &mut Description,
 ) -> Result<()> {
-    let mut cameras = Vec::new();
+    let (mut cameras, mut shaped) = (Vec::new(), Shaped::default());
+    let moves = |skin: &Skin| {
+        skin.joints
+            .iter()
+            .any(|&joint| rig.carrier(joint).is_some())
+    };
+    let moves: Vec<bool> = (parts.skins.iter())
+        .map(|skin| skin.as_ref().is_some_and(moves))
+        .collect();
     for (position, placed) in nodes.iter().enumerate() {
         let name = placed.node.text("name")?;
         let carrier = rig.carrier(position);
         if !placed.hidden && placed.node.get("mesh")?.is_some() {
-            let held = match skin(reader, placed, parts)? {
-                Some(skin) => Held {
+            let skin = skin(placed, &parts)?;
+            if skin.is_some_and(|(index, _)| moves[index]) {
+                let message =
+                    "the skin is bent as its joints rest; it moves as the first of them does";
+                reader.warn(&placed.node, message);
+            }
+            let held = match &skin {
+                Some((_, skin)) => Held {
                     copies: vec![(
-                        nodes[skin.joint].world * skin.inverse_bind,
+                        nodes[skin.first].world * skin.inverse_bind,
                         skin.inverse_bind,
                     )],
-                    carrier: rig.carrier(skin.joint),
+                    carrier: rig.carrier(skin.first),
                 },
                 None => Held {
                     copies: copies(reader, placed)?,
                     carrier,
                 },
             };
-            instances(reader, placed, &held, name, &parts.meshes, description)?;
+            let geometry = shaped.geometry(reader, placed, skin, &parts.meshes)?;
+            instances(reader, placed, &held, name, &geometry, description)?;
         }
         if let Some((index, camera)) = camera(reader, placed, name, &parts.cameras)? {
             cameras.push((index, camera, carrier));
@@ -74,7 +92,27 @@ pub(super) fn place<'a>(
         );
         description.cameras.push(camera);
     }
+    let shapes = !shaped.list.is_empty();
+    description.meshes = parts.meshes.list;
+    description.meshes.extend(shaped.list);
+    if shapes {
+        leave_out_idle(description);
+    }
     Ok(())
+}
+
+/// Leaves out meshes that stand nowhere: what is bent stands elsewhere only as it is bent.
+fn leave_out_idle(description: &mut Description) {
+    let meshes = std::mem::take(&mut description.meshes);
+    let mut places = vec![None; meshes.len()];
+    for instance in &mut description.instances {
+        let next = description.meshes.len();
+        let place = *places[instance.mesh].get_or_insert(next);
+        if place == next {
+            description.meshes.push(Arc::clone(&meshes[instance.mesh]));
+        }
+        instance.mesh = place;
+    }
 }
 
 /// Notes that something moves, if it does.
@@ -142,16 +180,13 @@ struct Held {
     carrier: Carrier,
 }
 
-/// The skin of a node with a mesh, if it has one that holds it.
-fn skin<'a>(reader: &mut Reader<'a>, placed: &Placed<'a>, parts: &Parts) -> Result<Option<Skin>> {
+/// The skin of a node with a mesh and its index, if it has one that holds it.
+fn skin<'p>(placed: &Placed<'_>, parts: &'p Parts) -> Result<Option<(usize, &'p Skin)>> {
     let Some(place) = placed.node.get("skin")? else {
         return Ok(None);
     };
-    reader.warn(
-        &placed.node,
-        "the skin is not bent: the mesh stands in its bind pose, as the first joint holds it",
-    );
-    Ok(parts.skins[place.index("/skins", parts.skins.len())?])
+    let index = place.index("/skins", parts.skins.len())?;
+    Ok(parts.skins[index].as_ref().map(|skin| (index, skin)))
 }
 
 /// One instance for each primitive of the node's mesh, and for each copy of the node.
@@ -160,12 +195,10 @@ fn instances<'a>(
     placed: &Placed<'a>,
     held: &Held,
     name: &str,
-    meshes: &Meshes,
+    parts: &[Part],
     description: &mut Description,
 ) -> Result<()> {
     let node = &placed.node;
-    let place = node.need("mesh")?;
-    let parts = &meshes.parts[place.index("/meshes", meshes.parts.len())?];
     let Held { copies, carrier } = held;
     charge(reader, node, held, name, parts.len(), description)?;
     for (world, local) in copies {

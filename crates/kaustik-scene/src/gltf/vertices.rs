@@ -86,8 +86,26 @@ pub(super) fn read<'a>(reader: &mut Reader<'a>, attributes: &Cursor<'a>) -> Resu
     Ok(mesh)
 }
 
+/// By how much a morph target moves an attribute at each vertex; empty if it leaves that alone. What is not finite moves
+/// nothing.
+pub(super) fn displacements<'a>(
+    reader: &mut Reader<'a>,
+    target: &Cursor<'a>,
+    name: &'static str,
+    count: usize,
+) -> Result<Vec<[f32; 3]>> {
+    let allowed = match (reader.quantized, name) {
+        (false, _) => VECTOR,
+        (true, "POSITION") => POSITION_QUANTIZED,
+        (true, _) => DIRECTION_QUANTIZED,
+    };
+    let mut values = attribute(reader, target, name, Some(count), &allowed)?;
+    replace(reader, target, name, &mut values, finite, [0.0; 3])?;
+    Ok(values)
+}
+
 /// The values of an attribute, one a vertex; empty if there is no such attribute.
-fn attribute<'a, const N: usize>(
+pub(super) fn attribute<'a, const N: usize>(
     reader: &mut Reader<'a>,
     attributes: &Cursor<'a>,
     name: &'static str,

@@ -39,19 +39,17 @@ impl Opening {
         }
         Passed {
             chance: passed.chance * chance,
-            tint: passed.tint * self.tint(),
+            share: passed.share * self.share(),
         }
     }
 
-    /// Share of light that passes over the chance of it.
+    /// Share of light that passes.
     #[inline]
-    fn tint(&self) -> Spectrum {
+    fn share(&self) -> Spectrum {
+        let beside = Spectrum::splat(1.0 - self.opacity);
         match self.pane {
-            None => Spectrum::ONE,
-            Some(pane) => {
-                let share = Spectrum::splat(1.0 - self.opacity) + pane.share * self.opacity;
-                share * (1.0 / self.chance()) as f32
-            }
+            None => beside,
+            Some(pane) => beside + pane.share * self.opacity,
         }
     }
 }
@@ -92,7 +90,7 @@ impl<'w, U: FnOnce() -> f64> Passage<'w, U> {
             // Light that is neither scattered nor swallowed has passed already.
             self.weight *= match stops {
                 true => Spectrum::splat((1.0 / pane.meeting()) as f32),
-                false => opening.tint(),
+                false => opening.share() * (1.0 / opening.chance()) as f32,
             };
             self.through_pane |= !stops;
         }

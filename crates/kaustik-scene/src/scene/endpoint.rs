@@ -59,10 +59,10 @@ impl Scene {
         self.emitters.punctual_position(&self.matter, index)
     }
 
-    /// Can any ray pass any surface because of its alpha, or because that is a smooth pane?
+    /// Can any ray pass any surface because of its alpha?
     #[inline]
-    pub fn has_openings(&self) -> bool {
-        self.matter.has_openings()
+    pub fn has_alpha(&self) -> bool {
+        self.matter.has_alpha
     }
 
     /// Can any ray pass any surface because that is a smooth pane?
@@ -71,10 +71,12 @@ impl Scene {
         self.matter.has_panes
     }
 
-    /// May rays pass its surface somewhere because of alpha?
+    /// May rays pass its surface somewhere, because of alpha or because it is a smooth pane?
     #[inline]
-    pub fn is_cut(&self, vertex: &Vertex) -> bool {
-        self.matter.has_alpha && self.matter.material(vertex.material).has_alpha()
+    pub fn is_passed(&self, vertex: &Vertex) -> bool {
+        let material = || self.matter.material(vertex.material);
+        self.matter.has_alpha && material().has_alpha()
+            || self.matter.has_panes && material().is_pane()
     }
 
     /// Share of the surface that is there at this point: its alpha.

@@ -24,7 +24,7 @@ fn meet(scene: &Scene, ray: &Ray, interior: &mut Interior, u: f64) -> Option<(Ve
 
 /// What passes a segment, the same at all wavelengths.
 fn passed_share(scene: &Scene, ray: &Ray, interior: &Interior) -> f32 {
-    let share = scene.visibility(ray, interior, &wavelengths()).share();
+    let share = scene.visibility(ray, interior, &wavelengths()).share;
     assert_eq!(share, Spectrum::splat(share.hero()));
     share.hero()
 }

@@ -1,6 +1,6 @@
 //! Accessors, primitives and meshes.
 
-use glam::{Affine3A, Vec2, Vec3, Vec4};
+use glam::{Vec2, Vec3, Vec4};
 use serde_json::json;
 
 use super::file::{File, TRIANGLE, floats, shorts};
@@ -342,34 +342,4 @@ fn vertices_shared_in_turns_go_where_they_belong() {
         assert_eq!(mesh.positions[0].x, start + 3.0 * index as f32);
         assert_eq!(mesh.positions.len(), 3);
     }
-}
-
-#[test]
-fn skins_and_morphs_stay_in_their_bind_pose() {
-    let mut file = File::triangle();
-    file.primitive()["targets"] = json!([{ "POSITION": 0 }]);
-    assert!(file.warned().1.starts_with("/meshes/0: morph"));
-    let mut file = File::triangle();
-    file.json["nodes"][0]["skin"] = json!(0);
-    file.refused(&["/nodes/0/skin", "no index"]);
-    // Its own transform is nothing, the first joint's and the way from there all: scale 100, then a hundredth.
-    file.json["nodes"][0]["scale"] = json!([7, 7, 7]);
-    file.push(
-        "nodes",
-        json!({ "scale": [100, 100, 100], "translation": [0, 5, 0] }),
-    );
-    file.json["scenes"][0]["nodes"] = json!([0, 1]);
-    let mut inverse = [0.0_f32; 16];
-    (inverse[0], inverse[5], inverse[10], inverse[15]) = (0.01, 0.01, 0.01, 1.0);
-    let matrices = file.accessor("MAT4", 5126, 1, &floats(&inverse));
-    file.json["skins"] = json!([{ "joints": [1, 0], "inverseBindMatrices": matrices }]);
-    let (description, warning) = file.warned();
-    assert!(warning.starts_with("/nodes/0: the skin"));
-    let transform = description.instances[0].transform;
-    let expected = Affine3A::from_translation(Vec3::new(0.0, 5.0, 0.0));
-    assert!(transform.abs_diff_eq(expected, 1e-6), "{transform:?}");
-    file.json["skins"] = json!([{ "joints": [] }]);
-    file.refused(&["/skins/0/joints", "at least one joint"]);
-    file.json["skins"] = json!([{ "joints": [9] }]);
-    file.refused(&["/skins/0/joints/0", "an index into /nodes"]);
 }

@@ -17,5 +17,6 @@ mod hostile;
 mod images;
 mod linear;
 mod mutate;
+mod shapes;
 mod surface;
 mod trip;

@@ -7,6 +7,7 @@ use serde_json::{Value, json};
 
 use super::any;
 use super::file::{File, floats, glb, jpeg, shorts};
+use super::shapes;
 use crate::Description;
 use crate::gltf::{LoadOptions, export_bytes, load_bytes};
 use crate::testing::Rng;
@@ -71,6 +72,9 @@ fn models() -> Vec<Model> {
         "diffuseTexture": { "index": 0 }, "glossinessFactor": 0.5 } } }]);
     odd.json["buffers"] = json!([{ "byteLength": odd.binary.len() }]);
     models.push((odd.json, odd.binary));
+    let mut bent = shapes::bent();
+    bent.json["buffers"] = json!([{ "byteLength": bent.binary.len() }]);
+    models.push((bent.json, bent.binary));
     models
 }
 
