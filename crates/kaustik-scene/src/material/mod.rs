@@ -441,17 +441,17 @@ impl Kind {
     }
 }
 
-/// Is the surface clear and smooth, without thickness and layers? Rays pass it as they pass holes, if it does not emit:
-/// what emits is to be met.
+/// Is the surface somewhere clear and smooth, without thickness and layers? Rays pass it there as they pass holes, if it does not
+/// emit: what emits is to be met. Where a texture makes it rough the scattering function says so.
 fn is_pane(description: &MaterialDescription) -> bool {
     let kind = Kind::of(description);
     let clear = description
         .transmission
         .is_some_and(|transmission| transmission.factor > 0.0);
-    let alpha = f64::from(description.roughness).powi(2);
+    let smooth = f64::from(description.roughness).powi(2) < SMOOTH_ALPHA;
     matches!(kind, Kind::Pane | Kind::Principled)
         && clear
-        && alpha < SMOOTH_ALPHA
+        && (smooth || description.metallic_roughness_texture.is_some())
         && !(Solid::bounds(description) || Layers::exist(description))
         && description.specular_glossiness.is_none()
 }

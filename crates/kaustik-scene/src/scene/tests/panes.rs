@@ -5,8 +5,10 @@ use kaustik_geometry::Ray;
 use kaustik_spectrum::{Spectrum, uplift_reflectance};
 
 use super::solids::{AXIS, BLUE, slab, solid};
-use crate::description::{AlphaMode, Clearcoat, MaterialDescription, Transmission};
-use crate::testing::{Stage, dielectric, floor, grey, rectangle, wavelengths};
+use crate::description::{AlphaMode, Clearcoat, MaterialDescription, Pixels, Transmission};
+use crate::testing::{
+    Stage, dielectric, floor, grey, image, rectangle, rectangle_with_uv, wavelengths,
+};
 use crate::{Interior, Passed, Scene, Vertex};
 
 const NUMBERS: u32 = 1_000;
@@ -224,6 +226,27 @@ fn nothing_else_is_a_pane() {
     };
     let passed = share(air);
     assert!(near(passed.share, Spectrum::ONE, 1e-6) && passed.chance > 1.0 - 1e-6);
+}
+
+/// Where a texture makes it rough a pane is met, and passed where that says 0.
+#[test]
+fn a_pane_is_smooth_where_its_texture_says_so() {
+    let texels = [0, 200].map(|roughness| [0, roughness, 0, 255]);
+    let (stage, slot) = Stage::new().texture(image(2, 1, Pixels::Rgba8(texels.concat())));
+    let material = MaterialDescription {
+        roughness: 1.0,
+        metallic_roughness_texture: Some(slot),
+        ..pane(1.0, [1.0; 3])
+    };
+    let square = rectangle_with_uv(Vec3::ZERO, Vec3::X, Vec3::Y);
+    let scene = stage.add(material, square).build();
+    let through = |x: f32| {
+        let ray = Ray::new(Vec3::new(x, 0.1, 1.0), Vec3::NEG_Z);
+        scene.visibility(&ray, &Interior::VACUUM, &wavelengths())
+    };
+    let clear = (1.0 - reflected(1.0, 1.5)) as f32;
+    assert!(near(through(-0.8).share, Spectrum::splat(clear), 1e-5));
+    assert_eq!(through(0.8), Passed::NOTHING);
 }
 
 /// A pane in water reflects as its index over that of the water says, and hidden interfaces are none.
