@@ -8,7 +8,7 @@ use image::{ColorType, DynamicImage, ImageDecoder, ImageError, ImageFormat, Imag
 
 use super::json::{Cursor, shorten};
 use super::reader::Reader;
-use super::{ErrorKind, LoadError, extras};
+use super::{ErrorKind, LoadError, extras, idle};
 use crate::description::{ImageData, Pixels};
 use crate::fence::fenced;
 
@@ -18,8 +18,29 @@ type Result<T> = std::result::Result<T, LoadError>;
 #[derive(Debug, Default)]
 pub(super) struct Images {
     pub(super) list: Vec<Arc<ImageData>>,
-    /// For each image of the file its index in `list`; `None` if its format is not read.
-    pub(super) index: Vec<Option<usize>>,
+    /// What became of each image of the file.
+    pub(super) index: Vec<Fate>,
+}
+
+/// What became of an image of the file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Fate {
+    /// It has this index among the pixels.
+    Read(usize),
+    /// Its format is not read.
+    Strange,
+    /// Nothing looks at it.
+    Idle,
+}
+
+impl Fate {
+    /// Its index among the pixels.
+    pub(super) fn pixels(self) -> Option<usize> {
+        match self {
+            Self::Read(index) => Some(index),
+            Self::Strange | Self::Idle => None,
+        }
+    }
 }
 
 /// So many images are decoded at a time.
@@ -28,12 +49,17 @@ const BATCH: usize = 16;
 #[cfg(not(feature = "parallel"))]
 const BATCH: usize = 1;
 
-/// Reads all images of the file. One in a format that is not read (KTX2) is left out;
+/// Reads all images of the file that anything looks at. One in a format that is not read (KTX2) is left out;
 /// whether that matters is seen where a texture uses it.
 pub(super) fn load(reader: &mut Reader<'_>) -> Result<Images> {
     let mut images = Images::default();
     let mut waiting = Vec::new();
-    for place in reader.root.list("images")? {
+    let idle = idle::images(&reader.root)?;
+    for (index, place) in reader.root.list("images")?.into_iter().enumerate() {
+        if idle.contains(&index) {
+            images.index.push(Fate::Idle);
+            continue;
+        }
         let next = match Encoded::find(reader, place) {
             Ok(next) => next,
             Err(error) => {
@@ -43,10 +69,12 @@ pub(super) fn load(reader: &mut Reader<'_>) -> Result<Images> {
             }
         };
         let Some(next) = next else {
-            images.index.push(None);
+            images.index.push(Fate::Strange);
             continue;
         };
-        images.index.push(Some(images.list.len() + waiting.len()));
+        images
+            .index
+            .push(Fate::Read(images.list.len() + waiting.len()));
         let mut room = next.reserve(reader);
         if room.is_err() {
             // those that wait hold memory to work in: it may be what is missing

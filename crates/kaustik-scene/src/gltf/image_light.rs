@@ -65,7 +65,7 @@ impl Cube {
         let first = first.ok_or_else(|| mips.mismatch("at least one mip of six images"))?;
         let mut faces = Vec::new();
         for face in first.items()? {
-            let index = images.index[face.index("/images", images.index.len())?];
+            let index = images.index[face.index("/images", images.index.len())?].pixels();
             let index = index.ok_or_else(|| {
                 let found = "an image that is neither PNG, JPEG nor WebP";
                 face.error(ErrorKind::Image, found, "PNG or JPEG")

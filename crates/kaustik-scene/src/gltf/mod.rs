@@ -30,6 +30,7 @@ mod export;
 mod extension;
 mod extras;
 mod folder;
+mod idle;
 mod image;
 mod image_light;
 mod json;

@@ -1,4 +1,4 @@
-use super::image::Images;
+use super::image::{Fate, Images};
 use super::json::Cursor;
 use super::reader::Reader;
 use super::{ErrorKind, LoadError};
@@ -29,11 +29,17 @@ impl Textures {
                 textures.index.push(None);
                 continue;
             };
-            let image = images.index[source.index("/images", images.index.len())?];
-            let image = image.ok_or_else(|| {
-                let found = "an image that is neither PNG, JPEG nor WebP";
-                source.error(ErrorKind::Image, found, "PNG, JPEG or WebP")
-            })?;
+            let image = match images.index[source.index("/images", images.index.len())?] {
+                Fate::Read(image) => image,
+                Fate::Idle => {
+                    textures.index.push(None);
+                    continue;
+                }
+                Fate::Strange => {
+                    let found = "an image that is neither PNG, JPEG nor WebP";
+                    return Err(source.error(ErrorKind::Image, found, "PNG, JPEG or WebP"));
+                }
+            };
             let texture = sampled(&reader.root, &place, image)?;
             textures.index.push(Some(textures.list.len()));
             textures.list.push(texture);

@@ -111,3 +111,31 @@ fn images_that_fit_one_by_one_fit() {
         (ErrorKind::Budget, "/images/11")
     );
 }
+
+/// What ambient occlusion alone looks at is not read, and may be missing or broken; as soon as anything else does, it is.
+#[test]
+fn images_of_occlusion_alone_are_not_read() {
+    let mut file = with_images(vec![Some(png(2, 1)), Some(half())]);
+    file.push("images", json!({ "uri": "nowhere.png" }));
+    file.json["textures"] = json!([{ "source": 0 }, { "source": 1 }, { "source": 2 }]);
+    file.json["materials"] = json!([
+        { "occlusionTexture": { "index": 1 }, "emissiveTexture": { "index": 0 } },
+        { "occlusionTexture": { "index": 2 } },
+    ]);
+    let description = file.clean();
+    assert_eq!(
+        (description.images.len(), description.textures.len()),
+        (1, 1)
+    );
+    assert_eq!(description.images[0].width, 2);
+    let sheen = json!({ "KHR_materials_sheen": { "sheenColorTexture": { "index": 1 } } });
+    let base = json!({ "baseColorTexture": { "index": 1 } });
+    for (key, value) in [("extensions", sheen), ("pbrMetallicRoughness", base)] {
+        let mut file = file.clone();
+        file.json["materials"][1][key] = value;
+        assert_eq!(file.error().place(), "/images/1");
+    }
+    // Of another texture, which no material names.
+    file.push("textures", json!({ "source": 1 }));
+    assert_eq!(file.error().place(), "/images/1");
+}
