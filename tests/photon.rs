@@ -1,4 +1,4 @@
-//! Photon methods: against path tracing as the radius shrinks, against each other at any radius.
+//! Photon methods: against bidirectional paths as the radius shrinks, against each other at any radius.
 
 use kaustik::estimate::Combine;
 use kaustik::film::Image;

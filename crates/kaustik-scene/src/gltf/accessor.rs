@@ -157,6 +157,23 @@ impl<'a> Accessor<'a> {
         self.collect(0, buffers, budget, |element| component.whole(element))
     }
 
+    /// `count` times four unsigned integers, as they are.
+    pub(super) fn quads(
+        &self,
+        buffers: &Buffers<'a>,
+        budget: &mut Budget,
+    ) -> Result<Vec<[u16; 4]>> {
+        let component = self.component;
+        let unsigned = matches!(component, Component::U8 | Component::U16);
+        if self.width != 4 || !unsigned || self.normalized {
+            return Err(self.wrong_type("VEC4 of UNSIGNED_BYTE or _SHORT, not normalized"));
+        }
+        let size = component.size();
+        self.collect([0; 4], buffers, budget, |element| {
+            std::array::from_fn(|i| component.whole(&element[i * size..]) as u16)
+        })
+    }
+
     /// Reads all elements: those of the buffer view (or `zero` without one), then the sparse
     /// ones over them.
     fn collect<T: Copy>(

@@ -1,3 +1,4 @@
+use super::json::Cursor;
 use super::{ErrorKind, LoadError, LoadOptions};
 
 /// Granted to any file, however small.
@@ -6,6 +7,10 @@ const BASE: u64 = 1 << 30;
 /// larger than what they are stored as. A large JPEG has half a bit a pixel or more, and
 /// a pixel takes four bytes.
 const PER_BYTE: u64 = 64;
+/// Bytes that may be worked through more than once: some seconds, and as much again for each byte of the files as a hundred
+/// shapes of one mesh take.
+const BASE_WORK: u64 = 4 << 30;
+const WORK_PER_BYTE: u64 = 256;
 
 /// Counts the bytes that a file asks for *before* they are allocated: a failed allocation
 /// aborts the process and cannot be caught, and a successful one of 100 GB is no better.
@@ -15,6 +20,8 @@ pub(super) struct Budget {
     used: u64,
     grows: bool,
     max_file: u64,
+    work: u64,
+    most_work: u64,
 }
 
 impl Budget {
@@ -24,6 +31,8 @@ impl Budget {
             used: 0,
             grows: options.max_memory.is_none(),
             max_file: options.max_file,
+            work: 0,
+            most_work: BASE_WORK,
         }
     }
 
@@ -35,6 +44,8 @@ impl Budget {
             let expected = format!("at most {}", size(self.max_file));
             return Err(LoadError::new(ErrorKind::Budget, place, found, expected));
         }
+        let more = bytes.saturating_mul(WORK_PER_BYTE);
+        self.most_work = self.most_work.saturating_add(more);
         if self.grows {
             let more = bytes.saturating_mul(PER_BYTE);
             self.limit = self.limit.saturating_add(more);
@@ -66,6 +77,18 @@ impl Budget {
         each: usize,
     ) -> Result<(), LoadError> {
         self.take(place, (count as u64).saturating_mul(each as u64))
+    }
+
+    /// Counts bytes that are worked through and given back again: small files can name the same data
+    /// again and again.
+    pub(super) fn work(&mut self, place: &Cursor<'_>, bytes: usize) -> Result<(), LoadError> {
+        self.work = self.work.saturating_add(bytes as u64);
+        if self.work > self.most_work {
+            let found = format!("work on {} of data", size(self.work));
+            let expected = format!("at most {} for files of this size", size(self.most_work));
+            return Err(place.error(ErrorKind::Budget, found, expected));
+        }
+        Ok(())
     }
 
     /// Gives back what was temporary.

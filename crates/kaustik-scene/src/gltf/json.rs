@@ -93,6 +93,11 @@ impl<'a> Cursor<'a> {
         self.value.is_object()
     }
 
+    /// Do two places say the same?
+    pub(super) fn says_as(&self, other: &Self) -> bool {
+        self.value == other.value
+    }
+
     pub(super) fn is_array(&self) -> bool {
         self.value.is_array()
     }

@@ -118,14 +118,17 @@ fn describe(reader: &mut Reader<'_>, variants: &Variants) -> Result<Description,
     // the cheap checks first, so that a file with broken nodes is refused at once
     let scene = node::scene(&root)?;
     let nodes = node::flatten(reader, scene.as_ref())?;
-    let parts = Parts {
-        cameras: camera::load(reader)?,
-        lights: light::load(reader)?,
-        meshes: Meshes::load(reader, variants)?,
-        skins: skin::load(reader, &nodes)?,
-    };
-    let seen = parts.cameras.iter().any(|camera| camera.shutter.is_some());
+    let cameras = camera::load(reader)?;
+    let lights = light::load(reader)?;
+    let meshes = Meshes::load(reader, variants)?;
+    let seen = cameras.iter().any(|camera| camera.shutter.is_some());
     let rig = animation::load(reader, &nodes, seen)?;
+    let parts = Parts {
+        skins: skin::load(reader, &nodes, &rig)?,
+        meshes,
+        cameras,
+        lights,
+    };
     placement::place(reader, &nodes, parts, &rig, &mut description)?;
     if !description.animation.carried.is_empty() {
         description.animation.joints = rig.joints;

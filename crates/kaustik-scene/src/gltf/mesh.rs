@@ -7,6 +7,7 @@ use super::accessor::Accessor;
 use super::json::Cursor;
 use super::reader::Reader;
 use super::shape::Shape;
+use super::shaped::VISIT;
 use super::triangles::Topology;
 use super::variant::Variants;
 use super::{ErrorKind, LoadError, vertices};
@@ -62,17 +63,46 @@ pub(super) fn shaped<'a>(
     shape: &Shape,
 ) -> Result<Vec<Arc<Mesh>>> {
     let mut list = Vec::new();
+    // Exporters put the vertices of thousands of primitives into one buffer.
+    let mut last: Option<(Cursor<'a>, Mesh)> = None;
     for primitive in place.need("primitives")?.items()? {
         let Some(key) = key(&primitive)? else {
             continue;
         };
-        let mut vertices = vertices::read(reader, &primitive.need("attributes")?)?;
-        shape.apply(reader, &primitive, &mut vertices)?;
+        let vertices = match last.take() {
+            Some((before, vertices)) if are_alike(&before, &primitive)? => vertices,
+            before => {
+                if let Some((_, idle)) = before {
+                    reader.budget.give(idle.memory() as u64);
+                }
+                let mut vertices = vertices::read(reader, &primitive.need("attributes")?)?;
+                reader.budget.work(&primitive, vertices.memory())?;
+                shape.apply(reader, &primitive, &mut vertices)?;
+                vertices
+            }
+        };
         let own = own_vertices(reader, &primitive, &key, &vertices)?;
+        let around = size_of::<Mesh>() + 2 * size_of::<Arc<Mesh>>();
+        reader.budget.take(&primitive.pointer(), around as u64)?;
+        reader.budget.work(&primitive, own.memory() + VISIT)?;
         list.push(checked(own, &primitive)?);
-        reader.budget.give(vertices.memory() as u64);
+        last = Some((primitive, vertices));
+    }
+    if let Some((_, idle)) = last {
+        reader.budget.give(idle.memory() as u64);
     }
     Ok(list)
+}
+
+/// Do two primitives have the same vertices and morph targets?
+fn are_alike<'a>(one: &Cursor<'a>, other: &Cursor<'a>) -> Result<bool> {
+    let attributes = one.need("attributes")?.says_as(&other.need("attributes")?);
+    let targets = match (one.get("targets")?, other.get("targets")?) {
+        (Some(one), Some(other)) => one.says_as(&other),
+        (None, None) => true,
+        _ => false,
+    };
+    Ok(attributes && targets)
 }
 
 /// The different geometries of a file, in the order in which they are first used.
@@ -123,6 +153,7 @@ impl<'a> Plan<'a> {
         for group in groups {
             let (_, primitive) = &self.wanted[group[0]];
             let mut vertices = vertices::read(reader, &primitive.need("attributes")?)?;
+            reader.budget.work(primitive, vertices.memory())?;
             if let [index] = group[..] {
                 let (key, primitive) = &self.wanted[index];
                 vertices.indices =

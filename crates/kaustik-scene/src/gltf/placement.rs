@@ -40,39 +40,34 @@ pub(super) fn place<'a>(
     description: &mut Description,
 ) -> Result<()> {
     let (mut cameras, mut shaped) = (Vec::new(), Shaped::default());
-    let moves = |skin: &Skin| {
-        skin.joints
-            .iter()
-            .any(|&joint| rig.carrier(joint).is_some())
-    };
-    let moves: Vec<bool> = (parts.skins.iter())
-        .map(|skin| skin.as_ref().is_some_and(moves))
-        .collect();
     for (position, placed) in nodes.iter().enumerate() {
         let name = placed.node.text("name")?;
         let carrier = rig.carrier(position);
         if !placed.hidden && placed.node.get("mesh")?.is_some() {
             let skin = skin(placed, &parts)?;
-            if skin.is_some_and(|(index, _)| moves[index]) {
+            if skin.is_some_and(|(_, skin)| skin.moves) {
                 let message =
                     "the skin is bent as its joints rest; it moves as the first of them does";
                 reader.warn(&placed.node, message);
             }
-            let held = match &skin {
+            let held = match skin {
                 Some((_, skin)) => Held {
-                    copies: vec![(
-                        nodes[skin.first].world * skin.inverse_bind,
-                        skin.inverse_bind,
-                    )],
-                    carrier: rig.carrier(skin.first),
+                    copies: vec![(skin.world, skin.local)],
+                    carrier: skin.carrier,
                 },
                 None => Held {
                     copies: copies(reader, placed)?,
                     carrier,
                 },
             };
-            let geometry = shaped.geometry(reader, placed, skin, &parts.meshes)?;
-            instances(reader, placed, &held, name, &geometry, description)?;
+            let place = placed.node.need("mesh")?;
+            let mesh = place.index("/meshes", parts.meshes.parts.len())?;
+            let count = parts.meshes.parts[mesh].len();
+            charge(reader, &placed.node, &held, name, count, description)?;
+            if !held.copies.is_empty() && count > 0 {
+                let geometry = shaped.geometry(reader, placed, mesh, skin, &parts.meshes)?;
+                instances(reader, placed, &held, name, &geometry, description)?;
+            }
         }
         if let Some((index, camera)) = camera(reader, placed, name, &parts.cameras)? {
             cameras.push((index, camera, carrier));
@@ -96,13 +91,13 @@ pub(super) fn place<'a>(
     description.meshes = parts.meshes.list;
     description.meshes.extend(shaped.list);
     if shapes {
-        leave_out_idle(description);
+        leave_out_idle(reader, description);
     }
     Ok(())
 }
 
-/// Leaves out meshes that stand nowhere: what is bent stands elsewhere only as it is bent.
-fn leave_out_idle(description: &mut Description) {
+/// Leaves out meshes that stand nowhere, as they mostly do where a shape of theirs stands.
+fn leave_out_idle(reader: &mut Reader<'_>, description: &mut Description) {
     let meshes = std::mem::take(&mut description.meshes);
     let mut places = vec![None; meshes.len()];
     for instance in &mut description.instances {
@@ -113,6 +108,12 @@ fn leave_out_idle(description: &mut Description) {
         }
         instance.mesh = place;
     }
+    let idle = places
+        .iter()
+        .zip(&meshes)
+        .filter(|(place, _)| place.is_none());
+    let bytes: usize = idle.map(|(_, mesh)| mesh.memory()).sum();
+    reader.budget.give(bytes as u64);
 }
 
 /// Notes that something moves, if it does.
@@ -200,7 +201,6 @@ fn instances<'a>(
 ) -> Result<()> {
     let node = &placed.node;
     let Held { copies, carrier } = held;
-    charge(reader, node, held, name, parts.len(), description)?;
     for (world, local) in copies {
         let Some(transform) = standing(reader, node, world, carrier.is_some())? else {
             continue;

@@ -5,9 +5,10 @@ use std::rc::Rc;
 use glam::{DAffine3, DMat3, DVec3, Vec3};
 use kaustik_geometry::Mesh;
 
-use super::accessor::{Allowed, Component};
+use super::accessor::{Accessor, Allowed, Component};
 use super::json::Cursor;
 use super::reader::Reader;
+use super::shaped::VISIT;
 use super::{ErrorKind, LoadError, vertices};
 
 type Result<T> = std::result::Result<T, LoadError>;
@@ -29,11 +30,6 @@ const PULLS: [[&str; 2]; 4] = [
     ["JOINTS_3", "WEIGHTS_3"],
 ];
 
-const JOINTS: Allowed = vertices::allowed(
-    &[Component::U8, Component::U16],
-    true,
-    "VEC4 of UNSIGNED_BYTE or _SHORT",
-);
 const WEIGHTS: Allowed = vertices::allowed(
     &[Component::U8, Component::U16],
     false,
@@ -75,6 +71,7 @@ impl Shape {
     ) -> Result<()> {
         let count = mesh.positions.len();
         for (target, &weight) in primitive.list("targets")?.iter().zip(&self.weights) {
+            reader.budget.work(target, VISIT)?;
             if weight == 0.0 {
                 continue;
             }
@@ -95,9 +92,19 @@ impl Shape {
             let read = [positions, normals, tangents];
             let bytes: usize = read.iter().map(|moves| size_of_val(&moves[..])).sum();
             reader.budget.give(bytes as u64);
+            reader.budget.work(target, bytes)?;
         }
+        // For one that is nothing, geometry takes the face's.
         for normal in &mut mesh.normals {
-            *normal = normal.try_normalize().unwrap_or(*normal);
+            *normal = normal.try_normalize().unwrap_or(Vec3::ZERO);
+        }
+        if mesh.tangents.iter().any(|tangent| !tangent.is_finite()) {
+            reader.warn(
+                primitive,
+                "morphed tangents are not finite; they are left out",
+            );
+            reader.budget.give(size_of_val(&mesh.tangents[..]) as u64);
+            mesh.tangents = Vec::new();
         }
         Ok(())
     }
@@ -113,6 +120,7 @@ fn bend<'a>(
 ) -> Result<()> {
     let pulls = pulls(reader, primitive, bends.len(), mesh.positions.len())?;
     let each = pulls.len() / mesh.positions.len().max(1);
+    reader.budget.work(primitive, size_of_val(&pulls[..]))?;
     for vertex in 0..mesh.positions.len() {
         let own = &pulls[vertex * each..][..each];
         let Some(by) = mean(own, bends) else { continue };
@@ -142,16 +150,18 @@ fn pulls<'a>(
         let (Some(place), Some(_)) = (attributes.get(joint)?, attributes.get(weight)?) else {
             break;
         };
-        let by = vertices::attribute::<4>(reader, &attributes, joint, Some(count), &JOINTS)?;
+        let accessor = Accessor::find(&reader.root, &place)?;
+        let by = accessor.quads(&reader.buffers, &mut reader.budget)?;
         let much = vertices::attribute::<4>(reader, &attributes, weight, Some(count), &WEIGHTS)?;
+        if by.len() != count {
+            let found = format!("{} values", by.len());
+            let expected = format!("one for each of the {count} positions");
+            return Err(place.error(ErrorKind::Value, found, expected));
+        }
         // Without a pull, what stands for the joint means nothing.
-        let pulled = by
-            .iter()
-            .zip(&much)
-            .flat_map(|(by, much)| by.iter().zip(much));
-        let stray = pulled.clone().find(|&(&joint, &weight)| {
-            weight > 0.0 && !(joint >= 0.0 && (joint as usize) < joints)
-        });
+        let pulled = by.as_flattened().iter().zip(much.as_flattened());
+        let stray =
+            { pulled }.find(|&(&joint, &weight)| weight > 0.0 && usize::from(joint) >= joints);
         if let Some((joint, _)) = stray {
             let expected = format!("joints below {joints}, the number of the skin");
             return Err(place.error(ErrorKind::Reference, format!("joint {joint}"), expected));
@@ -165,7 +175,7 @@ fn pulls<'a>(
         for (by, much) in &sets {
             let four = by[vertex].iter().zip(&much[vertex]);
             pulls.extend(four.map(|(&joint, &weight)| Pull {
-                joint: joint as usize,
+                joint: usize::from(joint),
                 weight: if weight > 0.0 && weight.is_finite() {
                     f64::from(weight)
                 } else {

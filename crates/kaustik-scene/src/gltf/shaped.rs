@@ -38,12 +38,11 @@ impl Shaped {
         &mut self,
         reader: &mut Reader<'a>,
         placed: &Placed<'a>,
+        index: usize,
         skin: Option<(usize, &Skin)>,
         meshes: &Meshes,
     ) -> Result<Vec<Part>> {
-        let place = placed.node.need("mesh")?;
-        let index = place.index("/meshes", meshes.parts.len())?;
-        let mesh = place.target(&reader.root, "meshes")?;
+        let mesh = placed.node.need("mesh")?.target(&reader.root, "meshes")?;
         let own = match placed.node.get("weights")? {
             Some(weights) => Some(numbers(&weights)?),
             None => None,
@@ -56,11 +55,16 @@ impl Shaped {
         let first = match self.known.get(&key) {
             Some(first) => *first,
             None => {
-                let weights = match (own, mesh.get("weights")?) {
+                let mut weights = match (own, mesh.get("weights")?) {
                     (Some(own), _) => own,
-                    (None, Some(weights)) => numbers(&weights)?,
+                    (None, Some(weights)) => {
+                        let count = mesh.count("weights")?;
+                        reader.budget.work(&weights, count * VISIT)?;
+                        numbers(&weights)?
+                    }
                     (None, None) => Vec::new(),
                 };
+                weights.truncate(most_targets(reader, &mesh)?);
                 let bends = skin.and_then(|(_, skin)| skin.bends.clone());
                 let shape = Shape { weights, bends };
                 let first = self.shape(reader, &mesh, &shape, meshes)?;
@@ -92,6 +96,19 @@ impl Shaped {
         self.list.extend(mesh::shaped(reader, mesh, shape)?);
         Ok(Some(first))
     }
+}
+
+/// Bytes of work that stand for a look at a number, a primitive or a target.
+pub(super) const VISIT: usize = 64;
+
+/// The most morph targets of any primitive.
+fn most_targets<'a>(reader: &mut Reader<'a>, mesh: &Cursor<'a>) -> Result<usize> {
+    let mut most = 0;
+    for primitive in mesh.need("primitives")?.items()? {
+        reader.budget.work(&primitive, VISIT)?;
+        most = most.max(primitive.count("targets")?);
+    }
+    Ok(most)
 }
 
 fn numbers(list: &Cursor<'_>) -> Result<Vec<f32>> {

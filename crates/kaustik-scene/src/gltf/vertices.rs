@@ -205,6 +205,7 @@ fn colors<'a>(
         reader
             .budget
             .take_many(&place.pointer(), count, size_of::<[f32; 4]>())?;
+        reader.budget.give(size_of_val(&values[..]) as u64);
         values.into_iter().map(|[r, g, b]| [r, g, b, 1.0]).collect()
     } else {
         attribute(reader, attributes, "COLOR_0", Some(count), &COLOR)?

@@ -131,6 +131,71 @@ fn joints_that_do_not_rest_bend_the_mesh() {
     assert_eq!(description.meshes[1].positions[1], Vec3::X);
 }
 
+/// A first joint that flattens or mirrors what it holds does so to nothing else: here all hangs on the second.
+#[test]
+fn a_first_joint_spoils_nothing_that_hangs_on_others() {
+    let pulls = [([1, 0, 0, 0], [1.0, 0.0, 0.0, 0.0]); 3];
+    let bind = matrix(1.0, [0.0; 3]);
+    for first in [
+        json!([0, 0, 0]),
+        json!([1, 1, 0]),
+        json!([-1, 1, 1]),
+        json!([1e-12, 1, 1]),
+    ] {
+        let joints = [
+            json!({ "scale": first, "translation": [5, 0, 0] }),
+            json!({ "translation": [0, 2, 0] }),
+        ];
+        let description = skinned(&joints, &[bind, bind], pulls).clean();
+        let transform = description.instances[0].transform;
+        let [a, b, c] = [0, 1, 2]
+            .map(|corner| transform.transform_point3(description.meshes[0].positions[corner]));
+        assert!(near(a, [0.0, 2.0, 0.0]) && near(b, [1.0, 2.0, 0.0]) && near(c, [0.0, 3.0, 0.0]));
+        assert!(transform.matrix3.determinant() > 0.0);
+    }
+    // Where most joints mirror, the mesh stands mirrored, and what bends it is sound.
+    let joints = [
+        json!({ "scale": [-1, 1, 1] }),
+        json!({ "scale": [-1, 1, 1], "translation": [0, 2, 0] }),
+    ];
+    let description = skinned(&joints, &[bind, bind], pulls).clean();
+    let transform = description.instances[0].transform;
+    assert!(transform.matrix3.determinant() < 0.0);
+    let corner = transform.transform_point3(description.meshes[0].positions[1]);
+    assert!(near(corner, [-1.0, 2.0, 0.0]), "{corner}");
+}
+
+/// Joints that are told a single-precision error apart rest; what is a millionth of a unit large may be bent as well.
+#[test]
+fn rest_is_told_by_what_is_seen() {
+    let pulls = [([1, 0, 0, 0], [1.0, 0.0, 0.0, 0.0]); 3];
+    let far = [300.0, 40.0, -7.0];
+    let binds = [matrix(1.0, [0.0; 3]), matrix(1.0, far.map(|x: f32| -x))];
+    let close = json!({ "translation": [300.0001, 40, -7] });
+    let description = skinned(&[json!({}), close], &binds, pulls).clean();
+    assert_eq!(description.meshes[0].positions[1], Vec3::X);
+    let grown = [
+        json!({ "scale": [1e6, 1e6, 1e6] }),
+        json!({ "scale": [1e6, 1e6, 1e6], "translation": [0, 0.5, 0] }),
+    ];
+    let binds = [matrix(1.0, [0.0; 3]); 2];
+    let description = skinned(&grown, &binds, pulls).clean();
+    let corner = description.meshes[0].positions[0];
+    let corner = description.instances[0].transform.transform_point3(corner);
+    assert!(near(corner, [0.0, 0.5, 0.0]), "{corner}");
+}
+
+/// Tens of thousands of targets that all name one long accessor without data: refused before the work is done.
+#[test]
+fn the_same_data_again_and_again_is_refused() {
+    let mut file = File::triangle();
+    file.json["accessors"][0] =
+        json!({ "type": "VEC3", "componentType": 5126, "count": 4_000_000 });
+    file.primitive()["targets"] = json!(vec![json!({ "POSITION": 0 }); 20_000]);
+    file.json["meshes"][0]["weights"] = json!(vec![1; 20_000]);
+    file.refused(&["/meshes/0/primitives/0/targets/", "for files of this size"]);
+}
+
 #[test]
 fn broken_skins_are_refused() {
     let pulls = [([0, 0, 0, 0], [1.0, 0.0, 0.0, 0.0]); 3];
@@ -158,6 +223,15 @@ fn broken_skins_are_refused() {
     refused(
         |f| f.json["skins"][0]["joints"] = json!([1, 2, 1]),
         &["/skins/0/inverseBind", "one for each of the 3 joints"],
+    );
+    refused(
+        |f| {
+            let at = f.primitive()["attributes"]["JOINTS_0"]
+                .as_u64()
+                .expect("an index");
+            f.json["accessors"][at as usize]["normalized"] = json!(true);
+        },
+        &["/accessors/", "not normalized"],
     );
     let stray = [([2, 0, 0, 0], [1.0, 0.0, 0.0, 0.0]); 3];
     skinned(&joints, &[bind, bind], stray).refused(&["JOINTS_0", "joints below 2"]);
