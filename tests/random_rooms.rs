@@ -16,7 +16,6 @@ use crate::support::{
 const SIDE: u32 = 32;
 /// Behind the tiles: the whole picture.
 const WHOLE: usize = (SIDE as usize / TILE).pow(2);
-const SEEDS: Range<u64> = 0..12;
 /// What chance alone rejects, once in a hundred comparisons, is looked at with so many others.
 const AGAIN: Range<u64> = 100..140;
 /// Tiles that are known less well count for nothing.
@@ -105,7 +104,7 @@ fn differences(number: u64) -> Vec<String> {
         method != Method::Light || shown.get(tile).copied().unwrap_or(!shown.contains(&false))
     };
     let first = room.settings(METHODS[0]);
-    let expected = runs(&scene, &first, SEEDS);
+    let expected = runs(&scene, &first, seeds());
     let mut found = Vec::new();
     for rival in METHODS.into_iter().skip(1) {
         let (method, _) = rival;
@@ -115,7 +114,7 @@ fn differences(number: u64) -> Vec<String> {
         let settings = room.settings(rival);
         let told = agree(
             &expected,
-            &runs(&scene, &settings, SEEDS),
+            &runs(&scene, &settings, seeds()),
             |tile| counts(method, tile),
             SHARE,
         );
@@ -146,12 +145,23 @@ fn differences(number: u64) -> Vec<String> {
 
 /// `KAUSTIK_ROOMS=20..60` asks for others.
 fn wanted_rooms() -> Range<u64> {
-    let Ok(words) = std::env::var("KAUSTIK_ROOMS") else {
-        return 0..24;
+    wanted("KAUSTIK_ROOMS", 0..24)
+}
+
+/// `KAUSTIK_SEEDS=200..260` asks for others.
+fn seeds() -> Range<u64> {
+    wanted("KAUSTIK_SEEDS", 0..12)
+}
+
+fn wanted(name: &str, usual: Range<u64>) -> Range<u64> {
+    let Ok(words) = std::env::var(name) else {
+        return usual;
     };
-    let (from, to) = words.split_once("..").expect("KAUSTIK_ROOMS=from..to");
-    let number = |word: &str| word.parse().expect("KAUSTIK_ROOMS=from..to");
-    number(from)..number(to)
+    let range = words.split_once("..").and_then(|(from, to)| {
+        let [from, to] = [from, to].map(|word| word.parse().ok());
+        Some(from?..to?)
+    });
+    range.unwrap_or_else(|| panic!("{name}={words}: expected from..to"))
 }
 
 #[test]
@@ -182,7 +192,7 @@ fn photons_bring_as_much_light_in_rooms_by_chance() {
             continue;
         }
         let scene = compile(&room.description, SIDE);
-        let expected = runs(&scene, &room.settings(METHODS[0]), SEEDS);
+        let expected = runs(&scene, &room.settings(METHODS[0]), seeds());
         for method in PHOTONS {
             let mut settings = room.settings((method, 4));
             settings.options.photon = PhotonOptions {
@@ -190,7 +200,7 @@ fn photons_bring_as_much_light_in_rooms_by_chance() {
                 radius: 0.5,
                 ..PhotonOptions::default()
             };
-            let told = runs(&scene, &settings, SEEDS);
+            let told = runs(&scene, &settings, seeds());
             let told = agree(&expected, &told, |tile| tile == WHOLE, SHARE);
             println!("  {method}: {}", Short(&told));
             let whole = told.differences[0];
