@@ -4,7 +4,7 @@
 use glam::Vec3;
 use kaustik::film::Image;
 use kaustik::geometry::Mesh;
-use kaustik::scene::description::{MaterialDescription, Specular};
+use kaustik::scene::description::MaterialDescription;
 use kaustik::scene::{Description, Scene};
 use kaustik::{
     Builder, Colours, Control, Direct, Energy, EnergyStatistics, Jitter, Method, Options,
@@ -12,7 +12,7 @@ use kaustik::{
 };
 
 use crate::support::{
-    Runs, Verdict, agree, compile, describe, picture, scene, settings, tiles_of_seeds,
+    Runs, Verdict, agree, compile, describe, paint, picture, scene, settings, tiles_of_seeds,
 };
 
 const SIDE: u32 = 16;
@@ -279,17 +279,7 @@ fn rectangle(centre: Vec3, u: Vec3, v: Vec3) -> Mesh {
 
 /// A lit floor before an upright mirror. From `EYE` the mirror shows the floor at the bottom and above it the void.
 fn mirror_before_the_void() -> Description {
-    let dull = MaterialDescription {
-        metallic: 0.0,
-        specular: Specular {
-            factor: 0.0,
-            texture: None,
-            color: [1.0; 3],
-            color_texture: None,
-        },
-        base_color: [0.7, 0.6, 0.5, 1.0],
-        ..MaterialDescription::default()
-    };
+    let dull = paint([0.7, 0.6, 0.5]);
     let mirror = MaterialDescription {
         metallic: 1.0,
         roughness: 0.0,

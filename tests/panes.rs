@@ -2,12 +2,10 @@
 
 use glam::{Affine3A, Quat, Vec3};
 use kaustik::scene::Scene;
-use kaustik::scene::description::{
-    LightDescription, LightKind, MaterialDescription, Specular, Transmission,
-};
+use kaustik::scene::description::{LightDescription, LightKind, MaterialDescription, Transmission};
 use kaustik::{Method, RenderSettings};
 
-use crate::support::{compile, describe, from_both_sides, means, picture, settings, square};
+use crate::support::{compile, describe, from_both_sides, means, paint, picture, settings, square};
 
 const SIDE: u32 = 16;
 const ALBEDO: f64 = 0.6;
@@ -27,25 +25,9 @@ fn pane() -> MaterialDescription {
     }
 }
 
-/// Paint without gloss.
-fn paint() -> MaterialDescription {
-    let [r, g, b] = [ALBEDO as f32; 3];
-    MaterialDescription {
-        base_color: [r, g, b, 1.0],
-        metallic: 0.0,
-        specular: Specular {
-            factor: 0.0,
-            texture: None,
-            color: [1.0; 3],
-            color_texture: None,
-        },
-        ..MaterialDescription::default()
-    }
-}
-
 /// A floor under panes one above the other, seen from above under a sun whose height has this sine.
 fn showcase(panes: u8, sun: f32) -> Scene {
-    let floor = (paint(), square(Vec3::ZERO, 0.6));
+    let floor = (paint([ALBEDO as f32; 3]), square(Vec3::ZERO, 0.6));
     let sheets = (1..=panes).map(|i| (pane(), square(Vec3::Z * (0.1 * f32::from(i)), 1.3)));
     let things = std::iter::once(floor).chain(sheets);
     let mut description = describe(Vec3::new(0.03, 0.02, 9.0), 0.1, things);

@@ -13,7 +13,7 @@ use kaustik::film::Image;
 use kaustik::geometry::Mesh;
 use kaustik::path::features;
 use kaustik::scene::description::{
-    CameraDescription, InstanceDescription, MaterialDescription, Projection,
+    CameraDescription, InstanceDescription, MaterialDescription, Projection, Specular,
 };
 use kaustik::scene::{Description, Scene, SceneOptions, builtin};
 use kaustik::{Budget, Builder, Control, Method, Normaliser, RenderSettings, Starts, render};
@@ -31,6 +31,21 @@ pub(crate) fn compile(description: &Description, side: u32) -> Scene {
         ..SceneOptions::default()
     };
     Scene::new(description, &options).expect("a sound scene")
+}
+
+/// Diffuse, without any gloss.
+pub(crate) fn paint([r, g, b]: [f32; 3]) -> MaterialDescription {
+    MaterialDescription {
+        base_color: [r, g, b, 1.0],
+        metallic: 0.0,
+        specular: Specular {
+            factor: 0.0,
+            texture: None,
+            color: [1.0; 3],
+            color_texture: None,
+        },
+        ..MaterialDescription::default()
+    }
 }
 
 /// A square that looks along the z axis, from `-half` to `half` around a place.

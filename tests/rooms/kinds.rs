@@ -1,12 +1,13 @@
 //! The sorts of material that files may ask for.
 
 use kaustik::scene::description::{
-    AlphaMode, Anisotropy, Clearcoat, Iridescence, MaterialDescription, Model, Sheen, Specular,
+    AlphaMode, Anisotropy, Clearcoat, Iridescence, MaterialDescription, Model, Sheen,
     SpecularGlossiness, TextureSlot, Transmission, UvTransform, Volume,
 };
 use kaustik::spectrum::{Glass, Metal};
 
 use super::Builder;
+use crate::support::paint;
 
 /// What materials of a kind differ by.
 #[derive(Clone, Copy)]
@@ -197,19 +198,10 @@ const SLOT: TextureSlot = TextureSlot {
     transform: UvTransform::IDENTITY,
 };
 
-pub(super) fn diffuse([r, g, b]: [f32; 3]) -> MaterialDescription {
-    let none = Specular {
-        factor: 0.0,
-        texture: None,
-        color: [1.0; 3],
-        color_texture: None,
-    };
+pub(super) fn diffuse(albedo: [f32; 3]) -> MaterialDescription {
     MaterialDescription {
         name: "paint".to_owned(),
-        base_color: [r, g, b, 1.0],
-        metallic: 0.0,
-        specular: none,
-        ..MaterialDescription::default()
+        ..paint(albedo)
     }
 }
 

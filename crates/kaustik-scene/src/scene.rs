@@ -5,6 +5,7 @@ mod content;
 mod endpoint;
 mod error;
 mod motion;
+mod segment;
 mod tangents;
 
 use std::sync::Arc;
@@ -20,6 +21,7 @@ use crate::matter::{Matter, Passage};
 use crate::{Interior, Passed, Vertex};
 pub use build::SceneOptions;
 pub use error::SceneError;
+pub use segment::Segment;
 
 /// Everything a light path needs to know: geometry, materials, emitters, camera. Immutable;
 /// shared by reference between threads.
@@ -43,43 +45,6 @@ pub struct Scene {
     image_size: [u32; 2],
     compensates: bool,
     content: [u8; 32],
-}
-
-/// The way to the next vertex of a walk.
-#[derive(Clone, Copy, Debug)]
-pub struct Segment {
-    /// Share of light that what fills the space has left over; all of it where the ray leaves the scene.
-    pub transmittance: Spectrum,
-    /// One over the chance to pass each smooth pane on the way, times the share of light that passes; and one over the
-    /// chance to meet the surface, if that is one. 1 without panes: holes stop the same share of rays as of light.
-    pub weight: Spectrum,
-    /// Length in scene units; infinite where the ray leaves the scene.
-    pub distance: f64,
-    /// Did it go through a smooth pane?
-    pub through_pane: bool,
-}
-
-impl Segment {
-    fn escaping<U: FnOnce() -> f64>(passage: &Passage<'_, U>) -> Self {
-        Self {
-            transmittance: Spectrum::ONE,
-            weight: passage.weight,
-            distance: f64::INFINITY,
-            through_pane: passage.through_pane,
-        }
-    }
-
-    /// Does the ray leave the scene?
-    #[inline]
-    pub fn escapes(&self) -> bool {
-        self.distance.is_infinite()
-    }
-
-    /// What a walk's throughput is multiplied by.
-    #[inline]
-    pub fn factor(&self) -> Spectrum {
-        self.transmittance * self.weight
-    }
 }
 
 impl Scene {

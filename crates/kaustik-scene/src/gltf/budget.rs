@@ -11,6 +11,8 @@ const PER_BYTE: u64 = 64;
 /// shapes of one mesh take.
 const BASE_WORK: u64 = 4 << 30;
 const WORK_PER_BYTE: u64 = 256;
+/// Bytes of work that stand for a look at a number, a primitive or a morph target.
+pub(super) const VISIT: usize = 64;
 
 /// Counts the bytes that a file asks for *before* they are allocated: a failed allocation
 /// aborts the process and cannot be caught, and a successful one of 100 GB is no better.

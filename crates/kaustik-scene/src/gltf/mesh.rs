@@ -4,10 +4,10 @@ use std::sync::Arc;
 use kaustik_geometry::Mesh;
 
 use super::accessor::Accessor;
+use super::budget::VISIT;
 use super::json::Cursor;
 use super::reader::Reader;
 use super::shape::Shape;
-use super::shaped::VISIT;
 use super::triangles::Topology;
 use super::variant::Variants;
 use super::{ErrorKind, LoadError, vertices};

@@ -5,10 +5,10 @@ use std::rc::Rc;
 use glam::{DAffine3, DMat3, DVec3, Vec3};
 use kaustik_geometry::Mesh;
 
-use super::accessor::{Accessor, Allowed, Component};
+use super::accessor::{Allowed, Component};
+use super::budget::VISIT;
 use super::json::Cursor;
 use super::reader::Reader;
-use super::shaped::VISIT;
 use super::{ErrorKind, LoadError, vertices};
 
 type Result<T> = std::result::Result<T, LoadError>;
@@ -150,14 +150,9 @@ fn pulls<'a>(
         let (Some(place), Some(_)) = (attributes.get(joint)?, attributes.get(weight)?) else {
             break;
         };
-        let accessor = Accessor::find(&reader.root, &place)?;
-        let by = accessor.quads(&reader.buffers, &mut reader.budget)?;
+        let by = vertices::accessor(reader, &place, Some(count))?;
+        let by = by.quads(&reader.buffers, &mut reader.budget)?;
         let much = vertices::attribute::<4>(reader, &attributes, weight, Some(count), &WEIGHTS)?;
-        if by.len() != count {
-            let found = format!("{} values", by.len());
-            let expected = format!("one for each of the {count} positions");
-            return Err(place.error(ErrorKind::Value, found, expected));
-        }
         // Without a pull, what stands for the joint means nothing.
         let pulled = by.as_flattened().iter().zip(much.as_flattened());
         let stray =

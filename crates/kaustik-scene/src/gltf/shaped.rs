@@ -6,6 +6,7 @@ use std::sync::Arc;
 use kaustik_geometry::Mesh;
 
 use super::LoadError;
+use super::budget::VISIT;
 use super::json::Cursor;
 use super::mesh::{self, Meshes, Part};
 use super::node::Placed;
@@ -97,9 +98,6 @@ impl Shaped {
         Ok(Some(first))
     }
 }
-
-/// Bytes of work that stand for a look at a number, a primitive or a target.
-pub(super) const VISIT: usize = 64;
 
 /// The most morph targets of any primitive.
 fn most_targets<'a>(reader: &mut Reader<'a>, mesh: &Cursor<'a>) -> Result<usize> {

@@ -88,8 +88,8 @@ impl Pose<'_> {
         let takes: Vec<DAffine3> = joints.iter().enumerate().map(takes).collect();
         let carrier = self.rig.carrier(self.first);
         let driver = |carrier: Carrier| carrier.map(|(joint, _)| joint);
-        let moves = joints.iter().flatten();
-        let moves = { moves }.any(|&joint| driver(self.rig.carrier(joint)) != driver(carrier));
+        let follows = |joint: usize| driver(self.rig.carrier(joint)) == driver(carrier);
+        let moves = !joints.iter().flatten().all(|&joint| follows(joint));
         let reach = (0..joints.len()).map(|joint| bind(joint).inverse().translation.length());
         let reach = reach.filter(|reach| reach.is_finite());
         let unbent = are_one(&takes, reach.fold(0.0, f64::max));

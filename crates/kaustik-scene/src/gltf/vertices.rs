@@ -115,13 +115,22 @@ pub(super) fn attribute<'a, const N: usize>(
     let Some(place) = attributes.get(name)? else {
         return Ok(Vec::new());
     };
-    let accessor = Accessor::find(&reader.root, &place)?;
+    accessor(reader, &place, count)?.floats(allowed, &reader.buffers, &mut reader.budget)
+}
+
+/// The accessor of an attribute at a place, which has a value for each of so many vertices.
+pub(super) fn accessor<'a>(
+    reader: &Reader<'a>,
+    place: &Cursor<'a>,
+    count: Option<usize>,
+) -> Result<Accessor<'a>> {
+    let accessor = Accessor::find(&reader.root, place)?;
     if let Some(count) = count.filter(|&count| count != accessor.count()) {
         let found = format!("{} values", accessor.count());
         let expected = format!("one for each of the {count} positions");
         return Err(place.error(ErrorKind::Value, found, expected));
     }
-    accessor.floats(allowed, &reader.buffers, &mut reader.budget)
+    Ok(accessor)
 }
 
 fn positions<'a>(reader: &mut Reader<'a>, attributes: &Cursor<'a>) -> Result<Vec<Vec3>> {

@@ -9,20 +9,22 @@ mod color;
 mod emission;
 mod frame;
 mod interior;
+mod kind;
 mod layers;
 mod older;
 
 use glam::DVec3;
 use kaustik_bsdf::{Bsdf, Interface, LayerParameters, PrincipledParameters, SMOOTH_ALPHA, Wall};
 use kaustik_geometry::{Surface, World};
-use kaustik_spectrum::{Glass, Metal, Spectrum, Wavelengths};
+use kaustik_spectrum::{Glass, Spectrum, Wavelengths};
 
-use crate::description::{AlphaMode, MaterialDescription, Model};
+use crate::description::{AlphaMode, MaterialDescription};
 use crate::scene::SceneError;
 use crate::texture::{Coding, Texture};
 pub(crate) use color::{ColorSource, Slot, luminance, reflecting};
 use emission::Emission;
 pub(crate) use interior::Solid;
+use kind::{Kind, is_pane};
 use layers::Layers;
 pub(crate) use layers::has_smooth_bumps;
 use older::Older;
@@ -54,25 +56,6 @@ pub(crate) struct Material {
     /// A smooth pane: rays may pass it.
     is_pane: bool,
     compensation: bool,
-}
-
-/// Which scattering function, as far as constants decide it.
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Kind {
-    /// Scatters nothing.
-    Black,
-    Lambertian,
-    /// A metal by its base colour.
-    Reflector,
-    Measured(Metal),
-    Coated,
-    Phong(f32),
-    OrenNayar(f32),
-    /// A transparent solid.
-    Solid,
-    /// A transparent pane.
-    Pane,
-    Principled,
 }
 
 impl Material {
@@ -391,69 +374,6 @@ impl Material {
     pub(crate) fn ior(&self, wavelengths: &Wavelengths) -> Spectrum {
         self.glass.ior(wavelengths)
     }
-}
-
-impl Kind {
-    fn of(description: &MaterialDescription) -> Self {
-        let constant_mix = description.metallic_roughness_texture.is_none();
-        let plain_metal = constant_mix && description.metallic >= 1.0;
-        let plain_dielectric = description.metallic <= 0.0;
-        let full_specular = description.specular.texture.is_none()
-            && description.specular.color_texture.is_none()
-            && description.specular.factor >= 1.0
-            && matches!(description.specular.color, [1.0, 1.0, 1.0]);
-        let clear = description
-            .transmission
-            .is_some_and(|t| t.factor >= 1.0 && t.texture.is_none());
-        let no_transmission = description.transmission.is_none_or(|t| t.factor <= 0.0);
-        let black = description.base_color[..3] == [0.0; 3]
-            && description.reflectance.is_none()
-            && description.specular.factor <= 0.0
-            && plain_dielectric
-            && no_transmission;
-        match description.model {
-            _ if description.unlit => Self::Black,
-            Some(Model::Coated) => Self::Coated,
-            Some(Model::Phong { exponent }) => Self::Phong(exponent),
-            Some(Model::OrenNayar { sigma }) => Self::OrenNayar(sigma),
-            None => match description.metal {
-                Some(metal) => Self::Measured(metal),
-                None if Layers::exist(description) => Self::Principled,
-                None if description.specular_glossiness.is_some() => Self::Principled,
-                None if black => Self::Black,
-                None if plain_metal => Self::Reflector,
-                None if plain_dielectric && clear && full_specular => {
-                    if Solid::bounds(description) {
-                        Self::Solid
-                    } else {
-                        Self::Pane
-                    }
-                }
-                None if plain_dielectric
-                    && no_transmission
-                    && description.specular.factor <= 0.0 =>
-                {
-                    Self::Lambertian
-                }
-                None => Self::Principled,
-            },
-        }
-    }
-}
-
-/// Is the surface somewhere clear and smooth, without thickness and layers? Rays pass it there as they pass holes, if it does not
-/// emit: what emits is to be met. Where a texture makes it rough the scattering function says so.
-fn is_pane(description: &MaterialDescription) -> bool {
-    let kind = Kind::of(description);
-    let clear = description
-        .transmission
-        .is_some_and(|transmission| transmission.factor > 0.0);
-    let smooth = f64::from(description.roughness).powi(2) < SMOOTH_ALPHA;
-    matches!(kind, Kind::Pane | Kind::Principled)
-        && clear
-        && (smooth || description.metallic_roughness_texture.is_some())
-        && !(Solid::bounds(description) || Layers::exist(description))
-        && description.specular_glossiness.is_none()
 }
 
 /// A glass by name, or glTF's ior with its dispersion (20 / Abbe number). An ior of 0 is the
