@@ -59,6 +59,8 @@ mod injected;
 mod inputs;
 /// The command and its states: signals, kills, disks that are full.
 mod kept;
+/// Many lamps.
+mod lamps;
 /// Two commands on one output.
 mod locks;
 /// Implicit specular light that a meter finds, and its errors.

@@ -107,6 +107,19 @@ impl PathSpace<'_> {
         }
     }
 
+    /// How much more often vertex 0 is chosen where it alone is made with the light, and joined to vertex 1, than where a walk with
+    /// the light goes on from it. The lens asks for no emitter of its own.
+    #[inline]
+    pub(crate) fn emitter_odds(&self, path: &impl Vertices) -> f64 {
+        let next = path.at(1);
+        if next.kind == VertexKind::Lens || !self.scene.chooses_emitters_by_place() {
+            return 1.0;
+        }
+        let pdf = self.emission(path);
+        let odds = (self.scene).next_event_odds(&pdf, next.vertex.position);
+        factor(Factor::EmitterOdds, odds)
+    }
+
     /// The unit of area for the density of the vertex `to` that a walk makes from its neighbour `from`, D where that
     /// does not scatter into a Dirac direction and S where it does:
     ///
@@ -206,10 +219,14 @@ impl PathSpace<'_> {
             VertexKind::Lens => self.start_at_lens(),
             _ => self.step_to_light_pdf(path, i),
         };
+        let joins = match self.joins(path, i + 1) {
+            true if i == 0 => self.emitter_odds(path),
+            joins => f64::from(u8::from(joins)),
+        };
         Making {
             by_light,
             by_eye,
-            joins: f64::from(u8::from(self.joins(path, i + 1))),
+            joins,
         }
     }
 

@@ -43,6 +43,8 @@ pub(crate) enum Factor {
     ShadingNormal,
     /// Density of a point of an emitter.
     EmitterPoint,
+    /// How much more often an emitter is chosen from where it is joined than by walks with the light.
+    EmitterOdds,
     /// Density of a direction of emission.
     Emission,
     /// Weight of the deletion that was made.

@@ -1,10 +1,10 @@
 //! Vertices made anew from either end of a path: what all kernels begin with.
 
-use glam::DVec2;
+use glam::{DVec2, DVec3};
 use kaustik_mcmc::Draws;
 use kaustik_scene::EmitterPoint;
 
-use crate::vertex::VertexKind;
+use crate::vertex::{PathVertex, VertexKind};
 use crate::walk::WalkDirection;
 use crate::{Path, PathSpace};
 
@@ -20,7 +20,10 @@ impl PathSpace<'_> {
     ) -> bool {
         let joint = part.start + by_light;
         debug_assert!(joint < y.len(), "a walk with the light made the lens");
-        for i in part.start..joint {
+        // An emitter that is only joined is chosen from where that is done, which must be there first.
+        let beside = joint == 1 && part.start == 0 && self.scene.chooses_emitters_by_place();
+        let walked = if beside { joint } else { part.start };
+        for i in walked..joint {
             let made = match i {
                 0 => self.begin_at_light(y, draws),
                 _ => self.scatter(y, i - 1, WalkDirection::ToEye, draws),
@@ -39,6 +42,9 @@ impl PathSpace<'_> {
                 return false;
             }
         }
+        if beside && !self.begin_beside(y, draws) {
+            return false;
+        }
         match joint {
             0 => self.refresh(y, 0),
             _ => self.join(y, joint - 1),
@@ -47,9 +53,29 @@ impl PathSpace<'_> {
 
     /// Vertex 0 by emission sampling.
     pub(crate) fn begin_at_light<D: Draws + ?Sized>(&self, y: &mut Path, draws: &mut D) -> bool {
-        let vertex = y.at_mut(0);
+        self.draw_emitter(y.at_mut(0), None, draws)
+    }
+
+    /// Vertex 0, to be joined to vertex 1, which is there: by next event, unless that is the lens.
+    pub(crate) fn begin_beside<D: Draws + ?Sized>(&self, y: &mut Path, draws: &mut D) -> bool {
+        let next = y.at(1);
+        let from = (next.kind != VertexKind::Lens).then_some(next.vertex.position);
+        self.draw_emitter(y.at_mut(0), from, draws)
+    }
+
+    /// A point of an emitter, chosen for a place or for a walk.
+    pub(crate) fn draw_emitter<D: Draws + ?Sized>(
+        &self,
+        vertex: &mut PathVertex,
+        from: Option<DVec3>,
+        draws: &mut D,
+    ) -> bool {
         let draw = |_| draws.uniform();
-        let Some(point) = self.scene.sample_emitter_point(draw, &mut vertex.vertex) else {
+        let point = match from {
+            Some(from) => (self.scene).sample_emitter_point_from(from, draw, &mut vertex.vertex),
+            None => self.scene.sample_emitter_point(draw, &mut vertex.vertex),
+        };
+        let Some(point) = point else {
             return false;
         };
         vertex.kind = VertexKind::Emitter(point);

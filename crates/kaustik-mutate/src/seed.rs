@@ -26,6 +26,10 @@ pub struct Seeds<'a> {
     /// Vertices from the light are at its front, those from the eye at its end.
     light: Path,
     eye: Path,
+    /// Where emitters are chosen by place: those found from the vertices of the eye, by how many of these there are up to there.
+    beside: Path,
+    /// Which of them there are.
+    found: Vec<bool>,
     /// The two vertices at the joint, which see other directions than in their walks. Where the walk from the eye has
     /// run into an emitter, its last two: the emitter is no scattering surface then.
     joint: Path,
@@ -56,6 +60,8 @@ impl<'a> Seeds<'a> {
             space,
             light: Path::default(),
             eye: Path::default(),
+            beside: Path::default(),
+            found: Vec::new(),
             joint: Path::default(),
             joined: Path::default(),
             light_survival: Vec::new(),
@@ -91,10 +97,11 @@ impl<'a> Seeds<'a> {
     ) -> f64 {
         self.walk_from_light(space, draws);
         let escaped = self.walk_from_eye(space, draws);
+        self.look_for_emitters(space, draws);
         self.sum_ways(space);
         let mut sum = 0.0;
         for t in 1..=self.eye_survival.len() {
-            for s in 0..=self.light_survival.len() {
+            for s in 0..=self.light_survival.len().max(1) {
                 if self.may_join(space, [s, t], escaped) {
                     self.add(space, [s, t], &mut sum, path, draws);
                 }
@@ -112,6 +119,7 @@ impl<'a> Seeds<'a> {
                 let specular = (2..t).map(|t| self.eye.at(self.eye.len() - t).specular);
                 (outside || (t > 1 && self.emits(space, t))) && space.admits(specular)
             }
+            1 if !self.has_emitter(t) => false,
             // two ends that see each other: nothing between them but what is specular
             _ => !outside && (s + t > 2 || space.admits(std::iter::empty())),
         };
@@ -120,7 +128,21 @@ impl<'a> Seeds<'a> {
 
     /// Chance with which the walks made so many vertices.
     fn survival(&self, [s, t]: [usize; 2]) -> f64 {
-        self.eye_survival[t - 1] * s.checked_sub(1).map_or(1.0, |s| self.light_survival[s])
+        // The first vertex of a walk is there for sure.
+        let of_light = (self.light_survival.get(s.saturating_sub(1)).copied()).unwrap_or(1.0);
+        self.eye_survival[t - 1] * of_light
+    }
+
+    /// Is the one vertex from the light that so many from the eye are joined to not the first of the walk, but one of their own?
+    fn is_beside(&self, t: usize) -> bool {
+        (2..self.found.len()).contains(&t)
+    }
+
+    fn has_emitter(&self, t: usize) -> bool {
+        match self.is_beside(t) {
+            true => self.found[t],
+            false => !self.light_survival.is_empty(),
+        }
     }
 
     fn most(&self) -> usize {
@@ -178,6 +200,24 @@ impl<'a> Seeds<'a> {
         false
     }
 
+    /// An emitter for each vertex of the eye but the lens, where emitters are chosen by place.
+    fn look_for_emitters<D: Draws + ?Sized>(&mut self, space: &PathSpace<'_>, draws: &mut D) {
+        self.found.clear();
+        if !space.scene.chooses_emitters_by_place() {
+            return;
+        }
+        let most = self.eye_survival.len();
+        self.beside.resize(most + 1);
+        self.found.resize(most + 1, false);
+        for t in 2..=most {
+            let vertex = self.eye.at(self.eye.len() - t);
+            if vertex.kind == VertexKind::Surface {
+                let from = Some(vertex.vertex.position);
+                self.found[t] = space.draw_emitter(self.beside.at_mut(t), from, draws);
+            }
+        }
+    }
+
     /// Does the last of so many vertices from the eye emit?
     fn emits(&self, space: &PathSpace<'_>, t: usize) -> bool {
         let vertex = self.eye.at(self.eye.len() - t);
@@ -191,7 +231,7 @@ impl<'a> Seeds<'a> {
         self.before.clear();
         self.after.clear();
         let mut before = Ways::none(true);
-        for s in 0..=self.light_survival.len() {
+        for s in 0..=self.light_survival.len().max(1) {
             if s > TOUCHED {
                 before = before.then(space.making(light, s - TOUCHED - 1));
             }
@@ -242,6 +282,7 @@ impl<'a> Seeds<'a> {
 
     /// Joins the walks after so many vertices of each; `false` if no light passes.
     fn join(&mut self, space: &PathSpace<'_>, [s, t]: [usize; 2]) -> bool {
+        let beside = s == 1 && self.is_beside(t);
         let Self {
             light, eye, joint, ..
         } = self;
@@ -250,7 +291,10 @@ impl<'a> Seeds<'a> {
         (joint.raster, joint.importance) = (eye.raster, eye.importance);
         let first = eye.len() - t;
         if s > 0 {
-            joint.copy(0, light, s - 1..s);
+            match beside {
+                true => joint.copy(0, &self.beside, t..t + 1),
+                false => joint.copy(0, light, s - 1..s),
+            }
             joint.copy(1, eye, first..first + 1);
             return space.join(joint, 0);
         }

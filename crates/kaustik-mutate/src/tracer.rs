@@ -115,7 +115,7 @@ impl Tracer {
     ) -> bool {
         self.take(edges + 1, 1);
         let path = &mut self.path;
-        space.begin_at_light(path, draws) && space.join(path, 0) && space.evaluate(path)
+        space.begin_beside(path, draws) && space.join(path, 0) && space.evaluate(path)
     }
 
     /// Copies so many vertices from the eye behind `free` ones.
@@ -150,7 +150,7 @@ fn traced(space: &PathSpace<'_>, path: &Path, next_event: bool) -> f64 {
     // What is seen without a scattering between is never joined: that would be light tracing.
     let joined = next_event && path.edges() > 1 && !path.is_specular(1);
     let position = if joined {
-        space.emitter_point_pdf(path)
+        space.emitter_point_pdf(path) * space.emitter_odds(path)
     } else {
         0.0
     };

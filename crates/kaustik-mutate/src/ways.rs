@@ -1,7 +1,8 @@
 //! Sums over all ways to make vertices in a row, vertex by vertex.
 //!
 //! Of n vertices the first i are made with the light, with densities L, and the others from the eye, with
-//! densities E; J is 1 where a walk with the light and one from the eye may have been joined, else 0. The sum
+//! densities E; J is 1 where a walk with the light and one from the eye may have been joined, else 0; behind an emitter that alone is
+//! made with the light it is how much more often such a one is chosen there than a walk with the light begins at it. The sum
 //! over i of `L_0 .. L_(i-1) J_i E_i .. E_(n-1)` is taken by Horner's scheme, from the light, and can be cut
 //! anywhere: what has been summed is a [`Ways`], what is still to come a [`WaysOn`].
 
@@ -14,7 +15,7 @@ pub(crate) struct Making {
     pub(crate) by_light: f64,
     /// Density with which a walk from the eye makes it: E.
     pub(crate) by_eye: f64,
-    /// 1 if it may have been joined to the next vertex toward the eye, else 0: J.
+    /// How often it is joined to the next vertex toward the eye, if all before it are made with the light; 0 if never: J.
     pub(crate) joins: f64,
 }
 

@@ -32,7 +32,7 @@ pub use segment::Segment;
 #[derive(Debug)]
 pub struct Scene {
     matter: Matter,
-    emitters: Arc<Emitters>,
+    pub(crate) emitters: Arc<Emitters>,
     camera: Camera,
     camera_interior: Interior,
     camera_motion: Option<Arc<Motion>>,
@@ -307,7 +307,7 @@ impl Scene {
         }
     }
 
-    /// Next-event estimation at `position`: a direction in which an emitter lies. `u(i)` gives
+    /// Next-event estimation at `position`: a direction in which an emitter lies, chosen by what it may bring there. `u(i)` gives
     /// coordinate `i` of three (choice, two of the position); what is not needed is not asked for.
     #[inline]
     pub fn sample_direct(
@@ -344,7 +344,15 @@ impl Scene {
             return 0.0;
         }
         let cos = to.dot(vertex.normal) / squared.sqrt();
-        self.emitters.direct_pdf(&self.matter, vertex, squared, cos)
+        (self.emitters).direct_pdf(&self.matter, from, vertex, [squared, cos])
+    }
+
+    /// How much more often [`Self::sample_direct`] at `from` chooses the emitter that such an emission starts from than
+    /// [`Self::sample_emission`] does: the ratio of its densities to those of [`EmissionPdf`], otherwise the same. 1 where few
+    /// emitters stand anywhere, and of what is infinitely far away; 0 where none of its light can come to that point.
+    #[inline]
+    pub fn next_event_odds(&self, pdf: &EmissionPdf, from: DVec3) -> f64 {
+        self.emitters.odds(pdf.emitter, from)
     }
 
     /// Density per solid angle with which [`Self::sample_direct`] finds the environment in `direction`.

@@ -8,7 +8,7 @@ use crate::Path;
 use crate::tests::space;
 use crate::tests::stage::{scaled, scene, stage};
 
-const SCENES: [&str; 15] = [
+const SCENES: [&str; 16] = [
     "diffuse",
     "glossy",
     "glass",
@@ -24,6 +24,7 @@ const SCENES: [&str; 15] = [
     "orthographic",
     "outlook",
     "veil",
+    "lamps",
 ];
 
 /// The weights of all paths of the last sample, each path put together and weighed as a whole; how many there are.

@@ -71,6 +71,7 @@ const FAULTS: &[(Kind, &[(Factor, &str)])] = &[
             (Index, "aquarium"),
             (ShadingNormal, "leaning-aquarium"),
             (EmitterPoint, "aquarium"),
+            (EmitterOdds, "lamps"),
             (Emission, "diffuse"),
             (CutWeight, "diffuse"),
             (CutsOfPath, "diffuse"),
@@ -149,7 +150,7 @@ fn missed(kind: Kind, faults: &[(Factor, &str)], starts: u64) -> Vec<String> {
 }
 
 /// What a kernel has of its own, beside the factors of geometry: how many ways lead to a path, and what each may choose.
-const OWN: [Factor; 3] = [OtherWays, CutsOfPath, Range];
+const OWN: [Factor; 4] = [OtherWays, CutsOfPath, EmitterOdds, Range];
 
 #[test]
 fn a_factor_left_out_is_found() {
@@ -203,6 +204,7 @@ fn every_factor_is_tried() {
         "moving",
         "moving-veil",
         "pane",
+        "lamps",
     ]
     .map(scene);
     for (kind, faults) in FAULTS {

@@ -56,7 +56,7 @@ fn kept(scene: &Scene, edges: u32, samples: u64, next_event: bool) -> Mean {
         .collect()
 }
 
-const SCENES: [&str; 22] = [
+const SCENES: [&str; 25] = [
     "diffuse",
     "glossy",
     "mirror",
@@ -79,6 +79,9 @@ const SCENES: [&str; 22] = [
     "moving",
     "moving-mirror",
     "moving-point",
+    "lamps",
+    "moving-lamps",
+    "daylight",
 ];
 
 fn assert_alike(name: &str, a: &Mean, b: &Mean, most: f64) {
@@ -109,7 +112,7 @@ fn kept_paths_are_as_bright_as_traced_ones() {
         let (a, b) = (traced(&scene, 5, 60_000), kept(&scene, 5, 60_000, true));
         assert_alike(name, &a, &b, 0.03);
         // Without next events a light of no size is not found at all.
-        if !["point", "sun", "huge-sun", "moving-point"].contains(&name) {
+        if !scene.has_punctual_lights() {
             assert_alike(name, &a, &kept(&scene, 5, 120_000, false), 0.06);
         }
     }

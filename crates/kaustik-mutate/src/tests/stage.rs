@@ -236,6 +236,26 @@ pub(crate) fn stage(name: &str) -> Stage {
         ),
         "frosted" => block(glass(0.5, 0.0)),
         "rainbow" => block(glass(0.0, 2.0)),
+        // small lamps here and there, and a sun: each place is lit by others
+        "lamps" => [(-1.2, 0.6), (-0.3, -1.0), (0.9, 0.2), (1.3, -1.6)]
+            .iter()
+            .fold(plate(metal(0.4)), |stage, &(x, z)| {
+                stage.add(lamp(40.0), ceiling(Vec3::new(x, 0.9, z), 0.1))
+            })
+            .light(light(LightKind::Point, Vec3::new(-0.9, 0.5, -0.6)))
+            .light(light(LightKind::Directional, above)),
+        // of which one goes out of its own reach, and another turns over
+        "moving-lamps" => {
+            let mut lamps = stage("lamps");
+            lamps.description.lights[0].range = Some(1.2);
+            let goes = [([-0.6, 0.0, 0.3], [1.0; 3]), ([1.6, 0.4, 0.6], [1.0; 3])];
+            let turns = [([0.0, -0.2, 0.0], [1.0; 3]), ([0.2, 0.3, 0.4], [1.0; 3])];
+            let (point, square) = (DVec3::new(-0.9, 0.5, -0.6), DVec3::new(-0.3, 0.9, -1.0));
+            lamps
+                .moving(Load::Light(0), point, goes, STRAIGHT)
+                .moving(Load::Instance(5), square, turns, QUARTER)
+                .looking()
+        }
         "point" => room().light(light(LightKind::Point, above)),
         "sun" => room().light(light(LightKind::Directional, above)),
         "point-glass" => block(glass(0.0, 0.0)).light(light(LightKind::Point, above)),

@@ -120,7 +120,12 @@ pub(super) fn emission(
         return;
     }
     let pdf = job.scene.emission_pdf(&z.vertex, z.back);
-    let weight = job.weights().implicit(z.edges, &pdf, &z.running);
+    // From the lens there is no next event.
+    let choice = || match eye {
+        [.., before, _] => (job.scene).next_event_odds(&pdf, before.vertex.position),
+        _ => 1.0,
+    };
+    let weight = (job.weights()).implicit(z.edges, &pdf, choice, &z.running);
     let value = z.throughput * radiance * weight as f32;
     seen(witness, z.edges, eye, (pdf, z.back), weight, value);
     gathered.add(walk.implicit(), value, z.dispersive);
@@ -147,7 +152,7 @@ pub(super) fn escape(
     }
     let pdf = job.scene.environment_emission_pdf(walk.direction);
     let running = going.departure.escape(job.builder.heuristic);
-    let weight = job.weights().implicit(walk.edges, &pdf, &running);
+    let weight = (job.weights()).implicit(walk.edges, &pdf, || 1.0, &running);
     let value = walk.throughput * radiance * weight as f32;
     seen(
         witness,

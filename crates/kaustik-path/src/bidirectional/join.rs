@@ -82,6 +82,7 @@ fn weigh_direct(
     }
     let direct = DirectEnd {
         pdf: (!sample.delta).then_some(sample.pdf),
+        odds: sample.odds,
         emission_pdf: sample.emission_pdf,
         squared: distance.map_or(1.0, |distance| distance * distance),
     };

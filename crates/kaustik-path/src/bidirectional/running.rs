@@ -16,7 +16,8 @@
 //! vertex is joined where it could be, for each time that the walk goes on there: 1 in the
 //! full form, where both always happen; (stop / go on) in the simple form; 0 after a Dirac
 //! scattering. Strategy i, which joins `x_{i-1}` to `x_i`, counts with the product of their odds. At a Dirac
-//! scattering `p_w` is 1 both ways.
+//! scattering `p_w` is 1 both ways. Where next event chooses the emitter `c` times as often from `x_1` as light walks do, strategy 1 counts with
+//! that as well: `dM_1` is `c odds_0 / p_fwd(1)` ([`Departure::arrive_first`]).
 
 use super::Heuristic;
 
@@ -96,6 +97,21 @@ impl Departure {
         Running {
             dm: heuristic.of(self.odds * squared / (self.pdf * cos)),
             dc: self.carry * heuristic.of(1.0 / cos),
+        }
+    }
+
+    /// The same of the first surface after an emitter, which next event chooses `choice` times as often from there as light walks do.
+    #[inline]
+    pub(crate) fn arrive_first(
+        &self,
+        heuristic: Heuristic,
+        (squared, cos): (f64, f64),
+        choice: f64,
+    ) -> Running {
+        let running = self.arrive(heuristic, squared, cos);
+        Running {
+            dm: running.dm * heuristic.of(choice),
+            ..running
         }
     }
 

@@ -3,7 +3,7 @@
 use glam::{DVec2, DVec3};
 use kaustik_bsdf::{Lobe, Mode};
 use kaustik_pss::Coordinates;
-use kaustik_scene::EmissionSample;
+use kaustik_scene::{EmissionPdf, EmissionSample};
 
 use super::running::{Departure, End};
 use super::workspace::Subpath;
@@ -22,6 +22,8 @@ pub(super) struct SubpathWalk<'a> {
     pub(super) departure: Departure,
     /// Where the next edge begins.
     from: DVec3,
+    /// The emitter that it began at.
+    emitter: Option<EmissionPdf>,
 }
 
 impl<'a> SubpathWalk<'a> {
@@ -46,6 +48,7 @@ impl<'a> SubpathWalk<'a> {
             walk: Walk::from_emitter(emission, throughput, job.wavelengths),
             departure: Departure::from_end(heuristic, end, onward.onward, onward.odds()),
             from: origin.as_dvec3(),
+            emitter: Some(*pdf),
         }
     }
 
@@ -81,6 +84,7 @@ impl<'a> SubpathWalk<'a> {
             walk,
             departure,
             from,
+            emitter: None,
         };
         (begun, raster)
     }
@@ -103,7 +107,14 @@ impl<'a> SubpathWalk<'a> {
         slot.reach(&self.walk);
         let squared = (slot.vertex.position - self.from).length_squared();
         let heuristic = job.builder.heuristic;
-        slot.running = self.departure.arrive(heuristic, squared, slot.cos_back());
+        let cos = slot.cos_back();
+        slot.running = match &self.emitter {
+            Some(emitter) if self.walk.edges == 1 => {
+                let choice = (job.scene).next_event_odds(emitter, slot.vertex.position);
+                (self.departure).arrive_first(heuristic, (squared, cos), choice)
+            }
+            _ => self.departure.arrive(heuristic, squared, cos),
+        };
         self.from = slot.vertex.position;
         path.keep();
     }

@@ -42,6 +42,8 @@ impl Weighted {
 pub(super) struct DirectEnd {
     /// Density per solid angle with which it was found; `None` where no ray can run into it.
     pub(super) pdf: Option<f64>,
+    /// How much more often next event chooses the emitter from there than light walks do.
+    pub(super) odds: f64,
     /// Density of the direction from it.
     pub(super) emission_pdf: f64,
     /// Square of the distance; 1 at infinity.
@@ -63,14 +65,20 @@ pub(super) struct LensEnd {
 
 impl Weights {
     /// s = 0: an emitter that the eye's walk ran into after `edges` edges. One that is seen directly
-    /// has no rival.
+    /// has no rival. `choice` tells how much more often next event chooses the emitter, from the vertex before, than light walks do.
     #[inline]
-    pub(super) fn implicit(&self, edges: u32, pdf: &EmissionPdf, running: &Running) -> f64 {
+    pub(super) fn implicit(
+        &self,
+        edges: u32,
+        pdf: &EmissionPdf,
+        choice: impl FnOnce() -> f64,
+        running: &Running,
+    ) -> f64 {
         if edges == 1 {
             return 1.0;
         }
         let emitter = self.form.at_emitter();
-        let rivals = running.rivals(self.heuristic, emitter.odds(), pdf.direction);
+        let rivals = running.rivals(self.heuristic, emitter.odds() * choice(), pdf.direction);
         let more = self.heuristic.of(pdf.position * emitter.onward) * rivals;
         self.heuristic.weight(0.0, more)
     }
@@ -85,7 +93,7 @@ impl Weights {
             let pdf = z.bsdf.pdf(z.wo, wi, Mode::Radiance);
             heuristic.of(pdf / (found * odds * emitter.onward))
         });
-        let area = end.emission_pdf * wi.dot(z.ng).abs() / end.squared;
+        let area = end.emission_pdf * wi.dot(z.ng).abs() / (end.squared * end.odds);
         let rivals = z.rivals(heuristic, wi, Mode::Importance);
         heuristic.weight(fewer, heuristic.of(area / odds) * rivals)
     }

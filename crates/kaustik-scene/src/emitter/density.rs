@@ -9,8 +9,8 @@ use crate::Vertex;
 use crate::matter::Matter;
 
 /// Densities with which emission sampling takes a point of an emitter and a direction from it.
-/// Next event draws the point by the same choice and the same law,
-/// so that `position` serves both techniques. Their units go by what emits (`P`: the probability of the emitter):
+/// Next event draws the point by the same law, and the emitter as often or [`odds`](crate::Scene::next_event_odds) times
+/// as often. Their units go by what emits (`P`: the probability of the emitter):
 ///
 /// | emitter | `position` | `direction` |
 /// |---|---|---|
@@ -35,6 +35,8 @@ pub struct EmissionPdf {
     pub infinite: bool,
     /// A ray may run into it; neither its position nor its direction is Dirac.
     pub hittable: bool,
+    /// Which emitter, by its number among the scene's; `u32::MAX` for the environment and for what emits nothing.
+    pub emitter: u32,
 }
 
 impl Emitters {
@@ -54,6 +56,7 @@ impl Emitters {
             cos: cos.abs(),
             infinite: false,
             hittable: true,
+            emitter: DARK,
         };
         let material = matter.material(vertex.material);
         if first == DARK || !material.emits_toward(cos) {
@@ -62,6 +65,7 @@ impl Emitters {
         let index = (first + vertex.primitive) as usize;
         if let Emitter::Triangle(triangle) = self.list[index] {
             pdf.position = self.choice.probability(index) * triangle.inverse_area(matter);
+            pdf.emitter = index as u32;
             pdf.direction = lambertian_pdf(cos, material.emits_on_both_sides());
         }
         pdf
@@ -75,6 +79,7 @@ impl Emitters {
             cos: 1.0,
             infinite: true,
             hittable: true,
+            emitter: DARK,
         }
     }
 

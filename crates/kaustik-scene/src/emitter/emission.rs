@@ -8,7 +8,7 @@ use kaustik_geometry::Ray;
 use kaustik_spectrum::Wavelengths;
 
 use super::density::lambertian_pdf;
-use super::{AreaSample, EmissionPdf, EmissionSample, Emitter, Emitters, TriangleEmitter};
+use super::{AreaSample, DARK, EmissionPdf, EmissionSample, Emitter, Emitters, TriangleEmitter};
 use crate::Interior;
 use crate::matter::Matter;
 
@@ -72,6 +72,7 @@ impl Emitters {
             cos: 1.0,
             infinite: true,
             hittable: true,
+            emitter: DARK,
         };
         let pdf = densities.position * densities.direction;
         (pdf > 0.0).then(|| EmissionSample {
@@ -119,6 +120,7 @@ impl Emitters {
                 cos,
                 infinite: false,
                 hittable: true,
+                emitter: self.first_of_instance[triangle.instance as usize] + triangle.primitive,
             },
             interior: self.interior_beside(matter, triangle.interior, &surface, normal),
             area: Some(AreaSample {
@@ -141,6 +143,7 @@ impl Emitters {
         mut u: impl FnMut(u32) -> f64,
     ) -> Option<EmissionSample> {
         let light = self.punctual[index as usize].at(matter.world.time());
+        let emitter = self.punctual_index(index) as u32;
         if light.is_directional() {
             let weight = PI * self.radius * self.radius / probability;
             return Some(EmissionSample {
@@ -152,6 +155,7 @@ impl Emitters {
                     cos: 1.0,
                     infinite: true,
                     hittable: false,
+                    emitter,
                 },
                 interior: Interior::VACUUM,
                 area: None,
@@ -169,6 +173,7 @@ impl Emitters {
                 cos: 1.0,
                 infinite: false,
                 hittable: false,
+                emitter,
             },
             interior: self.interior_about(matter, index, &light),
             area: None,

@@ -1,19 +1,21 @@
-//! Everything that sends out light, chosen by power.
+//! Everything that sends out light.
 //!
-//! One distribution chooses the emitter both for next-event estimation and for light walks,
-//! so that the density of a light vertex does not depend on the
-//! technique. Emissive triangles are emitters of their own; an environment takes half of the
+//! Light walks choose an emitter by power. Emissive triangles are emitters of their own; an environment takes half of the
 //! choice when there is anything else, and directional lights half of what is left at most, because their flux through the scene's sphere says
-//! little about what it does for the picture. Photons, which no other technique has to know the density of,
+//! little about what it does for the picture. Next event chooses among those that stand somewhere by what each may bring to the point
+//! that asks ([`next_event`]), and otherwise alike; how much more often than light walks is what weights have to know
+//! ([`Emitters::odds`]). Photons, which no other technique has to know the density of,
 //! have a distribution of their own that goes by that flux: they should all carry as much.
 
 mod alias;
 mod density;
 mod emission;
+mod next_event;
 mod point;
 mod punctual;
 mod sample;
 mod shares;
+mod tree;
 mod triangle;
 
 use std::f64::consts::PI;
@@ -29,8 +31,9 @@ use crate::scene::SceneError;
 use crate::{Interior, Vertex};
 use alias::AliasTable;
 use density::lambertian_pdf;
+use next_event::{Chosen, NextEvent};
 pub(crate) use punctual::Punctual;
-use shares::Shares;
+use shares::{Choices, Shares};
 use triangle::{TriangleEmitter, interiors_around, typical_area};
 
 pub use density::EmissionPdf;
@@ -55,7 +58,10 @@ enum Emitter {
 #[derive(Debug, Default)]
 pub(crate) struct Emitters {
     list: Vec<Emitter>,
+    /// Among all: for light walks, and for next event where this does not depend on the point.
     choice: AliasTable,
+    /// Among all for next event, where this depends on the point that asks.
+    next_event: Option<NextEvent>,
     /// Among emitters of photons, where these are not chosen as all else is.
     photon_choice: Option<AliasTable>,
     punctual: Vec<Punctual>,
@@ -113,7 +119,13 @@ impl Emitters {
             shares.environment(&environment, disc);
             emitters.environment = Some(environment);
         }
-        (emitters.choice, emitters.photon_choice) = shares.tables();
+        let Choices {
+            all,
+            photons,
+            standing,
+        } = shares.choices();
+        (emitters.choice, emitters.photon_choice) = (all, photons);
+        emitters.look_around(matter, &standing);
         Ok(emitters)
     }
 
@@ -196,9 +208,14 @@ impl Emitters {
         mut u: impl FnMut(u32) -> f64,
         sample: &mut DirectSample,
     ) -> bool {
-        let Some((emitter, probability)) = self.choose(|| u(0)) else {
+        let Some(chosen) = self.choose_from(position, || u(0)) else {
             return false;
         };
+        let Chosen {
+            emitter,
+            probability,
+            odds,
+        } = chosen;
         let other = match emitter {
             Emitter::Triangle(triangle) => {
                 let weights = warp::uniform_triangle([u(1), u(2)]);
@@ -214,6 +231,7 @@ impl Emitters {
                 }
                 sample.wi = wi;
                 sample.pdf = pdf;
+                sample.odds = odds;
                 sample.emission_pdf = lambertian_pdf(cos, material.emits_on_both_sides());
                 sample.radiance = triangle.radiance(matter, surface.as_ref(), wavelengths);
                 sample.delta = false;
@@ -222,7 +240,7 @@ impl Emitters {
             }
             Emitter::Punctual(index) => {
                 let light = self.punctual[*index as usize].at(matter.world.time());
-                self.punctual_direct(&light, probability, position, wavelengths)
+                self.punctual_direct(&light, &chosen, position, wavelengths)
             }
             Emitter::Environment => {
                 let u = [u(1), u(2)];
@@ -249,6 +267,7 @@ impl Emitters {
         (pdf > 0.0).then(|| DirectSample {
             wi,
             pdf: pdf * probability,
+            odds: 1.0,
             emission_pdf: self.disc_pdf(),
             radiance: environment.radiance(wi, wavelengths),
             delta: false,
@@ -259,14 +278,18 @@ impl Emitters {
     fn punctual_direct(
         &self,
         light: &Punctual,
-        probability: f64,
+        chosen: &Chosen<'_>,
         position: DVec3,
         wavelengths: &Wavelengths,
     ) -> Option<DirectSample> {
+        let &Chosen {
+            probability, odds, ..
+        } = chosen;
         if light.is_directional() {
             return Some(DirectSample {
                 wi: -light.axis(),
                 pdf: probability,
+                odds,
                 emission_pdf: self.disc_pdf(),
                 radiance: light.intensity(light.axis(), wavelengths),
                 delta: true,
@@ -281,6 +304,7 @@ impl Emitters {
         (squared > 0.0 && fading > 0.0).then(|| DirectSample {
             wi,
             pdf: probability,
+            odds,
             emission_pdf: light.direction_pdf(-wi),
             radiance: light.intensity(-wi, wavelengths) * fading as f32,
             delta: true,
@@ -288,15 +312,15 @@ impl Emitters {
         })
     }
 
-    /// Density per solid angle with which [`Self::write_direct`] at a distance whose square is
+    /// Density per solid angle with which [`Self::write_direct`] from a point at a distance whose square is
     /// `squared` finds this point of a triangle, met at `cos`.
     #[inline]
     pub(crate) fn direct_pdf(
         &self,
         matter: &Matter,
+        from: DVec3,
         vertex: &Vertex,
-        squared: f64,
-        cos: f64,
+        [squared, cos]: [f64; 2],
     ) -> f64 {
         let first = self.first_of_instance[vertex.instance as usize];
         if first == DARK {
@@ -306,7 +330,8 @@ impl Emitters {
         match self.list[index] {
             Emitter::Triangle(triangle) if cos != 0.0 => {
                 let area = triangle.inverse_area(matter);
-                self.choice.probability(index) * area * squared / cos.abs()
+                let probability = self.choice.probability(index) * self.odds(index as u32, from);
+                probability * area * squared / cos.abs()
             }
             _ => 0.0,
         }

@@ -34,15 +34,19 @@ pub struct PunctualView {
 }
 
 impl Emitters {
-    /// A point by the choice and the law of all techniques; one on a triangle is written into
-    /// `vertex`. `u(i)` gives coordinate `i` of three.
+    /// A point by the law of light walks, of an emitter that they choose or that next event at `from` does; one on a triangle
+    /// is written into `vertex`. `u(i)` gives coordinate `i` of three.
     pub(crate) fn sample_point(
         &self,
         matter: &Matter,
+        from: Option<DVec3>,
         mut u: impl FnMut(u32) -> f64,
         vertex: &mut Vertex,
     ) -> Option<EmitterPoint> {
-        let (emitter, _) = self.choose(|| u(0))?;
+        let emitter = match from {
+            Some(from) => self.choose_from(from, || u(0))?.emitter,
+            None => self.choose(|| u(0))?.0,
+        };
         Some(match emitter {
             Emitter::Triangle(triangle) => {
                 // What has shrunk to nothing has no point that anything finds.
@@ -145,13 +149,15 @@ impl Emitters {
         wavelengths: &Wavelengths,
     ) -> PunctualView {
         let light = self.punctual[index as usize].at(matter.world.time());
-        let probability = self.choice.probability(self.punctual_index(index));
+        let emitter = self.punctual_index(index);
+        let probability = self.choice.probability(emitter);
         let mut pdf = EmissionPdf {
             position: probability,
             direction: self.disc_pdf(),
             cos: 1.0,
             infinite: true,
             hittable: false,
+            emitter: emitter as u32,
         };
         if light.is_directional() {
             return PunctualView {
@@ -186,7 +192,7 @@ impl Emitters {
     }
 
     /// Its place in the list: triangles come first, then punctual lights in order.
-    fn punctual_index(&self, index: u32) -> usize {
+    pub(super) fn punctual_index(&self, index: u32) -> usize {
         let environment = usize::from(self.environment.is_some());
         self.list.len() - environment - self.punctual.len() + index as usize
     }

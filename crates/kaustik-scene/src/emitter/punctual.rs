@@ -140,6 +140,20 @@ impl Punctual {
         (1.0 - (ratio * ratio) * (ratio * ratio)).clamp(0.0, 1.0)
     }
 
+    /// The axis and the angle about it (radians) within which it shines (point, spot).
+    pub(crate) fn cone(&self) -> (DVec3, f64) {
+        let angle = match self.shape {
+            Shape::Spot { cos_outer, .. } => libm::acos(cos_outer.clamp(-1.0, 1.0)),
+            Shape::Point | Shape::Directional => std::f64::consts::PI,
+        };
+        (self.axis, angle)
+    }
+
+    /// Where the last of its light has faded; infinite if it does not.
+    pub(crate) fn range(&self) -> f64 {
+        self.range
+    }
+
     /// A direction of emission with its density per solid angle (point, spot).
     pub(crate) fn sample_direction(&self, u: [f64; 2]) -> (DVec3, f64) {
         match self.shape {

@@ -26,6 +26,9 @@ pub struct DirectSample {
     /// Density per solid angle at the point, the choice of the emitter included; of a Dirac
     /// emitter the probability of its choice.
     pub pdf: f64,
+    /// How much more often the emitter is chosen by next event from there than by light walks: the share of `pdf` in which
+    /// the two differ ([`Scene::next_event_odds`](crate::Scene::next_event_odds)).
+    pub odds: f64,
     /// Density with which a light walk from the emitter's point would take the direction `-wi`: per
     /// solid angle, at infinity per area perpendicular to it ([`EmissionPdf::direction`]).
     pub emission_pdf: f64,
@@ -44,6 +47,7 @@ impl DirectSample {
         Self {
             wi: DVec3::Z,
             pdf: 0.0,
+            odds: 1.0,
             emission_pdf: 0.0,
             radiance: Spectrum::ZERO,
             delta: false,

@@ -43,6 +43,17 @@ struct Lamp {
     directional: bool,
 }
 
+/// By what emitters are chosen.
+#[derive(Debug)]
+pub(super) struct Choices {
+    /// For light walks, and for next event where few emitters stand anywhere.
+    pub(super) all: AliasTable,
+    /// For photons, if another.
+    pub(super) photons: Option<AliasTable>,
+    /// The power of each triangle and lamp that stands somewhere; 0 of directional lights.
+    pub(super) standing: Vec<f64>,
+}
+
 impl Shares {
     /// Triangles from here on are of another instance.
     pub(super) fn instance(&mut self) {
@@ -71,16 +82,19 @@ impl Shares {
         self.environment = Some(4.0 * PI * environment.mean_radiance() * disc);
     }
 
-    /// What all techniques choose by, which have to know its densities, and what photons choose by if that is another.
-    pub(super) fn tables(mut self) -> (AliasTable, Option<AliasTable>) {
+    /// By what emitters are chosen.
+    pub(super) fn choices(mut self) -> Choices {
         self.raise_triangles();
+        // Next event sees for itself which objects are near, so that it needs no floor for them.
+        let standing = self.powers(0.0);
         self.raise_objects();
         let near = self.triangles.iter().sum::<f64>() + self.of_lamps(false);
         let directional = self.of_lamps(true);
-        (
-            self.choice(near, directional),
-            self.photons(near, directional),
-        )
+        Choices {
+            all: self.choice(near, directional),
+            photons: self.photons(near, directional),
+            standing,
+        }
     }
 
     fn of_lamps(&self, directional: bool) -> f64 {

@@ -5,6 +5,7 @@ mod densities;
 mod direct;
 mod emission;
 mod energy;
+mod tree;
 
 use std::f64::consts::{PI, TAU};
 

@@ -9,15 +9,30 @@ use crate::emitter::{EmitterPoint, PunctualView};
 use crate::{Interior, Vertex};
 
 impl Scene {
-    /// A point of an emitter, by the choice and the law of [`Scene::sample_direct`] and
-    /// [`Scene::sample_emission`]: its density is [`EmissionPdf::position`](crate::EmissionPdf). One on
-    /// a surface is written into `vertex`. `u(i)` gives coordinate `i` of three.
+    /// A point of an emitter, by the law of [`Scene::sample_emission`]: its density is [`EmissionPdf::position`](crate::EmissionPdf).
+    /// One on a surface is written into `vertex`. `u(i)` gives coordinate `i` of three.
     pub fn sample_emitter_point(
         &self,
         u: impl FnMut(u32) -> f64,
         vertex: &mut Vertex,
     ) -> Option<EmitterPoint> {
-        self.emitters.sample_point(&self.matter, u, vertex)
+        self.emitters.sample_point(&self.matter, None, u, vertex)
+    }
+
+    /// The same by the choice of [`Scene::sample_direct`] at `from`: the density is [`Scene::next_event_odds`] times that.
+    pub fn sample_emitter_point_from(
+        &self,
+        from: DVec3,
+        u: impl FnMut(u32) -> f64,
+        vertex: &mut Vertex,
+    ) -> Option<EmitterPoint> {
+        (self.emitters).sample_point(&self.matter, Some(from), u, vertex)
+    }
+
+    /// Does next event choose emitters by the point that asks? Where it does not, [`Scene::next_event_odds`] are 1.
+    #[inline]
+    pub fn chooses_emitters_by_place(&self) -> bool {
+        self.emitters.choose_by_place()
     }
 
     /// A direction of emission from a point, with the ray to follow: its density is

@@ -57,7 +57,10 @@ fn path(u: &mut Pcg64Dxsm, form: Form, n: usize, delta: f64) -> Path {
         cos: if infinite { 1.0 } else { within(u, 0.1, 1.0) },
         infinite,
         hittable: u.bernoulli(0.7),
+        emitter: 0,
     };
+    // Sometimes next event never chooses an emitter that light walks begin at.
+    let choice = [1.0, 0.0, within(u, 0.1, 3.0)][u.index(&[0.45, 0.1, 0.45])];
     let position = place(u).0;
     let toward = direction(u);
     nodes.push(Node {
@@ -102,6 +105,7 @@ fn path(u: &mut Pcg64Dxsm, form: Form, n: usize, delta: f64) -> Path {
     }
     Path {
         nodes,
+        choice,
         at_emitter: form.at_emitter(),
         at_lens: form.at_lens(),
     }
@@ -140,7 +144,11 @@ fn subpath(path: &Path, heuristic: Heuristic, from_light: bool) -> (Vec<PathVert
     for at in 1..n - 1 {
         let (before, i, after) = (order[at - 1], order[at], order[at + 1]);
         let surface = path.surface(i);
-        let running = departure.arrive(heuristic, path.squared(i, before), path.cos(i, before));
+        let edge = (path.squared(i, before), path.cos(i, before));
+        let running = match from_light && at == 1 {
+            true => departure.arrive_first(heuristic, edge, path.choice),
+            false => departure.arrive(heuristic, edge.0, edge.1),
+        };
         let vertex = PathVertex {
             vertex: Vertex {
                 position: path.nodes[i].position,
@@ -190,19 +198,22 @@ fn running_weights(path: &Path, form: Form, heuristic: Heuristic) -> Vec<f64> {
     (0..=n)
         .map(|s| match s {
             0 if !emitter.hittable => 0.0,
-            0 => weights.implicit(n as u32 - 1, emitter, &at_emitter),
+            0 => weights.implicit(n as u32 - 1, emitter, || path.choice, &at_emitter),
             s if s == n => lens.pdf.map_or(0.0, |position| {
                 weights.lens_hit(&at_lens, position, lens.direction)
             }),
             s if n > 2 && (1..n - 1).contains(&s) && path.surface(s).delta => 0.0,
             s if s > 1 && path.surface(s - 1).delta => 0.0,
+            1 if path.choice == 0.0 => 0.0,
             1 => {
                 let squared = path.squared(0, 1);
                 let cos = path.cos(0, 1);
                 // at infinity the position's density is per solid angle
-                let found = emitter.position * squared / if emitter.infinite { 1.0 } else { cos };
+                let found = path.choice * emitter.position * squared
+                    / if emitter.infinite { 1.0 } else { cos };
                 let end = DirectEnd {
                     pdf: emitter.hittable.then_some(found),
+                    odds: path.choice,
                     emission_pdf: emitter.direction,
                     squared,
                 };
@@ -275,7 +286,13 @@ fn running_weights_are_the_walk_and_sum_to_one() {
 #[test]
 fn a_wrong_walk_is_noticed() {
     for heuristic in HEURISTICS {
-        for fault in [Fault::Without(0), Fault::Without(2), Fault::NoCosine] {
+        let faults = [
+            Fault::Without(0),
+            Fault::Without(2),
+            Fault::NoCosine,
+            Fault::EvenChoice,
+        ];
+        for fault in faults {
             let (difference, _) = worst(Form::Full, heuristic, PATHS, fault);
             assert!(difference > 1e-2, "{heuristic:?}, {fault:?}: {difference}");
         }

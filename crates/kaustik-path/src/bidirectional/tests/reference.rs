@@ -51,6 +51,8 @@ pub(super) struct Lens {
 #[derive(Clone, Debug)]
 pub(super) struct Path {
     pub(super) nodes: Vec<Node>,
+    /// How much more often next event from x_1 chooses the emitter than light walks do.
+    pub(super) choice: f64,
     pub(super) at_emitter: Onward,
     pub(super) at_lens: Onward,
 }
@@ -63,6 +65,8 @@ pub(super) enum Fault {
     Without(usize),
     /// The area density of a vertex lacks the cosine there.
     NoCosine,
+    /// Next event is taken to choose its emitter as light walks do.
+    EvenChoice,
 }
 
 /// Densities of all vertices both ways, and the odds of all strategies.
@@ -166,6 +170,9 @@ impl Path {
             densities.reverse[i] = area(pdf, i, i + 1);
         }
         densities.odds = (0..=n).map(|s| self.odds(s)).collect();
+        if n > 2 && fault != Fault::EvenChoice {
+            densities.odds[1] *= self.choice;
+        }
         densities
     }
 

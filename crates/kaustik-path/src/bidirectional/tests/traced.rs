@@ -1,7 +1,11 @@
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 use kaustik_mcmc::{Independent, generator};
 use kaustik_pss::{Coordinates, Recorded, Recording, Stream};
 use kaustik_scene::description::Lens as LensDescription;
+use kaustik_scene::description::LightKind;
+use kaustik_scene::testing::{
+    Stage, ceiling, cuboid, diffuse, double_sided, lamp, punctual, sphere,
+};
 use kaustik_scene::{
     Description, EmissionPdf, EmissionSample, Reach, Scene, SceneOptions, builtin,
 };
@@ -22,6 +26,8 @@ struct Kept {
     weight: f64,
     surfaces: Vec<Node>,
     emitter: Option<Node>,
+    /// Of what next event found.
+    choice: Option<f64>,
     lens: Option<DVec3>,
 }
 
@@ -59,7 +65,7 @@ impl Witness for Collected {
     fn see(&mut self, seen: &Seen<'_>) {
         let mut surfaces = nodes(seen.light, seen.t > 0);
         let mut eye = nodes(seen.eye, seen.s > 0);
-        let (mut found, mut lens) = (None, None);
+        let (mut found, mut choice, mut lens) = (None, None, None);
         match &seen.joint {
             Joint::Emitter { pdf, direction } => {
                 let position = if pdf.infinite {
@@ -72,12 +78,14 @@ impl Witness for Collected {
             Joint::Direct(sample) => {
                 let from = seen.eye[seen.eye.len() - 1].vertex.position;
                 let mut pdf = EmissionPdf {
-                    position: sample.pdf,
+                    position: sample.pdf / sample.odds,
                     direction: sample.emission_pdf,
                     cos: 1.0,
                     infinite: matches!(sample.reach, Reach::Infinity),
                     hittable: !sample.delta,
+                    emitter: u32::MAX,
                 };
+                choice = Some(sample.odds);
                 let position = match &sample.reach {
                     Reach::Surface(point, normal) => {
                         let position = point.as_dvec3();
@@ -100,6 +108,7 @@ impl Witness for Collected {
             weight: seen.weight,
             surfaces,
             emitter: found,
+            choice,
             lens,
         });
     }
@@ -145,11 +154,16 @@ fn whole(
             parallel,
         }),
     };
+    let choice = (kept.choice).unwrap_or_else(|| match (&emitter.kind, first) {
+        (Kind::Emitter { pdf, .. }, Some(first)) => scene.next_event_odds(pdf, first),
+        _ => 1.0,
+    });
     let mut nodes = vec![emitter];
     nodes.extend(kept.surfaces);
     nodes.push(end);
     Path {
         nodes,
+        choice,
         at_emitter: form.at_emitter(),
         at_lens: form.at_lens(),
     }
@@ -257,7 +271,39 @@ pub(super) fn scenes() -> Vec<(String, Scene)> {
         blades: None,
     });
     scenes.push(("thin lens".to_owned(), compile(&description)));
+    scenes.push(("many lamps".to_owned(), many_lamps()));
     scenes
+}
+
+/// A hall with a row of small lamps of several kinds, in which next event chooses by place.
+fn many_lamps() -> Scene {
+    let mut stage = Stage::new()
+        .look_at(Vec3::new(0.0, 1.5, 9.0), Vec3::new(0.0, 1.0, 0.0), 0.9)
+        .add(
+            double_sided(diffuse([0.7; 3])),
+            cuboid(Vec3::new(-2.0, 0.0, -10.0), Vec3::new(2.0, 3.0, 10.0)),
+        );
+    for i in 0..9 {
+        let place = Vec3::new(0.7 * (i % 3) as f32 - 0.7, 2.6, 2.0 * i as f32 - 8.0);
+        stage = stage.add(lamp(4.0), ceiling(place, 0.1));
+        if i % 4 == 1 {
+            stage = stage.add(lamp(1.0), sphere(place - Vec3::Y * 2.0, 0.2));
+            stage = stage.light(punctual(
+                LightKind::Point,
+                0.5,
+                place - Vec3::Y,
+                Vec3::NEG_Y,
+            ));
+        }
+    }
+    stage
+        .light(punctual(
+            LightKind::Directional,
+            1.0,
+            Vec3::ZERO,
+            Vec3::NEG_Y,
+        ))
+        .build()
 }
 
 /// Of the value below which so many in a thousand lie.
@@ -294,4 +340,8 @@ fn a_missing_term_is_noticed() {
         let high = percentile(&off, 999);
         assert!(high > 1e-2, "{fault:?}: {high}");
     }
+    let fault = Fault::EvenChoice;
+    let off = differences(&many_lamps(), Form::Full, Heuristic::Power, fault);
+    let high = percentile(&off, 999);
+    assert!(high > 1e-2, "{fault:?}: {high}");
 }

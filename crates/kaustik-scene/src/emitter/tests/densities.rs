@@ -83,7 +83,7 @@ fn emission_and_hits_state_the_same() {
     assert!(surfaces > 300 && skies > 300 && others > 100);
 }
 
-/// Next event's densities are those of emission at the same point, brought to the receiver.
+/// Next event's densities are those of emission at the same point, brought to the receiver, times the odds of the choice.
 #[test]
 fn next_event_states_the_same() {
     let scene = stage().build();
@@ -98,7 +98,9 @@ fn next_event_states_the_same() {
                 let to = point.as_dvec3() - from;
                 let ray = Ray::new(*point, -sample.wi.as_vec3());
                 let own = met(&scene, &ray, 1e-3).expect("the lamp");
-                let pdf = own.position * to.length_squared() / own.cos;
+                let odds = scene.next_event_odds(&own, from);
+                assert!(near(odds, sample.odds) && !near(odds, 1.0));
+                let pdf = odds * own.position * to.length_squared() / own.cos;
                 assert!(near(pdf, sample.pdf), "{pdf} {sample:?}");
                 assert!(near(own.direction, sample.emission_pdf));
                 kinds[0] += 1;

@@ -175,6 +175,17 @@ fn chance_of_the_point(stage: Stage) -> f64 {
         .map_or(0.0, |sample| sample.pdf)
 }
 
+/// The share of light walks that begin at such a lamp.
+fn walks_from_the_point(stage: Stage) -> f64 {
+    let point = punctual(LightKind::Point, 1.0, Vec3::Y, Vec3::Z);
+    let scene = stage.light(point).build();
+    let mut rng = Rng::new(3);
+    let begins = (0..FAST)
+        .filter_map(|_| scene.sample_emission(&wavelengths(), |_| rng.uniform()))
+        .filter(|emission| !emission.pdf.hittable);
+    begins.count() as f64 / f64::from(FAST)
+}
+
 /// A ground of a square kilometre under the sun, and a dome of a thousand times the lamp's power, say little about what is
 /// seen by the lamp.
 #[test]
@@ -187,9 +198,12 @@ fn small_lamps_are_chosen_beside_large_ones() {
     let beside_the_sun = chance_of_the_point(ground.light(sun));
     assert!((beside_the_sun - 0.5).abs() < 1e-12, "{beside_the_sun}");
     let dome = rectangle(Vec3::Y * 90.0, Vec3::X * 80.0, Vec3::Z * 80.0);
-    let under_a_dome = chance_of_the_point(Stage::new().add(lamp(1.0), dome));
-    // A tenth of half of both.
-    assert!((0.047..0.051).contains(&under_a_dome), "{under_a_dome}");
+    let under_a_dome = Stage::new().add(lamp(1.0), dome);
+    let near_the_lamp = chance_of_the_point(under_a_dome.clone());
+    assert!(near_the_lamp > 0.5, "{near_the_lamp}");
+    // Light walks: a tenth of half of both.
+    let by_walks = walks_from_the_point(under_a_dome);
+    assert!((0.046..0.052).contains(&by_walks), "{by_walks}");
     let far = punctual(LightKind::Directional, 1e-6, Vec3::ZERO, Vec3::NEG_Y);
     let starlight = chance_of_the_point(
         Stage::new()
