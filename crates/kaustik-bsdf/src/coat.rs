@@ -107,7 +107,8 @@ impl Coat {
         let (Some(own_o), Some(own_i)) = (self.own(wo), self.own(wi)) else {
             return Spectrum::ZERO;
         };
-        let f = facets.eval(own_o, own_i) * self.strength;
+        let [o, i] = [own_o, own_i].map(|w| facets.facing(w));
+        let f = facets.eval(&o, &i) * self.strength;
         if self.normal.is_none() {
             return f;
         }
@@ -121,7 +122,7 @@ impl Coat {
     /// Density of [`sample`](Self::sample), both directions above.
     pub(crate) fn pdf(&self, wo: DVec3, wi: DVec3) -> f64 {
         match (self.facets, self.own(wo), self.own(wi)) {
-            (Some(facets), Some(wo), Some(wi)) => facets.pdf(wo, wi),
+            (Some(facets), Some(wo), Some(wi)) => facets.pdf(&facets.facing(wo), wi),
             _ => 0.0,
         }
     }
@@ -130,12 +131,12 @@ impl Coat {
     pub(crate) fn sample(&self, wo: DVec3, uc: f64, u: [f64; 2]) -> Option<DVec3> {
         let facets = self.facets?;
         let Some(normal) = self.normal else {
-            return Some(facets.sample(wo, uc, u));
+            return Some(facets.sample(&facets.facing(wo), uc, u));
         };
         let Some(own) = self.own(wo) else {
             return Some(DVec3::NEG_Z);
         };
-        let wi = facets.sample(own, uc, u);
+        let wi = facets.sample(&facets.facing(own), uc, u);
         if wi.z <= GRAZING.z {
             return Some(DVec3::NEG_Z);
         }

@@ -1,4 +1,4 @@
-use crate::ggx::Ggx;
+use crate::ggx::{FacetLoss, Ggx};
 use crate::rebound::Rebound;
 use crate::{Reflectance, local};
 use glam::DVec3;
@@ -17,8 +17,17 @@ pub(crate) struct Facets {
     reflectance: Reflectance,
     /// Rebound's colour over `pi (1 - E_mean)`; zero without compensation.
     rebound: Spectrum,
+    /// `1 - E_mean`.
+    mean_loss: f32,
     /// Brightness of the rebound over the lobe's, per unit of light; for lobe choice.
     bounce: f64,
+}
+
+/// A direction above, with what facets do to light from there.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Facing {
+    pub(crate) w: DVec3,
+    pub(crate) at: FacetLoss,
 }
 
 /// Colour of light that met two facets or more, in energy: with `F` the mean reflectance,
@@ -29,24 +38,35 @@ pub(crate) fn rebound_colour(mean_reflectance: Spectrum, mean_loss: f32) -> Spec
 }
 
 impl Facets {
-    /// `rebound` is the colour of what scatters between facets, see [`rebound_colour`].
+    /// `mean` is the facets' [mean loss](Ggx::mean_loss), `rebound` the colour of what scatters between them, see [`rebound_colour`].
     #[inline]
-    pub(crate) fn new(reflectance: Reflectance, ggx: Ggx, rebound: Spectrum) -> Self {
+    pub(crate) fn new(
+        reflectance: Reflectance,
+        (ggx, mean_loss): (Ggx, FacetLoss),
+        rebound: Spectrum,
+    ) -> Self {
         let mean = f64::from(reflectance.mean().mean());
         let bounce = if mean > 0.0 {
             f64::from(rebound.mean()) / mean
         } else {
             0.0
         };
-        let loss = ggx.mean_loss().given_back;
+        let loss = mean_loss.given_back;
         let rebound = rebound * (FRAC_1_PI as f32 / loss.max(1e-9));
         Self {
             ggx,
             way: Rebound::new(ggx.alpha()),
             reflectance,
             rebound,
+            mean_loss: loss,
             bounce,
         }
+    }
+
+    /// The facets' shape.
+    #[inline]
+    pub(crate) fn ggx(&self) -> Ggx {
+        self.ggx
     }
 
     /// GGX roughness.
@@ -58,17 +78,23 @@ impl Facets {
     /// With or without compensation by the reflectance's own mean.
     #[inline]
     pub(crate) fn compensated(reflectance: Reflectance, ggx: Ggx, compensation: bool) -> Self {
+        let mean = ggx.mean_loss();
         let rebound = if compensation {
-            rebound_colour(reflectance.mean(), ggx.mean_loss().loss)
+            rebound_colour(reflectance.mean(), mean.loss)
         } else {
             Spectrum::ZERO
         };
-        Self::new(reflectance, ggx, rebound)
+        Self::new(reflectance, (ggx, mean), rebound)
     }
 
+    /// A direction as value, density and sampling ask for it; what they do not need is not looked up.
     #[inline]
-    fn loss(&self, w: DVec3) -> f64 {
-        f64::from(self.ggx.loss(w).given_back)
+    pub(crate) fn facing(&self, w: DVec3) -> Facing {
+        let at = match self.rebounds() {
+            true => self.ggx.loss(w),
+            false => FacetLoss::NONE,
+        };
+        Facing { w, at }
     }
 
     /// Does any light scatter between facets?
@@ -77,73 +103,68 @@ impl Facets {
         self.bounce > 0.0
     }
 
-    /// Probability of the rebound seen from `wo`.
-    #[inline]
-    fn rebound_probability(&self, wo: DVec3) -> f64 {
-        if self.rebounds() {
-            self.rebound_share(self.loss(wo))
-        } else {
-            0.0
-        }
-    }
-
-    /// The same where the loss is known.
+    /// Probability of the rebound where that loss is given back.
     #[inline]
     fn rebound_share(&self, loss: f64) -> f64 {
         loss * self.bounce / (1.0 - loss + loss * self.bounce)
     }
 
-    /// The scattering function; both directions above.
+    /// The scattering function.
     #[inline]
-    pub(crate) fn eval(&self, wo: DVec3, wi: DVec3) -> Spectrum {
-        self.both(wo, wi).0
+    pub(crate) fn eval(&self, o: &Facing, i: &Facing) -> Spectrum {
+        self.both(o, i).0
     }
 
-    /// Density of [`sample`](Self::sample); both directions above.
+    /// Density of [`sample`](Self::sample).
     #[inline]
-    pub(crate) fn pdf(&self, wo: DVec3, wi: DVec3) -> f64 {
-        let h = (wo + wi).normalize();
-        self.mixed_pdf(wo, wi, h, if self.rebounds() { self.loss(wo) } else { 0.0 })
+    pub(crate) fn pdf(&self, o: &Facing, wi: DVec3) -> f64 {
+        self.mixed_pdf(o, wi, (o.w + wi).normalize())
     }
 
     /// Value and density together, which share most of their work.
     #[inline]
-    pub(crate) fn both(&self, wo: DVec3, wi: DVec3) -> (Spectrum, f64) {
-        let h = (wo + wi).normalize();
-        let lobe = 0.25 * self.ggx.density(h) * self.ggx.shadowing(wo, wi);
-        let once = self.reflectance.at(wo.dot(h).abs().min(1.0)) * (lobe as f32);
-        if !self.rebounds() {
-            return (once, self.mixed_pdf(wo, wi, h, 0.0));
+    pub(crate) fn both(&self, o: &Facing, i: &Facing) -> (Spectrum, f64) {
+        let h = (o.w + i.w).normalize();
+        let lobe = 0.25 * self.ggx.density(h) * self.ggx.shadowing(o.w, i.w);
+        let mut f = self.reflectance.at(o.w.dot(h).abs().min(1.0)) * (lobe as f32);
+        if self.rebounds() {
+            let [o, i] = [o, i].map(|facing| f64::from(facing.at.given_back));
+            f += self.rebound * ((o * i) as f32);
         }
-        let loss = self.loss(wo);
-        let again = self.rebound * ((loss * self.loss(wi)) as f32);
-        (once + again, self.mixed_pdf(wo, wi, h, loss))
+        (f, self.mixed_pdf(o, i.w, h))
     }
 
-    /// Density from the facet between and the loss at `wo`.
+    /// Density from the facet between.
     #[inline]
-    fn mixed_pdf(&self, wo: DVec3, wi: DVec3, h: DVec3, loss: f64) -> f64 {
-        let lobe = 0.25 * self.ggx.visible_pdf(wo, h) / wo.dot(h);
-        let p = self.rebound_share(loss);
+    fn mixed_pdf(&self, o: &Facing, wi: DVec3, h: DVec3) -> f64 {
+        let lobe = 0.25 * self.ggx.visible_pdf(o.w, h) / o.w.dot(h);
+        let p = self.rebound_share(f64::from(o.at.given_back));
         (1.0 - p) * lobe + p * self.way.pdf(wi.z)
     }
 
     /// Draws a direction; one below is lost.
     #[inline]
-    pub(crate) fn sample(&self, wo: DVec3, uc: f64, u: [f64; 2]) -> DVec3 {
-        if uc < self.rebound_probability(wo) {
+    pub(crate) fn sample(&self, o: &Facing, uc: f64, u: [f64; 2]) -> DVec3 {
+        if self.rebounds() && uc < self.rebound_share(f64::from(o.at.given_back)) {
             self.way.sample(u)
         } else {
-            local::reflect(wo, self.ggx.visible(wo, u))
+            local::reflect(o.w, self.ggx.visible(o.w, u))
         }
     }
 
     /// Share that leaves again, to the accuracy of taking the facets' mean angle for the angle.
     #[inline]
     pub(crate) fn albedo(&self, w: DVec3) -> Spectrum {
-        let at = self.ggx.loss(w);
-        let mean = self.ggx.mean_loss().given_back;
-        self.reflectance.once(at, w.z.min(1.0))
-            + self.rebound * (std::f32::consts::PI * mean * at.given_back)
+        self.albedo_facing(&Facing {
+            w,
+            at: self.ggx.loss(w),
+        })
+    }
+
+    /// The same where the [loss](Ggx::loss) is known.
+    #[inline]
+    pub(crate) fn albedo_facing(&self, o: &Facing) -> Spectrum {
+        self.reflectance.once(o.at, o.w.z.min(1.0))
+            + self.rebound * (std::f32::consts::PI * self.mean_loss * o.at.given_back)
     }
 }

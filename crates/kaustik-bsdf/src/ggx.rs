@@ -35,6 +35,13 @@ pub(crate) struct FacetLoss {
 }
 
 impl FacetLoss {
+    /// Of a surface without facets.
+    pub(crate) const NONE: Self = Self {
+        loss: 0.0,
+        edge: 0.0,
+        given_back: 0.0,
+    };
+
     /// Cosine of incidence that stands for all the facets that are seen: where Schlick's weight is their mean.
     pub(crate) fn mean_cosine(self) -> f64 {
         let weight = f64::from(self.edge / (1.0 - self.loss).max(1e-6));
@@ -88,11 +95,11 @@ impl Ggx {
         self.loss_by(|alpha| reflector_loss(w.z, alpha))
     }
 
-    /// The same from one azimuth: of brushed facets what those would do that are as rough all around as these are in the plane of `w`.
-    /// An estimate; what a white body under them makes of light by it is held to be nearly none by a test.
+    /// The same from one azimuth, if `at` is the [loss](Self::loss) from there: of brushed facets what those would do that are as rough
+    /// all around as these are in the plane of `w`. An estimate; what a white body under them makes of light by it is held to be nearly
+    /// none by a test.
     #[inline]
-    pub(crate) fn loss_in_plane(self, w: DVec3) -> FacetLoss {
-        let at = self.loss(w);
+    pub(crate) fn in_plane(self, w: DVec3, at: FacetLoss) -> FacetLoss {
         if !self.is_brushed() {
             return at;
         }

@@ -7,8 +7,8 @@ mod store;
 pub use parameters::{FilmParameters, PrincipledParameters, Wall};
 pub(crate) use store::{PrincipledPieces, PrincipledStore};
 
-use crate::facets::{Facets, rebound_colour};
-use crate::ggx::Ggx;
+use crate::facets::{Facets, Facing, rebound_colour};
+use crate::ggx::FacetLoss;
 use crate::{Bsdf, Delta, Lobe, Mode, Passing, Reflectance, Sample, local, warp};
 use body::Body;
 use clear::Clear;
@@ -50,7 +50,8 @@ impl Principled {
         let p = parameters.in_range();
         let metal = p.metallic as f32;
         let opaque = ((1.0 - p.metallic) * (1.0 - p.transmission)) as f32;
-        let body = Body::new(&p, opaque);
+        let facets = p.facets().map(|ggx| (ggx, ggx.mean_loss()));
+        let body = Body::new(&p, facets, opaque);
         let (f0, f90) = p.dielectric_ends();
         let reflectance = p.mixed(
             (p.base_color * metal, Spectrum::splat(metal)),
@@ -58,9 +59,9 @@ impl Principled {
         );
         let glossy = if reflectance.mean().is_zero() {
             Glossy::None
-        } else if let Some(ggx) = p.facets() {
-            let rebound = metal_rebound(&p, ggx) * metal + body.rebound() * opaque;
-            Glossy::Rough(Facets::new(reflectance, ggx, rebound))
+        } else if let Some((ggx, mean)) = facets {
+            let rebound = metal_rebound(&p, mean) * metal + body.rebound() * opaque;
+            Glossy::Rough(Facets::new(reflectance, (ggx, mean), rebound))
         } else {
             Glossy::Smooth(reflectance)
         };
@@ -111,12 +112,34 @@ impl Principled {
             .map_or(Passing::NOTHING, |clear| clear.passing(wo))
     }
 
+    /// What the surface does to light from `w`.
+    #[inline]
+    fn view(&self, w: DVec3) -> View {
+        let above = DVec3 {
+            z: w.z.abs().min(1.0),
+            ..w
+        };
+        let at = match (self.body.ggx(), &self.glossy) {
+            (None, Glossy::None | Glossy::Smooth(_)) => FacetLoss::NONE,
+            (Some(ggx), _) => ggx.loss(above),
+            (None, Glossy::Rough(facets)) => facets.ggx().loss(above),
+        };
+        let admitted = match self.body.is_black() {
+            true => Spectrum::ZERO,
+            false => self.body.admitted(above, at),
+        };
+        View {
+            facing: Facing { w: above, at },
+            admitted,
+        }
+    }
+
     /// Probabilities of glossy, diffuse and clear from `wo`; they sum to 1 unless all is black.
     #[inline]
-    fn choice(&self, wo: DVec3) -> [f64; 3] {
+    fn choice(&self, wo: DVec3, o: &View) -> [f64; 3] {
         let albedos = [
-            f64::from(self.glossy_albedo(wo).mean()),
-            f64::from(self.body.albedo(wo).mean()),
+            f64::from(self.glossy_albedo(o).mean()),
+            f64::from((self.body.colour() * o.admitted).mean()),
             self.clear
                 .map_or(0.0, |clear| f64::from(clear.albedo(wo).mean())),
         ];
@@ -135,25 +158,46 @@ impl Principled {
             Glossy::Smooth(_) => 1.0,
             Glossy::Rough(facets) => 1.0 - facets.alpha(),
         };
-        self.choice(wo)[0] * sharp
+        self.choice(wo, &self.view(wo))[0] * sharp
     }
 
     #[inline]
-    fn glossy_albedo(&self, wo: DVec3) -> Spectrum {
+    fn glossy_albedo(&self, o: &View) -> Spectrum {
         match &self.glossy {
             Glossy::None => Spectrum::ZERO,
-            Glossy::Smooth(reflectance) => reflectance.at(wo.z.abs().min(1.0)),
-            Glossy::Rough(facets) => facets.albedo(local::lift(wo)),
+            Glossy::Smooth(reflectance) => reflectance.at(o.facing.w.z),
+            Glossy::Rough(facets) => facets.albedo_facing(&o.facing),
         }
+    }
+
+    /// Value and density of all continuous lobes together, seen from `wo`.
+    #[inline]
+    fn both(&self, wo: DVec3, o: &View, wi: DVec3, mode: Mode) -> (Spectrum, f64) {
+        let [glossy, diffuse, clear] = self.choice(wo, o);
+        let (mut f, mut pdf) = (self.clear).map_or((Spectrum::ZERO, 0.0), |lobe| {
+            let (f, pdf) = lobe.eval_pdf(wo, wi, mode);
+            (f, clear * pdf)
+        });
+        if wo.z * wi.z > 0.0 {
+            let i = self.view(wi);
+            if let Glossy::Rough(facets) = &self.glossy {
+                let (once, density) = facets.both(&o.facing, &i.facing);
+                f += once;
+                pdf += glossy * density;
+            }
+            f += self.body.eval(o.admitted, i.admitted);
+            pdf += diffuse * warp::cosine_hemisphere_pdf(wi.z.abs());
+        }
+        (f, pdf)
     }
 
     /// A sample of all continuous lobes together, drawn by one of them.
     #[inline]
-    fn finish(&self, wo: DVec3, wi: DVec3, mode: Mode) -> Option<Sample> {
+    fn finish(&self, wo: DVec3, o: &View, wi: DVec3, mode: Mode) -> Option<Sample> {
         if !local::usable(wi) {
             return None;
         }
-        let (f, pdf) = (self.eval(wo, wi, mode), self.pdf(wo, wi, mode));
+        let (f, pdf) = self.both(wo, o, wi, mode);
         let dispersive = self.dispersive_between(wo, wi);
         Some(Sample {
             dispersive,
@@ -161,18 +205,26 @@ impl Principled {
         })
     }
 
+    /// The glossy lobe, which is drawn with probability `p`.
     #[inline]
-    fn sample_glossy(&self, wo: DVec3, p: f64, uc: f64, u: [f64; 2], mode: Mode) -> Option<Sample> {
+    fn sample_glossy(
+        &self,
+        (wo, o): (DVec3, &View),
+        p: f64,
+        uc: f64,
+        u: [f64; 2],
+        mode: Mode,
+    ) -> Option<Sample> {
         match &self.glossy {
             Glossy::None => None,
             Glossy::Smooth(reflectance) => {
-                let share = reflectance.at(wo.z.abs().min(1.0));
+                let share = reflectance.at(o.facing.w.z);
                 Sample::delta(wo, local::mirror(wo), share, p)
             }
             Glossy::Rough(facets) => {
-                let wi = facets.sample(local::lift(wo), uc, u);
+                let wi = facets.sample(&o.facing, uc, u);
                 if wi.z > 0.0 {
-                    self.finish(wo, local::to_side_of(wo, wi), mode)
+                    self.finish(wo, o, local::to_side_of(wo, wi), mode)
                 } else {
                     None
                 }
@@ -181,13 +233,22 @@ impl Principled {
     }
 }
 
+/// What the surface does to light from one direction: looked up once, for all lobes.
+#[derive(Clone, Copy, Debug)]
+struct View {
+    /// The direction, above the surface.
+    facing: Facing,
+    /// What the cover lets in to the body.
+    admitted: Spectrum,
+}
+
 /// Colour of light rebounding between the metal's facets.
-fn metal_rebound(p: &PrincipledParameters, ggx: Ggx) -> Spectrum {
+fn metal_rebound(p: &PrincipledParameters, mean_loss: FacetLoss) -> Spectrum {
     if !p.compensation {
         return Spectrum::ZERO;
     }
     let metal = p.reflectance(p.base_color, Spectrum::ONE);
-    rebound_colour(metal.mean(), ggx.mean_loss().loss)
+    rebound_colour(metal.mean(), mean_loss.loss)
 }
 
 impl Lobe for Principled {
@@ -200,10 +261,11 @@ impl Lobe for Principled {
             .clear
             .map_or(Spectrum::ZERO, |clear| clear.eval(wo, wi, mode));
         if wo.z * wi.z > 0.0 {
+            let (o, i) = (self.view(wo), self.view(wi));
             if let Glossy::Rough(facets) = &self.glossy {
-                f += facets.eval(local::lift(wo), local::lift(wi));
+                f += facets.eval(&o.facing, &i.facing);
             }
-            f += self.body.eval(wo, wi);
+            f += self.body.eval(o.admitted, i.admitted);
         }
         f
     }
@@ -213,36 +275,47 @@ impl Lobe for Principled {
         if !local::usable(wo) || !local::usable(wi) {
             return 0.0;
         }
-        let [glossy, diffuse, clear] = self.choice(wo);
+        let o = self.view(wo);
+        let [glossy, diffuse, clear] = self.choice(wo, &o);
         let mut pdf = self
             .clear
             .map_or(0.0, |lobe| clear * lobe.pdf(wo, wi, mode));
         if wo.z * wi.z > 0.0 {
             if let Glossy::Rough(facets) = &self.glossy {
-                pdf += glossy * facets.pdf(local::lift(wo), local::lift(wi));
+                pdf += glossy * facets.pdf(&o.facing, local::lift(wi));
             }
             pdf += diffuse * warp::cosine_hemisphere_pdf(wi.z.abs());
         }
         pdf
     }
 
+    #[inline]
+    fn eval_pdf(&self, wo: DVec3, wi: DVec3, mode: Mode) -> (Spectrum, f64) {
+        if !local::usable(wo) || !local::usable(wi) {
+            return (Spectrum::ZERO, 0.0);
+        }
+        self.both(wo, &self.view(wo), wi, mode)
+    }
+
     fn sample(&self, wo: DVec3, uc: f64, u: [f64; 2], mode: Mode) -> Option<Sample> {
         if !local::usable(wo) {
             return None;
         }
-        let [glossy, diffuse, clear] = self.choice(wo);
+        let o = self.view(wo);
+        let [glossy, diffuse, clear] = self.choice(wo, &o);
         let (take, uc) = local::choose(uc, glossy);
         if take {
-            return self.sample_glossy(wo, glossy, uc, u, mode);
+            return self.sample_glossy((wo, &o), glossy, uc, u, mode);
         }
         let rest = diffuse + clear;
         let (take, uc) = local::choose(uc, if rest > 0.0 { diffuse / rest } else { 1.0 });
         if take {
-            return self.finish(wo, local::to_side_of(wo, warp::cosine_hemisphere(u)), mode);
+            let wi = local::to_side_of(wo, warp::cosine_hemisphere(u));
+            return self.finish(wo, &o, wi, mode);
         }
         let sample = self.clear?.sample(wo, uc, u, mode)?;
         if !sample.delta {
-            return self.finish(wo, sample.wi, mode);
+            return self.finish(wo, &o, sample.wi, mode);
         }
         let weight = sample.weight / (clear as f32);
         Some(Sample {
@@ -256,7 +329,8 @@ impl Lobe for Principled {
         if !local::usable(wo) {
             return None;
         }
-        let [glossy, _, clear] = self.choice(wo);
+        let o = self.view(wo);
+        let [glossy, _, clear] = self.choice(wo, &o);
         let through = self
             .clear
             .and_then(|lobe| lobe.delta(wo, transmitted, mode));
@@ -266,7 +340,7 @@ impl Lobe for Principled {
         });
         let coat = match &self.glossy {
             Glossy::Smooth(_) if !transmitted => {
-                self.sample_glossy(wo, glossy, 0.0, [0.0; 2], mode)
+                self.sample_glossy((wo, &o), glossy, 0.0, [0.0; 2], mode)
             }
             _ => None,
         };
@@ -279,7 +353,8 @@ impl Lobe for Principled {
     #[inline]
     fn albedo(&self, wo: DVec3) -> Spectrum {
         let clear = self.clear.map_or(Spectrum::ZERO, |clear| clear.albedo(wo));
-        self.glossy_albedo(wo) + self.body.albedo(wo) + clear
+        let o = self.view(wo);
+        self.glossy_albedo(&o) + self.body.colour() * o.admitted + clear
     }
 
     #[inline]

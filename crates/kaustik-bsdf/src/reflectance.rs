@@ -76,11 +76,11 @@ impl Reflectance {
         }
     }
 
-    /// Its cosine-weighted mean over the hemisphere.
+    /// Its cosine-weighted mean over the hemisphere; `mean` is the facets' [mean loss](Ggx::mean_loss).
     #[inline]
-    pub(crate) fn mean_once(&self, ggx: Ggx) -> Spectrum {
+    pub(crate) fn mean_once(&self, ggx: Ggx, mean: FacetLoss) -> Spectrum {
         if let Self::Schlick { .. } = self {
-            return self.once(ggx.mean_loss(), 1.0); // linear in both colours
+            return self.once(mean, 1.0); // linear in both colours
         }
         mean_of_lanes(|mu| self.once(ggx.loss(DVec3::new(0.0, 0.0, mu)), mu))
     }

@@ -33,7 +33,8 @@ impl Lobe for RoughConductor {
         if !local::same_side(wo, wi) {
             return Spectrum::ZERO;
         }
-        self.facets.eval(local::lift(wo), local::lift(wi))
+        let [o, i] = [wo, wi].map(|w| self.facets.facing(local::lift(w)));
+        self.facets.eval(&o, &i)
     }
 
     #[inline]
@@ -41,7 +42,17 @@ impl Lobe for RoughConductor {
         if !local::same_side(wo, wi) {
             return 0.0;
         }
-        self.facets.pdf(local::lift(wo), local::lift(wi))
+        let o = self.facets.facing(local::lift(wo));
+        self.facets.pdf(&o, local::lift(wi))
+    }
+
+    #[inline]
+    fn eval_pdf(&self, wo: DVec3, wi: DVec3, _mode: Mode) -> (Spectrum, f64) {
+        if !local::same_side(wo, wi) {
+            return (Spectrum::ZERO, 0.0);
+        }
+        let [o, i] = [wo, wi].map(|w| self.facets.facing(local::lift(w)));
+        self.facets.both(&o, &i)
     }
 
     #[inline]
@@ -49,11 +60,12 @@ impl Lobe for RoughConductor {
         if !local::usable(wo) {
             return None;
         }
-        let wi = local::to_side_of(wo, self.facets.sample(local::lift(wo), uc, u));
+        let o = self.facets.facing(local::lift(wo));
+        let wi = local::to_side_of(wo, self.facets.sample(&o, uc, u));
         if !local::same_side(wo, wi) {
             return None; // met a second facet, which single scattering leaves out
         }
-        let (f, pdf) = self.facets.both(local::lift(wo), local::lift(wi));
+        let (f, pdf) = self.facets.both(&o, &self.facets.facing(local::lift(wi)));
         Sample::continuous(wo, wi, f, pdf)
     }
 

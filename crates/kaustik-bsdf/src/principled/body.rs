@@ -1,7 +1,7 @@
 use super::PrincipledParameters;
 use crate::Reflectance;
 use crate::facets::rebound_colour;
-use crate::ggx::Ggx;
+use crate::ggx::{FacetLoss, Ggx};
 use glam::DVec3;
 use kaustik_spectrum::Spectrum;
 use std::f64::consts::FRAC_1_PI;
@@ -21,23 +21,26 @@ pub(super) struct Body {
 }
 
 impl Body {
-    /// `share` is the part of the material that is opaque dielectric.
-    pub(super) fn new(p: &PrincipledParameters, share: f32) -> Self {
+    /// `share` is the part of the material that is opaque dielectric; `facets` are its facets with their mean loss.
+    pub(super) fn new(
+        p: &PrincipledParameters,
+        facets: Option<(Ggx, FacetLoss)>,
+        share: f32,
+    ) -> Self {
         let (f0, f90) = p.dielectric_ends();
-        let ggx = p.facets();
         let cover = p.reflectance(f0, f90);
         let mut mean = cover.mean();
         let mut rebound = Spectrum::ZERO;
-        if let Some(ggx) = ggx {
-            let at = ggx.mean_loss();
+        if let Some((ggx, at)) = facets {
             if p.compensation {
                 rebound = rebound_colour(mean, at.loss);
             }
             // Brushed facets send back less in the mean over azimuths than in the mean of their two planes: with the least of it
             // for all, what is below is dimmed rather than brightened.
-            let mut once = cover.mean_once(ggx);
+            let mut once = cover.mean_once(ggx, at);
             if ggx.is_brushed() {
-                once = once.zip(cover.mean_once(ggx.roughest()), f32::min);
+                let roughest = ggx.roughest();
+                once = once.zip(cover.mean_once(roughest, roughest.mean_loss()), f32::min);
             }
             mean = once + rebound * at.given_back;
         }
@@ -45,7 +48,7 @@ impl Body {
         Self {
             cover,
             rebound,
-            ggx,
+            ggx: facets.map(|(ggx, _)| ggx),
             colour: p.base_color * share,
             passed,
         }
@@ -78,37 +81,29 @@ impl Body {
         self.colour.is_zero()
     }
 
-    /// `1 - A`: what the cover lets in from `w`.
+    /// Facets of the cover; `None` where it is smooth.
     #[inline]
-    fn admitted(&self, w: DVec3) -> Spectrum {
-        let mu = w.z.abs().min(1.0);
+    pub(super) fn ggx(&self) -> Option<Ggx> {
+        self.ggx
+    }
+
+    /// `1 - A`: what the cover lets in from a direction above, where its facets have that loss.
+    #[inline]
+    pub(super) fn admitted(&self, w: DVec3, at: FacetLoss) -> Spectrum {
         let cover = match self.ggx {
-            None => self.cover.at(mu),
+            None => self.cover.at(w.z),
             Some(ggx) => {
-                let at = ggx.loss_in_plane(DVec3 { z: mu, ..w });
-                self.cover.once_at_most(at, mu) + self.rebound * at.given_back
+                let at = ggx.in_plane(w, at);
+                self.cover.once_at_most(at, w.z) + self.rebound * at.given_back
             }
         };
         cover.map(|a| (1.0 - a).max(0.0))
     }
 
-    /// The scattering function; both directions on one side.
+    /// The scattering function, of two directions on one side from which so much is let in.
     #[inline]
-    pub(super) fn eval(&self, wo: DVec3, wi: DVec3) -> Spectrum {
-        if self.is_black() {
-            return Spectrum::ZERO;
-        }
-        let through = self.admitted(wo) * self.admitted(wi);
+    pub(super) fn eval(&self, admitted_o: Spectrum, admitted_i: Spectrum) -> Spectrum {
+        let through = admitted_o * admitted_i;
         self.colour * through / self.passed * (FRAC_1_PI as f32)
-    }
-
-    /// Directional albedo.
-    #[inline]
-    pub(super) fn albedo(&self, wo: DVec3) -> Spectrum {
-        if self.is_black() {
-            Spectrum::ZERO
-        } else {
-            self.colour * self.admitted(wo)
-        }
     }
 }

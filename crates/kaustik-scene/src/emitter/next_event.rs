@@ -3,7 +3,7 @@
 use glam::{DVec3, Vec3};
 
 use super::alias::AliasTable;
-use super::tree::{BELOW_ONE, Light, LightTree};
+use super::tree::{Light, LightTree};
 use super::{Emitter, Emitters, TriangleEmitter};
 use crate::matter::Matter;
 
@@ -65,12 +65,12 @@ impl NextEvent {
     fn choose(&self, point: DVec3, u: f64) -> Option<(usize, f64)> {
         let standing = self.standing;
         if u < standing || self.distant_choice.is_empty() {
-            let chosen = self.tree.choose(point, (u / standing).min(BELOW_ONE));
+            let chosen = self.tree.choose(point, u / standing);
             let (index, probability) = chosen.filter(|(_, probability)| *probability > 0.0)?;
             return Some((index, standing * probability));
         }
         let rest = 1.0 - standing;
-        let index = (self.distant_choice).choose(((u - standing) / rest).min(BELOW_ONE));
+        let index = self.distant_choice.choose((u - standing) / rest);
         let probability = rest * self.distant_choice.probability(index);
         Some((self.distant[index] as usize, probability))
     }

@@ -17,9 +17,6 @@ pub(super) use build::Light;
 /// Marks an emitter that is not in the tree.
 const NONE: u32 = u32::MAX;
 
-/// The largest number below 1.
-pub(super) const BELOW_ONE: f64 = 1.0 - f64::EPSILON / 2.0;
-
 /// Each inner node has two children, which are neighbours in `nodes`; the root is node 0, alone.
 #[derive(Clone, Debug, Default)]
 pub(super) struct LightTree {
@@ -50,23 +47,22 @@ impl Node {
 impl LightTree {
     /// The emitter for `u` in [0, 1), with the probability that it is chosen at this point; `None` where none shines.
     #[inline]
-    pub(super) fn choose(&self, point: DVec3, mut u: f64) -> Option<(usize, f64)> {
+    pub(super) fn choose(&self, point: DVec3, u: f64) -> Option<(usize, f64)> {
         let mut node = self.nodes.first()?;
-        let mut probability = 1.0;
+        // Numbers from `low` on lead to the node, as many as its probability is.
+        let (mut low, mut probability) = (0.0, 1.0);
         while !node.is_leaf {
             let first = node.link as usize;
             let share = self.share(first, first + 1, point)?;
-            // What is left of the number serves the next choice.
-            if u < share {
-                u /= share;
+            let middle = low + probability * share;
+            if u < middle {
                 probability *= share;
                 node = &self.nodes[first];
             } else {
-                u = (u - share) / (1.0 - share);
+                low = middle;
                 probability *= 1.0 - share;
                 node = &self.nodes[first + 1];
             }
-            u = u.min(BELOW_ONE);
         }
         Some((node.link as usize, probability))
     }
