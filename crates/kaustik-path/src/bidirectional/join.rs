@@ -75,7 +75,10 @@ fn weigh_direct(
     if !shading::sides_agree(z.wo, wi, z.ng) {
         return None;
     }
-    let f = z.bsdf.eval(z.wo, wi, Mode::Radiance);
+    let (f, pdf) = match sample.delta {
+        true => (z.bsdf.eval(z.wo, wi, Mode::Radiance), 0.0),
+        false => z.bsdf.eval_pdf(z.wo, wi, Mode::Radiance),
+    };
     let value = z.throughput * f * sample.radiance;
     if value.is_zero() {
         return None;
@@ -86,7 +89,7 @@ fn weigh_direct(
         emission_pdf: sample.emission_pdf,
         squared: distance.map_or(1.0, |distance| distance * distance),
     };
-    let weight = job.weights().direct(z, wi, &direct);
+    let weight = job.weights().direct(z, (wi, pdf), &direct);
     let stops = z.onward.stop * job.builder.form.at_emitter().stop;
     Weighted::new(value, wi.z.abs() * weight / (sample.pdf * stops), weight)
 }
@@ -189,13 +192,13 @@ fn weigh_joined(job: &Job<'_>, y: &PathVertex, z: &PathVertex, edge: &Edge) -> O
     let &Edge {
         wi, wy, squared, ..
     } = edge;
-    let f = z.bsdf.eval(z.wo, wi, Mode::Radiance);
-    let g = y.bsdf.eval(y.wo, wy, Mode::Importance);
+    let (f, pdf_z) = z.bsdf.eval_pdf(z.wo, wi, Mode::Radiance);
+    let (g, pdf_y) = y.bsdf.eval_pdf(y.wo, wy, Mode::Importance);
     let value = (z.throughput * f) * (y.throughput * g);
     if value.is_zero() {
         return None;
     }
-    let weight = job.weights().joined((y, wy), (z, wi), squared);
+    let weight = (job.weights()).joined((y, wy, pdf_y), (z, wi, pdf_z), squared);
     // The light's side carries geometric cosines and the factor, the eye's the shading cosine.
     let geometry = edge.factor * wy.dot(y.ng).abs() * wi.z.abs() / squared;
     let stops = y.onward.stop * z.onward.stop;

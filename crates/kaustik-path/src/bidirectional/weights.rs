@@ -83,34 +83,32 @@ impl Weights {
         self.heuristic.weight(0.0, more)
     }
 
-    /// s = 1: the vertex `z` of the eye, joined in local direction `wi`.
+    /// s = 1: the vertex `z` of the eye, joined in local direction `wi`, into which it would scatter with this density.
     #[inline]
-    pub(super) fn direct(&self, z: &PathVertex, wi: DVec3, end: &DirectEnd) -> f64 {
+    pub(super) fn direct(&self, z: &PathVertex, (wi, pdf): (DVec3, f64), end: &DirectEnd) -> f64 {
         let heuristic = self.heuristic;
         let emitter = self.form.at_emitter();
         let odds = z.onward.odds() * emitter.odds();
-        let fewer = end.pdf.map_or(0.0, |found| {
-            let pdf = z.bsdf.pdf(z.wo, wi, Mode::Radiance);
-            heuristic.of(pdf / (found * odds * emitter.onward))
-        });
+        let scattered = |found| heuristic.of(pdf / (found * odds * emitter.onward));
+        let fewer = end.pdf.map_or(0.0, scattered);
         let area = end.emission_pdf * wi.dot(z.ng).abs() / (end.squared * end.odds);
         let rivals = z.rivals(heuristic, wi, Mode::Importance);
         heuristic.weight(fewer, heuristic.of(area / odds) * rivals)
     }
 
     /// s >= 2, t >= 2: `y` of the light, joined in local direction `wy`, and `z` of the eye, joined in
-    /// `wi`, at the square of a distance.
+    /// `wi`, at the square of a distance; each with the density of scattering there in its walk.
     #[inline]
     pub(super) fn joined(
         &self,
-        (y, wy): (&PathVertex, DVec3),
-        (z, wi): (&PathVertex, DVec3),
+        (y, wy, pdf_y): (&PathVertex, DVec3, f64),
+        (z, wi, pdf_z): (&PathVertex, DVec3, f64),
         squared: f64,
     ) -> f64 {
         let heuristic = self.heuristic;
         let scale = 1.0 / (z.onward.odds() * y.onward.odds() * squared);
-        let by_eye = z.bsdf.pdf(z.wo, wi, Mode::Radiance) * wy.dot(y.ng).abs();
-        let by_light = y.bsdf.pdf(y.wo, wy, Mode::Importance) * wi.dot(z.ng).abs();
+        let by_eye = pdf_z * wy.dot(y.ng).abs();
+        let by_light = pdf_y * wi.dot(z.ng).abs();
         let fewer = heuristic.of(by_eye * scale) * y.rivals(heuristic, wy, Mode::Radiance);
         let more = heuristic.of(by_light * scale) * z.rivals(heuristic, wi, Mode::Importance);
         heuristic.weight(fewer, more)

@@ -217,7 +217,9 @@ fn running_weights(path: &Path, form: Form, heuristic: Heuristic) -> Vec<f64> {
                     emission_pdf: emitter.direction,
                     squared,
                 };
-                weights.direct(&eye[1], local(1, 0), &end)
+                let (z, wi) = (&eye[1], local(1, 0));
+                let pdf = z.bsdf.pdf(z.wo, wi, Mode::Radiance);
+                weights.direct(z, (wi, pdf), &end)
             }
             s if s == n - 1 => {
                 let squared = path.squared(n - 1, n - 2);
@@ -229,11 +231,13 @@ fn running_weights(path: &Path, form: Form, heuristic: Heuristic) -> Vec<f64> {
                 };
                 weights.lens_joined(&light[n - 2], local(n - 2, n - 1), &end)
             }
-            s => weights.joined(
-                (&light[s - 1], local(s - 1, s)),
-                (&eye[s], local(s, s - 1)),
-                path.squared(s - 1, s),
-            ),
+            s => {
+                let (y, wy) = (&light[s - 1], local(s - 1, s));
+                let (z, wi) = (&eye[s], local(s, s - 1));
+                let pdf_y = y.bsdf.pdf(y.wo, wy, Mode::Importance);
+                let pdf_z = z.bsdf.pdf(z.wo, wi, Mode::Radiance);
+                weights.joined((y, wy, pdf_y), (z, wi, pdf_z), path.squared(s - 1, s))
+            }
         })
         .collect()
 }
