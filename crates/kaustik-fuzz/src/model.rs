@@ -29,6 +29,8 @@ pub(crate) fn all() -> Vec<Model> {
         variants(),
         compressed(),
         in_a_cube(),
+        bent(),
+        moving(),
     ];
     for words in ["cornell", "glass-cube", "furnace?kind=plate"] {
         models.extend(exported(words));
@@ -40,6 +42,10 @@ pub(crate) fn all() -> Vec<Model> {
         "brushed",
         "glossy-paint",
         "colored-glass",
+        "pane",
+        "rough-pane",
+        "coated",
+        "glowing",
     ] {
         models.push(with_material(material));
     }
@@ -253,6 +259,58 @@ fn lit() -> Model {
     }
     model.json["scenes"] = json!([{ "nodes": [0, 3, 4, 5, 6, 7] }]);
     model.json["extensionsUsed"] = json!(["KHR_lights_punctual"]);
+    model
+}
+
+/// A morph target, and a skin of two joints.
+fn bent() -> Model {
+    let mut model = triangle();
+    let lift = model.accessor("VEC3", 5126, 4, &floats(&[0.2; 12]));
+    let joints = model.accessor("VEC4", 5123, 4, &shorts(&[0, 1, 0, 0].repeat(4)));
+    let weights = [0.25, 0.75, 0.0, 0.0].repeat(4);
+    model.attribute("WEIGHTS_0", "VEC4", &weights, 4);
+    let identity = [
+        1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0,
+    ];
+    let binds = model.accessor("MAT4", 5126, 2, &floats(&identity.repeat(2)));
+    let primitive = &mut model.json["meshes"][0]["primitives"][0];
+    primitive["attributes"]["JOINTS_0"] = json!(joints);
+    primitive["targets"] = json!([{ "POSITION": lift, "NORMAL": lift }]);
+    model.json["meshes"][0]["weights"] = json!([0.5]);
+    for place in [[0.0, 0.0, 0.0], [0.3, 1.0, 0.0]] {
+        model.push("nodes", json!({ "translation": place }));
+    }
+    model.json["skins"] =
+        json!([{ "joints": [3, 4], "skeleton": 3, "inverseBindMatrices": binds }]);
+    model.json["nodes"][1]["skin"] = json!(0);
+    model.json["nodes"][2]["weights"] = json!([1.5]);
+    model.json["scenes"][0]["nodes"] = json!([0, 3, 4]);
+    model
+}
+
+/// Nodes that move while a shutter is open, by all kinds of channels and interpolations.
+fn moving() -> Model {
+    let mut model = lit();
+    model.json["cameras"][0]["extras"]["kaustik"]["shutter"] = json!([0.1, 0.6]);
+    let times = model.accessor("SCALAR", 5126, 2, &floats(&[0.0, 1.0]));
+    model.json["accessors"][times]["min"] = json!([0.0]);
+    model.json["accessors"][times]["max"] = json!([1.0]);
+    let places = [0.0, 0.0, 0.0, 1.0, 0.5, 0.0];
+    let places = model.accessor("VEC3", 5126, 2, &floats(&places));
+    let turns = [0.0, 0.0, 0.0, 1.0, 0.0, 1.0, 0.0, 0.0];
+    let turns = model.accessor("VEC4", 5126, 2, &floats(&turns));
+    // Tangents, value, tangents at each time.
+    let scales = model.accessor("VEC3", 5126, 6, &floats(&[1.0; 18]));
+    let sampler =
+        |output: usize, by: &str| json!({ "input": times, "output": output, "interpolation": by });
+    let channel = |sampler: u32, node: u32, path: &str| json!({ "sampler": sampler, "target": { "node": node, "path": path } });
+    model.json["animations"] = json!([{
+        "samplers": [sampler(places, "LINEAR"), sampler(turns, "STEP"), sampler(scales, "CUBICSPLINE")],
+        "channels": [
+            channel(0, 1, "translation"), channel(1, 0, "rotation"), channel(2, 0, "scale"),
+            channel(0, 3, "translation"), channel(0, 6, "translation"),
+        ],
+    }]);
     model
 }
 

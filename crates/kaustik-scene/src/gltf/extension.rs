@@ -47,6 +47,10 @@ const REFUSED: [(&str, &str); 4] = [
     ),
 ];
 
+/// Known and not read, even where a file requires them: what they add is no part of a picture, or moves what a
+/// scene at rest has anyway.
+const HARMLESS: [&str; 3] = ["KHR_animation_pointer", "KHR_xmp", "KHR_xmp_json_ld"];
+
 /// The extensions that a file names in `extensionsUsed` and `extensionsRequired`.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Extensions {
@@ -61,8 +65,9 @@ pub(super) fn check(root: &Cursor<'_>, warnings: &mut Warnings) -> Result<Extens
     let mut extensions = Extensions::default();
     for name in root.list("extensionsRequired")? {
         let text = name.string()?;
-        if EXTENSIONS.contains(&text) {
-            extensions.add(text, true);
+        let known = EXTENSIONS.contains(&text);
+        if known || HARMLESS.contains(&text) {
+            extensions.add(text, known);
             continue;
         }
         let found = format!("the required extension {}", shorten(text));
@@ -78,6 +83,9 @@ pub(super) fn check(root: &Cursor<'_>, warnings: &mut Warnings) -> Result<Extens
         if !known {
             let message = match reason(text) {
                 Some(reason) => format!("the extension {text} is ignored: {reason}"),
+                None if HARMLESS.contains(&text) => {
+                    format!("the extension {text} is ignored: it adds nothing to a scene at rest")
+                }
                 None => format!("the extension {} is unknown and ignored", shorten(text)),
             };
             warnings.push(name.pointer(), message);

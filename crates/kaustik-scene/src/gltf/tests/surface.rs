@@ -422,6 +422,18 @@ fn uv_sets_past_the_second_are_left_out() {
 }
 
 #[test]
+fn what_adds_nothing_to_a_picture_may_be_required() {
+    let mut file = File::triangle();
+    let harmless = json!(["KHR_xmp_json_ld", "KHR_animation_pointer"]);
+    file.json["extensionsRequired"] = harmless.clone();
+    file.json["extensionsUsed"] = harmless;
+    let loaded = file.load();
+    assert_eq!(loaded.extensions.ignored.len(), 2);
+    assert_eq!(loaded.warnings.len(), 2);
+    assert!(loaded.warnings[0].message.contains("adds nothing"));
+}
+
+#[test]
 fn extensions_are_refused_if_required_and_told_if_used() {
     let mut file = File::triangle();
     file.json["extensionsUsed"] = json!(["KHR_texture_basisu", "ACME_soap", "KHR_materials_ior"]);
