@@ -173,8 +173,7 @@ impl Bsdf {
     /// is [`metal`](Self::metal) (at roughness 0 a [`mirror`](Self::mirror) of the base colour),
     /// transmission 1 is glass, and specular 0 is exactly [`lambertian`](Self::lambertian).
     pub fn principled(parameters: &PrincipledParameters) -> Self {
-        Principled::simplified(parameters)
-            .unwrap_or_else(|| Self::Principled(Principled::new(parameters)))
+        Principled::simplest(parameters)
     }
 }
 

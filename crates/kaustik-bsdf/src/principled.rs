@@ -47,11 +47,21 @@ enum Glossy {
 impl Principled {
     /// From glTF's numbers, brought into range.
     pub fn new(parameters: &PrincipledParameters) -> Self {
+        Self::within(&parameters.in_range())
+    }
+
+    /// The function of these numbers, or the one simpler function that they amount to.
+    pub(crate) fn simplest(parameters: &PrincipledParameters) -> Bsdf {
         let p = parameters.in_range();
+        Self::simplified(&p).unwrap_or_else(|| Bsdf::Principled(Self::within(&p)))
+    }
+
+    /// From numbers that are in range.
+    fn within(p: &PrincipledParameters) -> Self {
         let metal = p.metallic as f32;
         let opaque = ((1.0 - p.metallic) * (1.0 - p.transmission)) as f32;
         let facets = p.facets().map(|ggx| (ggx, ggx.mean_loss()));
-        let body = Body::new(&p, facets, opaque);
+        let body = Body::new(p, facets, opaque);
         let (f0, f90) = p.dielectric_ends();
         let reflectance = p.mixed(
             (p.base_color * metal, Spectrum::splat(metal)),
@@ -60,13 +70,13 @@ impl Principled {
         let glossy = if reflectance.mean().is_zero() {
             Glossy::None
         } else if let Some((ggx, mean)) = facets {
-            let rebound = metal_rebound(&p, mean) * metal + body.rebound() * opaque;
+            let rebound = metal_rebound(p, mean) * metal + body.rebound() * opaque;
             Glossy::Rough(Facets::new(reflectance, (ggx, mean), rebound))
         } else {
             Glossy::Smooth(reflectance)
         };
         let clear = (1.0 - p.metallic) * p.transmission;
-        let clear = (clear > 0.0).then(|| Clear::new(&p, clear as f32));
+        let clear = (clear > 0.0).then(|| Clear::new(p, clear as f32));
         Self {
             glossy,
             body,
@@ -74,9 +84,8 @@ impl Principled {
         }
     }
 
-    /// The one simpler function that this is, if it is one: pure metal, pure glass, pure diffuse.
-    pub(crate) fn simplified(parameters: &PrincipledParameters) -> Option<Bsdf> {
-        let p = parameters.in_range();
+    /// The one simpler function that numbers in range stand for, if it is one: pure metal, pure glass, pure diffuse.
+    fn simplified(p: &PrincipledParameters) -> Option<Bsdf> {
         if p.film.is_some() || p.facets().is_some() && p.anisotropy > 0.0 {
             return None;
         }
@@ -91,7 +100,7 @@ impl Principled {
             return None;
         }
         if p.transmission >= 1.0 {
-            return Some(Clear::new(&p, 1.0).bsdf());
+            return Some(Clear::new(p, 1.0).bsdf());
         }
         let plain = p.transmission <= 0.0 && p.specular <= 0.0;
         plain.then(|| Bsdf::lambertian(p.base_color))
