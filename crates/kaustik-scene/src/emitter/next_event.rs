@@ -14,8 +14,12 @@ const FEWEST: usize = 3;
 /// that shines, not a million lamps.
 const MOST: usize = 1 << 20;
 
-/// The choice of an emitter that depends on the point: among those that stand somewhere by a tree, as often as light walks begin
-/// at any of them; among the others as light walks choose.
+/// Share of next events that choose as light walks do, so that none is ever chosen less than so many times as often: a tree knows nothing of
+/// walls, and a bright lamp behind one would have nearly all of them.
+pub(super) const BY_POWER: f64 = 0.2;
+
+/// The choice of an emitter that depends on the point: mostly, among those that stand somewhere, by a tree, as often as light walks begin
+/// at any of them; among the others as light walks choose, and a share of all as these do.
 #[derive(Clone, Debug)]
 pub(super) struct NextEvent {
     tree: LightTree,
@@ -60,19 +64,36 @@ impl NextEvent {
         })
     }
 
-    /// The emitter for `u` in [0, 1), with its probability; `None` where none shines at the point.
+    /// The emitter for `u` in [0, 1), with how much more often it is chosen than by `walks`; `None` where none shines at the point.
     #[inline]
-    fn choose(&self, point: DVec3, u: f64) -> Option<(usize, f64)> {
-        let standing = self.standing;
-        if u < standing || self.distant_choice.is_empty() {
-            let chosen = self.tree.choose(point, u / standing);
-            let (index, probability) = chosen.filter(|(_, probability)| *probability > 0.0)?;
-            return Some((index, standing * probability));
+    fn choose(&self, walks: &AliasTable, point: DVec3, u: f64) -> Option<(usize, f64)> {
+        const BY_PLACE: f64 = 1.0 - BY_POWER;
+        if u >= BY_PLACE {
+            let index = walks.choose((u - BY_PLACE) / BY_POWER);
+            return Some((index, self.odds(walks, point, index)));
         }
-        let rest = 1.0 - standing;
-        let index = self.distant_choice.choose((u - standing) / rest);
-        let probability = rest * self.distant_choice.probability(index);
-        Some((self.distant[index] as usize, probability))
+        let (u, standing) = (u / BY_PLACE, self.standing);
+        if u < standing || self.distant_choice.is_empty() {
+            let (index, share) = self.tree.choose(point, u / standing)?;
+            return Some((index, self.mixed(walks, index, share)));
+        }
+        let index = (self.distant_choice).choose((u - standing) / (1.0 - standing));
+        Some((self.distant[index] as usize, 1.0))
+    }
+
+    /// How much more often an emitter is chosen at a point than by `walks`.
+    #[inline]
+    fn odds(&self, walks: &AliasTable, point: DVec3, index: usize) -> f64 {
+        match self.tree.probability(point, index) {
+            Some(share) => self.mixed(walks, index, share),
+            None => 1.0,
+        }
+    }
+
+    /// The same of one that has this share of what the tree chooses.
+    #[inline]
+    fn mixed(&self, walks: &AliasTable, index: usize, share: f64) -> f64 {
+        BY_POWER + (1.0 - BY_POWER) * self.standing * share / walks.probability(index)
     }
 }
 
@@ -137,11 +158,11 @@ impl Emitters {
                 odds: 1.0,
             });
         };
-        let (index, probability) = next_event.choose(point, u())?;
+        let (index, odds) = next_event.choose(&self.choice, point, u())?;
         Some(Chosen {
             emitter: &self.list[index],
-            probability,
-            odds: probability / self.choice.probability(index),
+            probability: odds * self.choice.probability(index),
+            odds,
         })
     }
 
@@ -151,10 +172,6 @@ impl Emitters {
         let Some(next_event) = &self.next_event else {
             return 1.0;
         };
-        let index = emitter as usize;
-        match next_event.tree.probability(point, index) {
-            Some(probability) => next_event.standing * probability / self.choice.probability(index),
-            None => 1.0,
-        }
+        next_event.odds(&self.choice, point, emitter as usize)
     }
 }

@@ -5,12 +5,14 @@ use glam::{DAffine3, DVec3, Vec3};
 use kaustik_geometry::{Mesh, Ray};
 use proptest::prelude::*;
 
+use super::super::next_event::BY_POWER;
 use super::{FAST, accepts};
 use crate::description::{
     Carried, Channel, Interpolation, Joint, LightDescription, LightKind, Load, Rest, Shutter,
 };
 use crate::testing::{
-    Rng, Stage, ceiling, cuboid, double_sided, lamp, mean, punctual, rectangle, sphere, wavelengths,
+    Rng, Stage, ceiling, cuboid, double_sided, grey, lamp, mean, punctual, rectangle, sphere,
+    wavelengths,
 };
 use crate::{EmissionPdf, Reach, Scene};
 
@@ -90,18 +92,18 @@ proptest! {
     /// The measure of the numbers that lead to each emitter is its probability.
     #[test]
     fn the_measure_of_numbers_is_the_probability(scene in scene(), point in place()) {
-        const COUNT: u32 = 20_000;
+        const COUNT: u32 = 100_000;
         let point = point.as_dvec3();
         let emitters = &scene.emitters;
         prop_assert!(emitters.next_event.is_some());
         for (i, share) in shares(&scene, point, COUNT).into_iter().enumerate() {
             let stated = emitters.choice.probability(i) * emitters.odds(i as u32, point);
             let off = (share - stated).abs();
-            prop_assert!(off < 2.0 / f64::from(COUNT), "{i}: {share} {stated}");
+            prop_assert!(off < 1e-3, "{i}: {share} {stated}");
         }
     }
 
-    /// Where an emitter shines it may be chosen: light walks reach nothing that next event is blind to.
+    /// Where an emitter shines the tree may choose it: light walks reach nothing that next event is blind to.
     #[test]
     fn what_shines_at_a_point_may_be_chosen(scene in scene(), seed in any::<u64>()) {
         prop_assert_eq!(first_blind(&scene, seed, 200), None);
@@ -115,13 +117,13 @@ proptest! {
         for point in at_lamps.chain([far]) {
             for i in 0..scene.emitters.list.len() {
                 let odds = scene.emitters.odds(i as u32, point);
-                prop_assert!(odds >= 0.0 && odds.is_finite(), "{i} at {point}: {odds}");
+                prop_assert!(odds > 0.0 && odds.is_finite(), "{i} at {point}: {odds}");
             }
         }
     }
 }
 
-/// The first of many light walks that leaves an emitter for a point from which next event never chooses that; `None` if there is none.
+/// The first of many light walks that leaves an emitter for a point from which the tree never chooses that; `None` if there is none.
 fn first_blind(scene: &Scene, seed: u64, walks: u32) -> Option<EmissionPdf> {
     let mut rng = Rng::new(seed);
     (0..walks).find_map(|_| {
@@ -135,7 +137,9 @@ fn first_blind(scene: &Scene, seed: u64, walks: u32) -> Option<EmissionPdf> {
             return None;
         }
         let odds = scene.next_event_odds(&emission.pdf, point);
-        (odds <= 0.0 || !odds.is_finite()).then_some(emission.pdf)
+        // More often than the share that goes by power anyway.
+        let seen = odds > BY_POWER * (1.0 + 1e-12) && odds.is_finite();
+        (!seen).then_some(emission.pdf)
     })
 }
 
@@ -218,6 +222,27 @@ fn lamps_that_move_are_not_blind() {
     }
 }
 
+/// A weak lamp before a wall, a strong one right behind it: next event knows nothing of the wall, and looks at the weak one still.
+#[test]
+fn what_shines_behind_a_wall_does_not_have_all() {
+    let lamp = |power: f32, at: Vec3| punctual(LightKind::Point, power, at, Vec3::NEG_Y);
+    let scene = (Stage::new())
+        .add(grey(0.5), rectangle(Vec3::X, Vec3::Y, Vec3::Z))
+        .light(lamp(1.0, Vec3::NEG_X * 3.0))
+        .light(lamp(1e4, Vec3::X * 1.01))
+        .light(lamp(1e4, Vec3::X * 1.02))
+        .build();
+    let mut rng = Rng::new(53);
+    let point = DVec3::X * 0.99;
+    let weak = (0..FAST).filter(|_| {
+        let sample = scene.sample_direct(point, &wavelengths(), |_| rng.uniform());
+        sample.is_some_and(|sample| sample.wi.x < 0.0)
+    });
+    let share = weak.count() as f64 / f64::from(FAST);
+    // By light walks a tenth of the mean of the three.
+    assert!(share > 0.9 * BY_POWER / 31.0, "{share}");
+}
+
 /// A light that stands nowhere leaves the choice by power.
 #[test]
 fn a_place_that_is_no_number_has_no_tree() {
@@ -266,7 +291,7 @@ fn lamps_that_are_near_are_chosen() {
     let evenly = 4.0 * 100.0 / 7.0;
     let relative = error * error / (mean * mean) * f64::from(FAST);
     assert!(
-        relative < evenly / 50.0,
+        relative < evenly / 40.0,
         "variance {relative}, evenly some {evenly}"
     );
 }
