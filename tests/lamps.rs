@@ -5,9 +5,8 @@ use std::f64::consts::PI;
 use glam::{Affine3A, DVec3, Quat, Vec3};
 use kaustik::scene::Scene;
 use kaustik::scene::description::{LightDescription, LightKind, MaterialDescription};
-use kaustik::{Method, RenderSettings};
 
-use crate::support::{compile, describe, from_both_sides, means, paint, picture, settings, square};
+use crate::support::{compile, describe, direct_light_by_all, paint, square};
 
 const SIDE: u32 = 16;
 const ALBEDO: f64 = 0.6;
@@ -102,16 +101,7 @@ fn expected() -> f64 {
 fn a_floor_under_many_lamps_is_as_bright_as_it_should_be() {
     let (scene, expected) = (floor_and_lamps(), expected());
     assert!(scene.chooses_emitters_by_place());
-    for method in Method::ALL {
-        // Few light paths come to what little is seen.
-        let spp = if method == Method::Light { 4_096 } else { 256 };
-        let mut settings = RenderSettings {
-            max_depth: 2,
-            ..settings(method, SIDE, spp)
-        };
-        from_both_sides(&mut settings);
-        let [r, g, b] = means(&picture(&scene, &settings));
-        let mean = (r + g + b) / 3.0;
+    for (method, mean) in direct_light_by_all(&scene, SIDE) {
         println!("{method}: {:.4}", mean / expected);
         assert!(
             (mean / expected - 1.0).abs() < 0.02,

@@ -3,9 +3,8 @@
 use glam::{Affine3A, Quat, Vec3};
 use kaustik::scene::Scene;
 use kaustik::scene::description::{LightDescription, LightKind, MaterialDescription, Transmission};
-use kaustik::{Method, RenderSettings};
 
-use crate::support::{compile, describe, from_both_sides, means, paint, picture, settings, square};
+use crate::support::{compile, describe, direct_light_by_all, paint, square};
 
 const SIDE: u32 = 16;
 const ALBEDO: f64 = 0.6;
@@ -63,16 +62,7 @@ fn expected(panes: u8, sun: f64) -> f64 {
 fn a_floor_below_panes_is_lit_and_seen() {
     for (panes, sun) in [(0, 1.0_f32), (1, 0.9), (2, 0.35)] {
         let (scene, expected) = (showcase(panes, sun), expected(panes, f64::from(sun)));
-        for method in Method::ALL {
-            // Few light paths come to what little is seen.
-            let spp = if method == Method::Light { 2_048 } else { 256 };
-            let mut settings = RenderSettings {
-                max_depth: 2,
-                ..settings(method, SIDE, spp)
-            };
-            from_both_sides(&mut settings);
-            let [r, g, b] = means(&picture(&scene, &settings));
-            let mean = (r + g + b) / 3.0;
+        for (method, mean) in direct_light_by_all(&scene, SIDE) {
             println!("{panes} panes, {method}: {:.4}", mean / expected);
             assert!(
                 (mean / expected - 1.0).abs() < 0.03,

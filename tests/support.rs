@@ -141,6 +141,22 @@ pub(crate) fn means(image: &Image) -> [f64; 3] {
         .map(|plane| plane.iter().map(|&v| f64::from(v)).sum::<f64>() / plane.len() as f64)
 }
 
+/// Mean over all pixels and channels of the light of paths of two edges at most, by every method.
+pub(crate) fn direct_light_by_all(scene: &Scene, side: u32) -> Vec<(Method, f64)> {
+    let mean = |method: Method| {
+        // Of light walks few come to what little is seen.
+        let spp = if method == Method::Light { 4_096 } else { 256 };
+        let mut settings = RenderSettings {
+            max_depth: 2,
+            ..settings(method, side, spp)
+        };
+        from_both_sides(&mut settings);
+        let [r, g, b] = means(&picture(scene, &settings));
+        (method, (r + g + b) / 3.0)
+    };
+    Method::ALL.into_iter().map(mean).collect()
+}
+
 /// Means of square groups of tiles, `finer` along a side, from those of tiles row by row.
 pub(crate) fn merged(tiles: &[[f64; 3]], columns: usize, finer: usize) -> Vec<[f64; 3]> {
     let across = columns / finer;

@@ -63,12 +63,6 @@ impl Facets {
         }
     }
 
-    /// The facets' shape.
-    #[inline]
-    pub(crate) fn ggx(&self) -> Ggx {
-        self.ggx
-    }
-
     /// GGX roughness.
     #[inline]
     pub(crate) fn alpha(&self) -> f64 {

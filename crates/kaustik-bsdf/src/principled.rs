@@ -128,11 +128,8 @@ impl Principled {
             z: w.z.abs().min(1.0),
             ..w
         };
-        let at = match (self.body.ggx(), &self.glossy) {
-            (None, Glossy::None | Glossy::Smooth(_)) => FacetLoss::NONE,
-            (Some(ggx), _) => ggx.loss(above),
-            (None, Glossy::Rough(facets)) => facets.ggx().loss(above),
-        };
+        // What reflects and what covers the body are the same facets.
+        let at = (self.body.ggx()).map_or(FacetLoss::NONE, |ggx| ggx.loss(above));
         let admitted = match self.body.is_black() {
             true => Spectrum::ZERO,
             false => self.body.admitted(above, at),

@@ -32,7 +32,7 @@ pub use segment::Segment;
 #[derive(Debug)]
 pub struct Scene {
     matter: Matter,
-    pub(crate) emitters: Arc<Emitters>,
+    emitters: Arc<Emitters>,
     camera: Camera,
     camera_interior: Interior,
     camera_motion: Option<Arc<Motion>>,
@@ -48,6 +48,11 @@ pub struct Scene {
 }
 
 impl Scene {
+    #[cfg(test)]
+    pub(crate) fn emitters(&self) -> &Emitters {
+        &self.emitters
+    }
+
     /// Does anything move while the camera's shutter is open?
     #[inline]
     pub fn moves(&self) -> bool {

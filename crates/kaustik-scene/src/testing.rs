@@ -25,12 +25,16 @@
 
 mod materials;
 mod meshes;
+#[cfg(test)]
+mod motion;
 mod stage;
 #[cfg(test)]
 mod statistics;
 
 pub use materials::{blended, dielectric, diffuse, double_sided, grey, lamp, metal};
 pub use meshes::{ceiling, cuboid, floor, rectangle, rectangle_with_uv, sphere};
+#[cfg(test)]
+pub(crate) use motion::{channel, joint};
 pub use stage::{Stage, compile, image, punctual};
 #[cfg(test)]
 pub(crate) use statistics::{Rng, chi_square, level, mean, wavelengths};

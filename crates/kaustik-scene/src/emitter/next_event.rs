@@ -10,8 +10,8 @@ use crate::matter::Matter;
 /// Fewer that stand anywhere are chosen by power: two triangles of a square lamp need no tree.
 const FEWEST: usize = 3;
 
-/// More are chosen by power as well: what a tree takes is some 200 bytes for each (300 while it grows), and a million of them is a mesh
-/// that shines, not a million lamps.
+/// More are chosen by power as well: a tree of a million took 145 MB and half a second, and so many are a mesh that
+/// shines, not lamps.
 const MOST: usize = 1 << 20;
 
 /// Share of next events that choose as light walks do, so that none is ever chosen less than so many times as often: a tree knows nothing of

@@ -8,11 +8,11 @@ use proptest::prelude::*;
 use super::super::next_event::BY_POWER;
 use super::{FAST, accepts};
 use crate::description::{
-    Carried, Channel, Interpolation, Joint, LightDescription, LightKind, Load, Rest, Shutter,
+    Carried, Interpolation, Joint, LightDescription, LightKind, Load, Shutter,
 };
 use crate::testing::{
-    Rng, Stage, ceiling, cuboid, double_sided, grey, lamp, mean, punctual, rectangle, sphere,
-    wavelengths,
+    Rng, Stage, ceiling, channel, cuboid, double_sided, grey, joint, lamp, mean, punctual,
+    rectangle, sphere, wavelengths,
 };
 use crate::{EmissionPdf, Reach, Scene};
 
@@ -73,7 +73,7 @@ fn scene() -> impl Strategy<Value = Scene> {
 
 /// How often each emitter is chosen at a point for numbers that are spread evenly.
 fn shares(scene: &Scene, point: DVec3, count: u32) -> Vec<f64> {
-    let emitters = &scene.emitters;
+    let emitters = scene.emitters();
     let mut shares = vec![0.0; emitters.list.len()];
     for i in 0..count {
         let u = (f64::from(i) + 0.5) / f64::from(count);
@@ -94,7 +94,7 @@ proptest! {
     fn the_measure_of_numbers_is_the_probability(scene in scene(), point in place()) {
         const COUNT: u32 = 100_000;
         let point = point.as_dvec3();
-        let emitters = &scene.emitters;
+        let emitters = scene.emitters();
         prop_assert!(emitters.next_event.is_some());
         for (i, share) in shares(&scene, point, COUNT).into_iter().enumerate() {
             let stated = emitters.choice.probability(i) * emitters.odds(i as u32, point);
@@ -113,10 +113,10 @@ proptest! {
     #[test]
     fn extremes_have_numbers(scene in scene(), scale in -30..30i32) {
         let far = DVec3::new(1.0, -2.0, 0.5) * 10.0_f64.powi(scale);
-        let at_lamps = scene.emitters.punctual.iter().map(|light| light.position);
+        let at_lamps = scene.emitters().punctual.iter().map(|light| light.position);
         for point in at_lamps.chain([far]) {
-            for i in 0..scene.emitters.list.len() {
-                let odds = scene.emitters.odds(i as u32, point);
+            for i in 0..scene.emitters().list.len() {
+                let odds = scene.emitters().odds(i as u32, point);
                 prop_assert!(odds > 0.0 && odds.is_finite(), "{i} at {point}: {odds}");
             }
         }
@@ -185,34 +185,18 @@ fn lamps_that_move_are_not_blind() {
         close: 1.0,
     });
     let animation = &mut stage.description.animation;
-    for (joint, load) in loads.into_iter().enumerate() {
+    for (number, load) in loads.into_iter().enumerate() {
         animation.carried.push(Carried {
             load,
-            joint,
+            joint: number,
             offset: DAffine3::IDENTITY,
         });
-        let linear = Interpolation::Linear;
-        let times = vec![0.0, 1.0];
+        let goes = [[0.0, 0.0, -4.0], [0.0, 0.0, 4.0]];
+        let turns = [[0.0, 0.0, 0.0, 1.0], [1.0, 0.0, 0.0, 0.0]];
         animation.joints.push(Joint {
-            name: "joint".to_owned(),
-            parent: None,
-            to_parent: DAffine3::IDENTITY,
-            rest: Rest {
-                translation: [0.0; 3],
-                rotation: [0.0, 0.0, 0.0, 1.0],
-                scale: [1.0; 3],
-            },
-            translation: Some(Channel {
-                interpolation: linear,
-                times: times.clone(),
-                values: vec![[0.0, 0.0, -4.0], [0.0, 0.0, 4.0]],
-            }),
-            rotation: Some(Channel {
-                interpolation: linear,
-                times,
-                values: vec![[0.0, 0.0, 0.0, 1.0], [1.0, 0.0, 0.0, 0.0]],
-            }),
-            scale: None,
+            translation: Some(channel(Interpolation::Linear, &[0.0, 1.0], &goes)),
+            rotation: Some(channel(Interpolation::Linear, &[0.0, 1.0], &turns)),
+            ..joint()
         });
     }
     let scene = stage.build();
@@ -432,7 +416,7 @@ fn weights_by_the_odds_sum_to_one() {
 fn lamps_are_drawn_as_often_as_stated() {
     let scene = above_a_target();
     let point = DVec3::new(0.4, 0.0, -0.8);
-    let emitters = &scene.emitters;
+    let emitters = scene.emitters();
     let mut rng = Rng::new(43);
     let mut observed = vec![0.0; emitters.list.len()];
     for _ in 0..FAST {

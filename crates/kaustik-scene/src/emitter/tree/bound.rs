@@ -100,26 +100,17 @@ impl Bound {
             return near;
         }
         let sin = (1.0 - cos * cos).max(0.0).sqrt();
-        let beyond = Angle {
-            cos: cos * self.cos_spread + sin * self.sin_spread,
-            sin: sin * self.cos_spread - cos * self.sin_spread,
-        };
+        let beyond_cos = cos * self.cos_spread + sin * self.sin_spread;
+        let beyond_sin = sin * self.cos_spread - cos * self.sin_spread;
         let filled_sin = (self.radius * scale) as f32;
         let filled_cos = (1.0 - filled_sin * filled_sin).max(0.0).sqrt();
-        if beyond.cos >= filled_cos {
+        if beyond_cos >= filled_cos {
             return near;
         }
-        let cos = beyond.cos * filled_cos + beyond.sin * filled_sin;
+        let cos = beyond_cos * filled_cos + beyond_sin * filled_sin;
         if cos < self.cos_reach - LEAST_COS {
             return 0.0;
         }
         near * f64::from(cos.max(LEAST_COS))
     }
-}
-
-/// An angle from 0 to pi.
-#[derive(Clone, Copy, Debug)]
-struct Angle {
-    cos: f32,
-    sin: f32,
 }

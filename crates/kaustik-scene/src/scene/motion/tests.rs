@@ -1,35 +1,8 @@
 use glam::DVec3;
 
 use super::*;
-use crate::description::{Channel, Interpolation, Rest};
-
-fn joint() -> Joint {
-    Joint {
-        name: "joint".to_owned(),
-        parent: None,
-        to_parent: DAffine3::IDENTITY,
-        rest: Rest {
-            translation: [0.0; 3],
-            rotation: [0.0, 0.0, 0.0, 1.0],
-            scale: [1.0; 3],
-        },
-        translation: None,
-        rotation: None,
-        scale: None,
-    }
-}
-
-fn channel<const N: usize>(
-    interpolation: Interpolation,
-    times: &[f32],
-    values: &[[f32; N]],
-) -> Channel<N> {
-    Channel {
-        interpolation,
-        times: times.to_vec(),
-        values: values.to_vec(),
-    }
-}
+use crate::description::Interpolation;
+use crate::testing::{channel, joint};
 
 /// Two joints, one upon the other: a turn by half a circle about z in two steps below a way along x, seen from 1 s
 /// to 3 s.
