@@ -240,7 +240,7 @@ pub(crate) fn stage(name: &str) -> Stage {
         "lamps" => [(-1.2, 0.6), (-0.3, -1.0), (0.9, 0.2), (1.3, -1.6)]
             .iter()
             .fold(plate(metal(0.4)), |stage, &(x, z)| {
-                stage.add(lamp(40.0), ceiling(Vec3::new(x, 0.9, z), 0.1))
+                stage.add(lamp(40.0), ceiling(Vec3::new(x, 0.5, z), 0.1))
             })
             .light(light(LightKind::Point, Vec3::new(-0.9, 0.5, -0.6)))
             .light(light(LightKind::Directional, above)),

@@ -1,11 +1,15 @@
 //! Which emitters stand together in the tree.
 
+use std::array::from_fn;
+
 use glam::{DVec3, Vec3};
 use kaustik_geometry::Aabb;
 
-use super::bound::{Bound, Group};
 use super::cone::Cone;
-use super::{LightTree, NONE, Node};
+use super::frame::Frame;
+use super::group::Group;
+use super::node::{Below, Node, WIDTH};
+use super::{LightTree, Place};
 
 /// An emitter as the tree sees it.
 #[derive(Clone, Copy, Debug)]
@@ -24,41 +28,79 @@ const DEEPEST: u32 = 48;
 impl LightTree {
     /// Of lights with a power above 0; `emitters` is the length of the list that they are numbers in.
     pub(in crate::emitter) fn new(mut lights: Vec<Light>, emitters: usize) -> Self {
+        let add = |whole: Group, light: &Light| whole.union(&light.group);
+        let whole = lights.iter().fold(Group::NOTHING, add);
         let mut tree = Self {
-            nodes: Vec::with_capacity(2 * lights.len()),
-            parents: Vec::with_capacity(2 * lights.len()),
-            leaf_of: vec![NONE; emitters],
+            frame: Frame::new(&whole),
+            nodes: Vec::with_capacity(lights.len() / 2),
+            parents: Vec::with_capacity(lights.len() / 2),
+            places: vec![Place::NONE; emitters],
         };
-        let count = lights.len();
-        if count > 0 {
-            tree.nodes.push(Node::EMPTY);
-            tree.parents.push(0);
-            tree.grow(&mut lights, 0, 0);
+        if !lights.is_empty() {
+            tree.grow(&mut lights, Place::NONE, 0);
         }
         tree
     }
 
-    /// Fills a node that is there, and all below it; returns what is in it.
-    fn grow(&mut self, lights: &mut [Light], node: usize, depth: u32) -> Group {
-        let (group, link) = if let [light] = lights {
-            self.leaf_of[light.emitter as usize] = node as u32;
-            (light.group, light.emitter)
-        } else {
-            let middle = part(lights, depth);
-            let first = self.nodes.len();
-            self.nodes.extend([Node::EMPTY; 2]);
-            self.parents.extend([node as u32; 2]);
-            let (left, right) = lights.split_at_mut(middle);
-            let left = self.grow(left, first, depth + 1);
-            let right = self.grow(right, first + 1, depth + 1);
-            (left.union(&right), first as u32)
-        };
-        let slot = &mut self.nodes[node];
-        slot.bound = Bound::new(&group);
-        slot.link = link;
-        slot.is_leaf = lights.len() == 1;
-        group
+    /// Makes the node that hangs in a place, and all below it; returns its number and what is in it.
+    fn grow(&mut self, lights: &mut [Light], parent: Place, depth: u32) -> (u32, Group) {
+        let node = self.nodes.len() as u32;
+        self.nodes.push(Node::EMPTY);
+        self.parents.push(parent);
+        let mut whole = Group::NOTHING;
+        for (lane, part) in parts(lights, depth).into_iter().enumerate() {
+            let place = Place {
+                node,
+                lane: lane as u32,
+            };
+            let (below, group) = match part.lights {
+                [] => continue,
+                [light] => {
+                    self.places[light.emitter as usize] = place;
+                    (Below::Emitter(light.emitter), light.group)
+                }
+                lights => {
+                    let (below, group) = self.grow(lights, place, part.depth);
+                    (Below::Node(below), group)
+                }
+            };
+            self.nodes[node as usize].set(lane, &group, &self.frame, below);
+            whole = whole.union(&group);
+        }
+        (node, whole)
     }
+}
+
+/// Lights that stand together, after so many cuts.
+struct Part<'a> {
+    lights: &'a mut [Light],
+    depth: u32,
+}
+
+/// Cuts lights into up to [`WIDTH`] groups, each time the one that has most of them.
+fn parts(lights: &mut [Light], depth: u32) -> [Part<'_>; WIDTH] {
+    let mut parts = from_fn(|_| Part {
+        lights: &mut [],
+        depth,
+    });
+    parts[0].lights = lights;
+    for empty in 1..WIDTH {
+        let most = (0..empty).max_by_key(|&i| parts[i].lights.len());
+        let Some(largest) = most.map(|i| &mut parts[i]).filter(|p| p.lights.len() > 1) else {
+            break;
+        };
+        let lights = std::mem::take(&mut largest.lights);
+        let middle = part(lights, largest.depth);
+        let (left, right) = lights.split_at_mut(middle);
+        largest.depth += 1;
+        let depth = largest.depth;
+        largest.lights = left;
+        parts[empty] = Part {
+            lights: right,
+            depth,
+        };
+    }
+    parts
 }
 
 /// Puts two or more lights in the order of two groups and returns how many are in the first: at least one, and not all.
