@@ -17,19 +17,19 @@ pub(crate) fn scenes(words: &SceneWords) -> Result<ExitCode, Failure> {
     if let (Some(name), Some(path)) = (&words.name, &words.export) {
         let name = name.strip_prefix("builtin:").unwrap_or(name);
         let description = builtin::load(name).map_err(Failure::input)?;
-        if !matches!(ending(path).as_deref(), Some("glb" | "gltf")) {
-            return Err(Failure::Input(format!(
-                "{}: --export writes glTF: expected a name that ends in .glb or .gltf",
-                path.display()
-            )));
-        }
+        let export = match ending(path).as_deref() {
+            Some("glb") => gltf::export_bytes,
+            Some("gltf") => gltf::export_text,
+            _ => {
+                return Err(Failure::Input(format!(
+                    "{}: --export writes glTF: expected a name that ends in .glb or .gltf",
+                    path.display()
+                )));
+            }
+        };
         check_writable(path).map_err(Failure::input)?;
         let _locks = Locks::take(words.export.iter())?;
-        let bytes = match ending(path).as_deref() {
-            Some("gltf") => gltf::export_text(&description),
-            _ => gltf::export_bytes(&description),
-        };
-        let bytes = bytes.map_err(Failure::other)?;
+        let bytes = export(&description).map_err(Failure::other)?;
         write_file(path, |file| file.write_all(&bytes)).map_err(Failure::other)?;
         return Ok(ExitCode::SUCCESS);
     }

@@ -1,8 +1,8 @@
 //! glTF 2.0 files in and out, from sources that need not be trusted.
 //!
 //! [`load`] turns a `.gltf` or `.glb` file into a [`Description`](crate::Description);
-//! [`export`] writes one, such that loading it again gives an equal description. Whatever the
-//! bytes are, loading ends soon with a scene or with an error that names the file, the place
+//! [`export_bytes`] and [`export_text`] make one, such that loading it again gives an equal
+//! description. Whatever the bytes are, loading ends soon with a scene or with an error that names the file, the place
 //! in it, what stands there and what should.
 //!
 //! The JSON is read as a plain tree through cursors that know their own JSON pointer, not
@@ -59,7 +59,7 @@ mod vertices;
 mod warning;
 
 pub use error::{ErrorKind, LoadError};
-pub use export::{ExportError, export, export_bytes, export_text};
+pub use export::{ExportError, export_bytes, export_text};
 pub use extension::{EXTENSIONS, Extensions};
 pub use lines::{Line, lines};
 pub use load::{Loaded, load, load_bytes};

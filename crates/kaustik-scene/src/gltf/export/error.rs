@@ -1,18 +1,7 @@
-use std::io;
-use std::path::PathBuf;
-
 /// Why a scene could not be written.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ExportError {
-    /// The file could not be written. Nothing stands at its place that was not there before.
-    #[error("{}: {source}", file.display())]
-    Io {
-        /// The file that was to be.
-        file: PathBuf,
-        /// What the system said.
-        source: io::Error,
-    },
     /// The format holds no such thing.
     #[error("{place}: found {found}, expected {expected}")]
     Unsupported {

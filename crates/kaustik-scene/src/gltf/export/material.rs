@@ -156,6 +156,17 @@ fn surface(writer: &mut Writer, m: &MaterialDescription) -> Vec<(&'static str, O
             .maybe("transmissionTexture", slot(writer, transmission.texture));
         all.push(("KHR_materials_transmission", members));
     }
+    if let Some(diffuse) = m.diffuse_transmission {
+        let members = Object::default()
+            .with("diffuseTransmissionFactor", number(diffuse.factor))
+            .maybe("diffuseTransmissionTexture", slot(writer, diffuse.texture))
+            .with("diffuseTransmissionColorFactor", numbers(&diffuse.color))
+            .maybe(
+                "diffuseTransmissionColorTexture",
+                slot(writer, diffuse.color_texture),
+            );
+        all.push(("KHR_materials_diffuse_transmission", members));
+    }
     if let Some(volume) = m.volume {
         let distance = volume.attenuation_distance;
         let members = Object::default()

@@ -7,7 +7,6 @@
 
 mod animation;
 mod error;
-mod file;
 mod geometry;
 mod image;
 mod layers;
@@ -16,8 +15,6 @@ mod nodes;
 mod scene;
 mod writer;
 
-use std::path::Path;
-
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 
@@ -25,26 +22,6 @@ use super::{LoadOptions, load_bytes};
 use crate::Description;
 pub use error::ExportError;
 use writer::Writer;
-
-/// Writes a scene to a file: as text with everything embedded if it is called `.gltf`,
-/// otherwise as GLB. The file appears whole or not at all.
-///
-/// # Errors
-/// What glTF and `extras.kaustik` cannot hold exactly, and what the system refuses.
-pub fn export(description: &Description, path: &Path) -> Result<(), ExportError> {
-    let is_text = path
-        .extension()
-        .is_some_and(|extension| extension.eq_ignore_ascii_case("gltf"));
-    let bytes = if is_text {
-        export_text(description)?
-    } else {
-        export_bytes(description)?
-    };
-    file::write(path, &bytes).map_err(|source| ExportError::Io {
-        file: path.to_owned(),
-        source,
-    })
-}
 
 /// A scene as the bytes of a GLB file. Equal descriptions give equal bytes.
 ///
