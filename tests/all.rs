@@ -61,6 +61,8 @@ mod inputs;
 mod kept;
 /// Many lamps.
 mod lamps;
+/// Diffuse light through thin surfaces.
+mod leaves;
 /// Two commands on one output.
 mod locks;
 /// Implicit specular light that a meter finds, and its errors.

@@ -189,6 +189,6 @@ mod tests {
     /// Each vertex of a path holds one: a variant that is larger than all others makes every one larger.
     #[test]
     fn it_is_as_large_as_its_largest_variant_may_be() {
-        assert!(size_of::<Bsdf>() <= 1024, "{}", size_of::<Bsdf>());
+        assert!(size_of::<Bsdf>() <= 1040, "{}", size_of::<Bsdf>());
     }
 }

@@ -21,7 +21,8 @@ use kaustik_spectrum::Spectrum;
 /// * the metal share reflects by Schlick from the base colour to white;
 /// * the dielectric's diffuse share is a glossy cover over a diffuse body. With `A` the cover's
 ///   directional albedo the body is `base (1 - A(wo)) (1 - A(wi)) / (pi (1 - A_mean))`
-///   (Kelemen and Szirmay-Kalos 2001): reciprocal, and a white body loses nothing;
+///   (Kelemen and Szirmay-Kalos 2001): reciprocal, and a white body loses nothing. A share of it may leave on the
+///   other side in a colour of its own (`KHR_materials_diffuse_transmission`), by the same formula;
 /// * the dielectric's clear share is a pane or the boundary of a solid, with the exact Fresnel of
 ///   its index, stretched between the ends that specular factor and colour give, or under the film. Base colour
 ///   multiplies what is transmitted, once an interface.
@@ -102,7 +103,7 @@ impl Principled {
         if p.transmission >= 1.0 {
             return Some(Clear::new(p, 1.0).bsdf());
         }
-        let plain = p.transmission <= 0.0 && p.specular <= 0.0;
+        let plain = p.transmission.max(p.specular).max(p.diffuse_transmission) <= 0.0;
         plain.then(|| Bsdf::lambertian(p.base_color))
     }
 
@@ -145,7 +146,7 @@ impl Principled {
     fn choice(&self, wo: DVec3, o: &View) -> [f64; 3] {
         let albedos = [
             f64::from(self.glossy_albedo(o).mean()),
-            f64::from((self.body.colour() * o.admitted).mean()),
+            f64::from((self.body.scattered() * o.admitted).mean()),
             self.clear
                 .map_or(0.0, |clear| f64::from(clear.albedo(wo).mean())),
         ];
@@ -184,15 +185,16 @@ impl Principled {
             let (f, pdf) = lobe.eval_pdf(wo, wi, mode);
             (f, clear * pdf)
         });
-        if wo.z * wi.z > 0.0 {
+        let across = across(wo, wi);
+        if !across || self.body.lets_through() {
             let i = self.view(wi);
-            if let Glossy::Rough(facets) = &self.glossy {
+            if let (false, Glossy::Rough(facets)) = (across, &self.glossy) {
                 let (once, density) = facets.both(&o.facing, &i.facing);
                 f += once;
                 pdf += glossy * density;
             }
-            f += self.body.eval(o.admitted, i.admitted);
-            pdf += diffuse * warp::cosine_hemisphere_pdf(wi.z.abs());
+            f += self.body.eval((o.admitted, i.admitted), across);
+            pdf += diffuse * self.body.pdf(wi.z, across);
         }
         (f, pdf)
     }
@@ -248,6 +250,12 @@ struct View {
     admitted: Spectrum,
 }
 
+/// Does the surface lie between two directions?
+#[inline]
+fn across(wo: DVec3, wi: DVec3) -> bool {
+    wo.z * wi.z < 0.0
+}
+
 /// Colour of light rebounding between the metal's facets.
 fn metal_rebound(p: &PrincipledParameters, mean_loss: FacetLoss) -> Spectrum {
     if !p.compensation {
@@ -266,12 +274,13 @@ impl Lobe for Principled {
         let mut f = self
             .clear
             .map_or(Spectrum::ZERO, |clear| clear.eval(wo, wi, mode));
-        if wo.z * wi.z > 0.0 {
+        let across = across(wo, wi);
+        if !across || self.body.lets_through() {
             let (o, i) = (self.view(wo), self.view(wi));
-            if let Glossy::Rough(facets) = &self.glossy {
+            if let (false, Glossy::Rough(facets)) = (across, &self.glossy) {
                 f += facets.eval(&o.facing, &i.facing);
             }
-            f += self.body.eval(o.admitted, i.admitted);
+            f += self.body.eval((o.admitted, i.admitted), across);
         }
         f
     }
@@ -286,13 +295,11 @@ impl Lobe for Principled {
         let mut pdf = self
             .clear
             .map_or(0.0, |lobe| clear * lobe.pdf(wo, wi, mode));
-        if wo.z * wi.z > 0.0 {
-            if let Glossy::Rough(facets) = &self.glossy {
-                pdf += glossy * facets.pdf(&o.facing, local::lift(wi));
-            }
-            pdf += diffuse * warp::cosine_hemisphere_pdf(wi.z.abs());
+        let across = across(wo, wi);
+        if let (false, Glossy::Rough(facets)) = (across, &self.glossy) {
+            pdf += glossy * facets.pdf(&o.facing, local::lift(wi));
         }
-        pdf
+        pdf + diffuse * self.body.pdf(wi.z, across)
     }
 
     #[inline]
@@ -316,7 +323,9 @@ impl Lobe for Principled {
         let rest = diffuse + clear;
         let (take, uc) = local::choose(uc, if rest > 0.0 { diffuse / rest } else { 1.0 });
         if take {
-            let wi = local::to_side_of(wo, warp::cosine_hemisphere(u));
+            let (through, _) = local::choose(uc, self.body.chance_through());
+            let from = if through { -wo } else { wo };
+            let wi = local::to_side_of(from, warp::cosine_hemisphere(u));
             return self.finish(wo, &o, wi, mode);
         }
         let sample = self.clear?.sample(wo, uc, u, mode)?;
@@ -360,7 +369,7 @@ impl Lobe for Principled {
     fn albedo(&self, wo: DVec3) -> Spectrum {
         let clear = self.clear.map_or(Spectrum::ZERO, |clear| clear.albedo(wo));
         let o = self.view(wo);
-        self.glossy_albedo(&o) + self.body.colour() * o.admitted + clear
+        self.glossy_albedo(&o) + self.body.scattered() * o.admitted + clear
     }
 
     #[inline]
@@ -377,6 +386,6 @@ impl Lobe for Principled {
 
     #[inline]
     fn transmits(&self) -> bool {
-        self.clear.is_some_and(|clear| clear.transmits())
+        self.body.lets_through() || self.clear.is_some_and(|clear| clear.transmits())
     }
 }

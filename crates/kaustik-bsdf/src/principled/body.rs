@@ -1,12 +1,12 @@
 use super::PrincipledParameters;
-use crate::Reflectance;
 use crate::facets::rebound_colour;
 use crate::ggx::{FacetLoss, Ggx};
+use crate::{Reflectance, warp};
 use glam::DVec3;
 use kaustik_spectrum::Spectrum;
 use std::f64::consts::FRAC_1_PI;
 
-/// Diffuse light under the glossy cover.
+/// Diffuse light under the glossy cover, sent back or, as by a leaf or a lampshade, let through.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Body {
     cover: Reflectance,
@@ -16,6 +16,8 @@ pub(super) struct Body {
     ggx: Option<Ggx>,
     /// Base colour times its share of the material.
     colour: Spectrum,
+    /// The same of what leaves on the other side, from under as much of a cover.
+    through: Spectrum,
     /// `1 - A_mean`, positive.
     passed: Spectrum,
 }
@@ -44,30 +46,57 @@ impl Body {
             }
             mean = once + rebound * at.given_back;
         }
+        let through = p.diffuse_transmission as f32;
         let passed = mean.map(|a| (1.0 - a).max(1e-6));
         Self {
             cover,
             rebound,
             ggx: facets.map(|(ggx, _)| ggx),
-            colour: p.base_color * share,
+            colour: p.base_color * (share * (1.0 - through)),
+            through: p.diffuse_transmission_color * (share * through),
             passed,
         }
     }
 
     /// The same without diffuse light.
     pub(super) fn blackened(&self) -> Self {
-        self.coloured(Spectrum::ZERO)
+        Self {
+            through: Spectrum::ZERO,
+            ..self.coloured(Spectrum::ZERO)
+        }
     }
 
-    /// The same of another colour.
+    /// The same with another colour of what is sent back.
     #[inline]
     pub(super) fn coloured(&self, colour: Spectrum) -> Self {
         Self { colour, ..*self }
     }
 
-    /// Base colour times its share of the material.
+    /// What is sent back: base colour times its share of the material.
     pub(super) fn colour(&self) -> Spectrum {
         self.colour
+    }
+
+    /// What is sent back and let through, of the light that is let in.
+    #[inline]
+    pub(super) fn scattered(&self) -> Spectrum {
+        self.colour + self.through
+    }
+
+    /// Does light come through?
+    #[inline]
+    pub(super) fn lets_through(&self) -> bool {
+        !self.through.is_zero()
+    }
+
+    /// Probability that a sample goes through, if one of diffuse light is drawn.
+    #[inline]
+    pub(super) fn chance_through(&self) -> f64 {
+        if !self.lets_through() {
+            return 0.0;
+        }
+        let [back, through] = [self.colour, self.through].map(|c| f64::from(c.mean()));
+        through / (back + through)
     }
 
     /// Colour of light rebounding between the cover's facets.
@@ -78,7 +107,7 @@ impl Body {
     /// No diffuse light at all?
     #[inline]
     pub(super) fn is_black(&self) -> bool {
-        self.colour.is_zero()
+        self.colour.is_zero() && self.through.is_zero()
     }
 
     /// Facets of the cover; `None` where it is smooth.
@@ -100,10 +129,18 @@ impl Body {
         cover.map(|a| (1.0 - a).max(0.0))
     }
 
-    /// The scattering function, of two directions on one side from which so much is let in.
+    /// The scattering function, of two directions from which so much is let in, on one side or with the surface in between.
     #[inline]
-    pub(super) fn eval(&self, admitted_o: Spectrum, admitted_i: Spectrum) -> Spectrum {
-        let through = admitted_o * admitted_i;
-        self.colour * through / self.passed * (FRAC_1_PI as f32)
+    pub(super) fn eval(&self, (o, i): (Spectrum, Spectrum), across: bool) -> Spectrum {
+        let colour = if across { self.through } else { self.colour };
+        colour * (o * i) / self.passed * (FRAC_1_PI as f32)
+    }
+
+    /// Density of a direction at this cosine, if one of diffuse light is drawn.
+    #[inline]
+    pub(super) fn pdf(&self, cos: f64, across: bool) -> f64 {
+        let through = self.chance_through();
+        let share = if across { through } else { 1.0 - through };
+        share * warp::cosine_hemisphere_pdf(cos.abs())
     }
 }

@@ -35,6 +35,10 @@ pub struct PrincipledParameters {
     pub transmission: f64,
     /// Pane or solid, for the clear share.
     pub wall: Wall,
+    /// `diffuseTransmissionFactor`, `[0, 1]`: share of the diffuse light that leaves on the other side, of what is no solid.
+    pub diffuse_transmission: f64,
+    /// `diffuseTransmissionColorFactor`: colour of that light, in place of the base colour. Lanes in `[0, 1]`.
+    pub diffuse_transmission_color: Spectrum,
     /// `anisotropyStrength`, `[0, 1]`: how much rougher the reflecting facets are along the frame's x than along y.
     pub anisotropy: f64,
     /// A thin film on what reflects.
@@ -67,6 +71,8 @@ impl Default for PrincipledParameters {
             ior: Spectrum::splat(1.5),
             transmission: 0.0,
             wall: Wall::Thin,
+            diffuse_transmission: 0.0,
+            diffuse_transmission_color: Spectrum::ONE,
             anisotropy: 0.0,
             film: None,
             compensation: true,
@@ -93,6 +99,11 @@ impl PrincipledParameters {
                 .map(|n| if n > 0.0 && n.is_finite() { n } else { 1.0 }),
             transmission: unit(self.transmission),
             wall: self.wall,
+            diffuse_transmission: match self.wall {
+                Wall::Thin => unit(self.diffuse_transmission),
+                Wall::Solid => 0.0,
+            },
+            diffuse_transmission_color: share(self.diffuse_transmission_color),
             anisotropy: unit(self.anisotropy),
             film: self.film.filter(|film| film.strength > 0.0),
             compensation: self.compensation,

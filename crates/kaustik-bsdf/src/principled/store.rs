@@ -11,7 +11,7 @@ use crate::shared::Shared;
 #[derive(Clone, Debug, Default)]
 pub(crate) struct PrincipledStore {
     glossy: Shared<Glossy>,
-    /// Without their colour.
+    /// Without the colour of what they send back.
     bodies: Shared<Body>,
     colours: Shared<Spectrum>,
     clear: Shared<Option<Clear>>,
@@ -38,7 +38,7 @@ impl PrincipledStore {
     pub(crate) fn number(&mut self, whole: &Principled) -> PrincipledPieces {
         let rest = Rest {
             glossy: self.glossy.number(&whole.glossy),
-            body: self.bodies.number(&whole.body.blackened()),
+            body: self.bodies.number(&whole.body.coloured(Spectrum::ZERO)),
             clear: self.clear.number(&whole.clear),
         };
         PrincipledPieces {

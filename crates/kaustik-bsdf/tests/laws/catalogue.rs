@@ -276,6 +276,26 @@ pub(crate) fn principled(roughness: f64) -> Vec<Case> {
             true,
         ),
         (
+            "white leaf",
+            PrincipledParameters {
+                diffuse_transmission: 0.4,
+                ..white
+            },
+            true,
+        ),
+        (
+            "red leaf",
+            PrincipledParameters {
+                diffuse_transmission: 0.7,
+                diffuse_transmission_color: RED,
+                base_color: Spectrum::new([0.1, 0.5, 0.2, 0.9]),
+                metallic: 0.2,
+                transmission: 0.3,
+                ..white
+            },
+            false,
+        ),
+        (
             "all of it",
             PrincipledParameters {
                 metallic: 0.3,

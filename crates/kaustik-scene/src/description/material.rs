@@ -57,6 +57,19 @@ pub struct Transmission {
     pub texture: Option<TextureSlot>,
 }
 
+/// `KHR_materials_diffuse_transmission`: light that leaves on the other side in all directions, as of a leaf or a lampshade.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DiffuseTransmission {
+    /// Share of the diffuse light that goes through, in [0, 1]; of a solid none does.
+    pub factor: f32,
+    /// Share in the alpha channel.
+    pub texture: Option<TextureSlot>,
+    /// Colour of that light, linear Rec.709 in [0, 1], in place of the base colour.
+    pub color: [f32; 3],
+    /// Colour texture (sRGB).
+    pub color_texture: Option<TextureSlot>,
+}
+
 /// `KHR_materials_volume`: the mesh bounds a solid.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Volume {
@@ -124,6 +137,8 @@ pub struct MaterialDescription {
     pub specular_glossiness: Option<SpecularGlossiness>,
     /// Transmission, if any.
     pub transmission: Option<Transmission>,
+    /// Diffuse light that goes through, if any.
+    pub diffuse_transmission: Option<DiffuseTransmission>,
     /// The interior, if any.
     pub volume: Option<Volume>,
     /// Varnish, if any.
@@ -146,6 +161,14 @@ pub struct MaterialDescription {
     pub model: Option<Model>,
     /// Which of two overlapping solids wins: the higher.
     pub priority: i32,
+}
+
+impl MaterialDescription {
+    /// Is what it covers filled with a clear medium: transmission, and a volume with a thickness?
+    pub fn bounds_solid(&self) -> bool {
+        self.volume.is_some_and(|volume| volume.thickness > 0.0)
+            && self.transmission.is_some_and(|t| t.factor > 0.0)
+    }
 }
 
 impl Default for MaterialDescription {
@@ -175,6 +198,7 @@ impl Default for MaterialDescription {
             },
             specular_glossiness: None,
             transmission: None,
+            diffuse_transmission: None,
             volume: None,
             clearcoat: None,
             sheen: None,

@@ -26,8 +26,8 @@ pub use image::{ImageData, Pixels};
 pub use layers::{Anisotropy, Clearcoat, Iridescence, Sheen};
 pub use light::{LightDescription, LightKind};
 pub use material::{
-    AlphaMode, MaterialDescription, Model, SpectralInput, Specular, SpecularGlossiness,
-    Transmission, Volume,
+    AlphaMode, DiffuseTransmission, MaterialDescription, Model, SpectralInput, Specular,
+    SpecularGlossiness, Transmission, Volume,
 };
 pub use texture::{Filtering, TextureDescription, TextureSlot, UvTransform, Wrap};
 

@@ -3,7 +3,7 @@ use super::warning::Warnings;
 use super::{ErrorKind, LoadError};
 
 /// The extensions that are read.
-pub const EXTENSIONS: [&str; 21] = [
+pub const EXTENSIONS: [&str; 22] = [
     "EXT_lights_image_based",
     "EXT_mesh_gpu_instancing",
     "EXT_meshopt_compression",
@@ -11,6 +11,7 @@ pub const EXTENSIONS: [&str; 21] = [
     "KHR_lights_punctual",
     "KHR_materials_anisotropy",
     "KHR_materials_clearcoat",
+    "KHR_materials_diffuse_transmission",
     "KHR_materials_dispersion",
     "KHR_materials_emissive_strength",
     "KHR_materials_ior",

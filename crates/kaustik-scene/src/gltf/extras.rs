@@ -92,6 +92,10 @@ fn drop_lost_layers(
         ("sheen", material.sheen.take().is_some()),
         ("anisotropy", material.anisotropy.take().is_some()),
         ("iridescence", material.iridescence.take().is_some()),
+        (
+            "diffuse transmission",
+            material.diffuse_transmission.take().is_some(),
+        ),
     ];
     for (layer, _) in lost.iter().filter(|(_, there)| *there) {
         let message = format!("{layer} is left out: it does not go with {what}");

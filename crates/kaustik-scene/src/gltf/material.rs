@@ -5,7 +5,8 @@ use super::reader::Reader;
 use super::texture::Textures;
 use super::{LoadError, extras, layers};
 use crate::description::{
-    AlphaMode, MaterialDescription, Specular, SpecularGlossiness, TextureSlot, Transmission, Volume,
+    AlphaMode, DiffuseTransmission, MaterialDescription, Specular, SpecularGlossiness, TextureSlot,
+    Transmission, Volume,
 };
 
 type Result<T> = std::result::Result<T, LoadError>;
@@ -149,7 +150,29 @@ fn extensions(
     if let Some(e) = place.extension("KHR_materials_volume")? {
         material.volume = Some(volume(reader, &e)?);
     }
+    if let Some(e) = place.extension("KHR_materials_diffuse_transmission")? {
+        let diffuse = diffuse_transmission(reader, textures, &e)?;
+        if material.bounds_solid() {
+            let message = "left out of a solid: what enters that is refracted";
+            reader.warn(&e, message);
+        } else {
+            material.diffuse_transmission = Some(diffuse);
+        }
+    }
     Ok(())
+}
+
+fn diffuse_transmission(
+    reader: &mut Reader<'_>,
+    textures: &Textures,
+    place: &Cursor<'_>,
+) -> Result<DiffuseTransmission> {
+    Ok(DiffuseTransmission {
+        factor: reader.number(place, "diffuseTransmissionFactor", 0.0, UNIT)?,
+        texture: slot(reader, textures, place, "diffuseTransmissionTexture")?,
+        color: reader.numbers(place, "diffuseTransmissionColorFactor", [1.0; 3], UNIT)?,
+        color_texture: slot(reader, textures, place, "diffuseTransmissionColorTexture")?,
+    })
 }
 
 /// 1 or more, or the 0 by which the extension spells a reflection of 1 everywhere.

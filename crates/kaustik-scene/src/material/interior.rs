@@ -14,16 +14,8 @@ pub(crate) struct Solid {
 }
 
 impl Solid {
-    /// Does the material bound a solid?
-    pub(crate) fn bounds(description: &MaterialDescription) -> bool {
-        description
-            .volume
-            .is_some_and(|volume| volume.thickness > 0.0)
-            && description.transmission.is_some_and(|t| t.factor > 0.0)
-    }
-
     pub(super) fn new(description: &MaterialDescription) -> Option<Self> {
-        if !Self::bounds(description) {
+        if !description.bounds_solid() {
             return None;
         }
         let volume = description.volume?;

@@ -1,8 +1,8 @@
 use kaustik_bsdf::SMOOTH_ALPHA;
 use kaustik_spectrum::Metal;
 
-use super::interior::Solid;
 use super::layers::Layers;
+use super::translucency::Translucency;
 use crate::description::{MaterialDescription, Model};
 
 /// Which scattering function, as far as constants decide it.
@@ -50,11 +50,12 @@ impl Kind {
             None => match description.metal {
                 Some(metal) => Self::Measured(metal),
                 None if Layers::exist(description) => Self::Principled,
+                None if Translucency::exists(description) => Self::Principled,
                 None if description.specular_glossiness.is_some() => Self::Principled,
                 None if black => Self::Black,
                 None if plain_metal => Self::Reflector,
                 None if plain_dielectric && clear && full_specular => {
-                    if Solid::bounds(description) {
+                    if description.bounds_solid() {
                         Self::Solid
                     } else {
                         Self::Pane
@@ -83,6 +84,6 @@ pub(super) fn is_pane(description: &MaterialDescription) -> bool {
     matches!(kind, Kind::Pane | Kind::Principled)
         && clear
         && (smooth || description.metallic_roughness_texture.is_some())
-        && !(Solid::bounds(description) || Layers::exist(description))
+        && !(description.bounds_solid() || Layers::exist(description))
         && description.specular_glossiness.is_none()
 }

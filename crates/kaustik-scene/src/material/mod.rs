@@ -12,6 +12,7 @@ mod interior;
 mod kind;
 mod layers;
 mod older;
+mod translucency;
 
 use glam::DVec3;
 use kaustik_bsdf::{Bsdf, Interface, LayerParameters, PrincipledParameters, SMOOTH_ALPHA, Wall};
@@ -28,6 +29,7 @@ use kind::{Kind, is_pane};
 use layers::Layers;
 pub(crate) use layers::has_smooth_bumps;
 use older::Older;
+use translucency::Translucency;
 
 /// A material at rest.
 #[derive(Debug)]
@@ -48,6 +50,7 @@ pub(crate) struct Material {
     older: Option<Older>,
     transmission: f32,
     transmission_texture: Option<Slot>,
+    translucency: Option<Translucency>,
     glass: Glass,
     emission: Option<Emission>,
     solid: Option<Solid>,
@@ -108,6 +111,7 @@ impl Material {
             )?,
             transmission: transmission.map_or(0.0, |t| t.factor),
             transmission_texture: slot(transmission.and_then(|t| t.texture))?,
+            translucency: Translucency::new(description, textures)?,
             glass: index_of_refraction(description),
             is_pane: emission.is_none() && is_pane(description),
             emission,
@@ -250,6 +254,10 @@ impl Material {
             })
         };
         let layers = self.layers.as_deref();
+        let translucency =
+            (self.translucency.as_ref()).map(|t| t.at(textures, surface, wavelengths));
+        let (diffuse_transmission, diffuse_transmission_color) =
+            translucency.unwrap_or((0.0, Spectrum::ONE));
         let base = PrincipledParameters {
             base_color: self.base.eval(textures, surface, wavelengths),
             metallic: f64::from(metallic),
@@ -266,6 +274,8 @@ impl Material {
             } else {
                 Wall::Thin
             },
+            diffuse_transmission,
+            diffuse_transmission_color,
             anisotropy: layers.map_or(0.0, |layers| layers.anisotropy(textures, surface)),
             film: layers.and_then(|layers| layers.film(textures, surface, wavelengths, around)),
             compensation: self.compensation,

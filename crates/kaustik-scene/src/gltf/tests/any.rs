@@ -148,6 +148,22 @@ fn material(rng: &mut Rng, textures: usize) -> MaterialDescription {
     let model = models[below(rng, 4)];
     // A measured metal and a model of its own have no layers.
     let bare = metal.is_some() || model.is_some();
+    let transmission = maybe(rng, |rng| Transmission {
+        factor: unit(rng),
+        texture: texture(rng),
+    });
+    let diffuse_transmission = maybe(rng, |rng| DiffuseTransmission {
+        factor: unit(rng),
+        texture: texture(rng),
+        color: numbers(rng, unit),
+        color_texture: texture(rng),
+    });
+    let volume = maybe(rng, |rng| Volume {
+        thickness: bright(rng),
+        attenuation_distance: maybe(rng, bright).unwrap_or(f32::INFINITY),
+        attenuation_color: numbers(rng, unit),
+    });
+    let solid = transmission.is_some() && volume.is_some();
     MaterialDescription {
         name: format!("material \"{}\"", below(rng, 100)),
         base_color: numbers(rng, unit),
@@ -175,15 +191,10 @@ fn material(rng: &mut Rng, textures: usize) -> MaterialDescription {
             glossiness: unit(rng),
             texture: texture(rng),
         }),
-        transmission: maybe(rng, |rng| Transmission {
-            factor: unit(rng),
-            texture: texture(rng),
-        }),
-        volume: maybe(rng, |rng| Volume {
-            thickness: bright(rng),
-            attenuation_distance: maybe(rng, bright).unwrap_or(f32::INFINITY),
-            attenuation_color: numbers(rng, unit),
-        }),
+        transmission,
+        // Of a solid there is none.
+        diffuse_transmission: diffuse_transmission.filter(|_| !bare && !solid),
+        volume,
         clearcoat: maybe(rng, |rng| Clearcoat {
             factor: unit(rng),
             texture: texture(rng),

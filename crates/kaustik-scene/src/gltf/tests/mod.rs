@@ -19,4 +19,5 @@ mod linear;
 mod mutate;
 mod shapes;
 mod surface;
+mod translucent;
 mod trip;
