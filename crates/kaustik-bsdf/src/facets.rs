@@ -112,26 +112,43 @@ impl Facets {
     /// Density of [`sample`](Self::sample).
     #[inline]
     pub(crate) fn pdf(&self, o: &Facing, wi: DVec3) -> f64 {
-        self.mixed_pdf(o, wi, (o.w + wi).normalize())
+        let h = (o.w + wi).normalize();
+        self.mixed_pdf(o, wi, h, self.ggx.density(h))
     }
 
     /// Value and density together, which share most of their work.
     #[inline]
     pub(crate) fn both(&self, o: &Facing, i: &Facing) -> (Spectrum, f64) {
+        let (f, h, facets) = self.value(o, i);
+        (f, self.mixed_pdf(o, i.w, h, facets))
+    }
+
+    /// The same with the density of the way back.
+    #[inline]
+    pub(crate) fn both_ways(&self, o: &Facing, i: &Facing) -> (Spectrum, [f64; 2]) {
+        let (f, h, facets) = self.value(o, i);
+        let pdf = |o: &Facing, i: &Facing| self.mixed_pdf(o, i.w, h, facets);
+        (f, [pdf(o, i), pdf(i, o)])
+    }
+
+    /// The scattering function, the facet between the directions, and the density of such facets.
+    #[inline]
+    fn value(&self, o: &Facing, i: &Facing) -> (Spectrum, DVec3, f64) {
         let h = (o.w + i.w).normalize();
-        let lobe = 0.25 * self.ggx.density(h) * self.ggx.shadowing(o.w, i.w);
+        let facets = self.ggx.density(h);
+        let lobe = 0.25 * facets * self.ggx.shadowing(o.w, i.w);
         let mut f = self.reflectance.at(o.w.dot(h).abs().min(1.0)) * (lobe as f32);
         if self.rebounds() {
             let [o, i] = [o, i].map(|facing| f64::from(facing.at.given_back));
             f += self.rebound * ((o * i) as f32);
         }
-        (f, self.mixed_pdf(o, i.w, h))
+        (f, h, facets)
     }
 
-    /// Density from the facet between.
+    /// Density from the facet between, of which there are so many.
     #[inline]
-    fn mixed_pdf(&self, o: &Facing, wi: DVec3, h: DVec3) -> f64 {
-        let lobe = 0.25 * self.ggx.visible_pdf(o.w, h) / o.w.dot(h);
+    fn mixed_pdf(&self, o: &Facing, wi: DVec3, h: DVec3, facets: f64) -> f64 {
+        let lobe = 0.25 * self.ggx.visible_among(o.w, h, facets) / o.w.dot(h);
         let p = self.rebound_share(f64::from(o.at.given_back));
         (1.0 - p) * lobe + p * self.way.pdf(wi.z)
     }

@@ -187,7 +187,13 @@ impl Ggx {
     /// Density per solid angle of the normals that [`visible`](Self::visible) draws.
     #[inline]
     pub(crate) fn visible_pdf(self, wo: DVec3, h: DVec3) -> f64 {
-        2.0 * self.density(h) * wo.dot(h).max(0.0) / (self.reach(wo) + wo.z.abs())
+        self.visible_among(wo, h, self.density(h))
+    }
+
+    /// The same where the [density](Self::density) of such normals is known.
+    #[inline]
+    pub(crate) fn visible_among(self, wo: DVec3, h: DVec3, density: f64) -> f64 {
+        2.0 * density * wo.dot(h).max(0.0) / (self.reach(wo) + wo.z.abs())
     }
 
     /// Draws a facet normal as `wo` (z > 0) sees them.

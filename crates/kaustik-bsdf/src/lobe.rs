@@ -28,6 +28,18 @@ pub trait Lobe {
         (self.eval(wo, wi, mode), self.pdf(wo, wi, mode))
     }
 
+    /// The same with the density of `wo` from `wi` beside that of `wi` from `wo`: what a join asks for. Where the value is zero nothing is
+    /// joined, and the densities mean nothing.
+    #[inline]
+    fn eval_pdfs(&self, wo: DVec3, wi: DVec3, mode: Mode) -> (Spectrum, [f64; 2]) {
+        let (f, pdf) = self.eval_pdf(wo, wi, mode);
+        let back = match f.is_zero() {
+            true => 0.0,
+            false => self.pdf(wi, wo, mode.reversed()),
+        };
+        (f, [pdf, back])
+    }
+
     /// Draws `wi`. `uc` chooses the lobe, `u` the direction; all in `[0, 1)`. `None`: absorbed.
     fn sample(&self, wo: DVec3, uc: f64, u: [f64; 2], mode: Mode) -> Option<Sample>;
 
@@ -91,6 +103,13 @@ macro_rules! lobe_of_variants {
             fn eval_pdf(&self, wo: DVec3, wi: DVec3, mode: Mode) -> (Spectrum, f64) {
                 match self {
                     $(Self::$variant(lobe) => lobe.eval_pdf(wo, wi, mode),)+
+                }
+            }
+
+            #[inline]
+            fn eval_pdfs(&self, wo: DVec3, wi: DVec3, mode: Mode) -> (Spectrum, [f64; 2]) {
+                match self {
+                    $(Self::$variant(lobe) => lobe.eval_pdfs(wo, wi, mode),)+
                 }
             }
 

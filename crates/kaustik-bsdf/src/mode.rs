@@ -6,3 +6,14 @@ pub enum Mode {
     /// The walk comes from a light: `wo` points to the light, light flows from `wo` to `wi`.
     Importance,
 }
+
+impl Mode {
+    /// That of a walk the other way.
+    #[must_use]
+    pub const fn reversed(self) -> Self {
+        match self {
+            Self::Radiance => Self::Importance,
+            Self::Importance => Self::Radiance,
+        }
+    }
+}

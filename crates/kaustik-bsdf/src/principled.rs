@@ -165,7 +165,7 @@ impl Principled {
             Glossy::Smooth(_) => 1.0,
             Glossy::Rough(facets) => 1.0 - facets.alpha(),
         };
-        self.choice(wo, &self.view(wo))[0] * sharp
+        self.outlook(wo).choice[GLOSSY] * sharp
     }
 
     #[inline]
@@ -177,62 +177,89 @@ impl Principled {
         }
     }
 
-    /// Value and density of all continuous lobes together, seen from `wo`.
+    /// All that is asked of the direction that a walk comes from.
     #[inline]
-    fn both(&self, wo: DVec3, o: &View, wi: DVec3, mode: Mode) -> (Spectrum, f64) {
-        let [glossy, diffuse, clear] = self.choice(wo, o);
+    fn outlook(&self, w: DVec3) -> Outlook {
+        let view = self.view(w);
+        Outlook {
+            w,
+            choice: self.choice(w, &view),
+            view,
+        }
+    }
+
+    /// Value and density of all continuous lobes together.
+    #[inline]
+    fn both(&self, o: &Outlook, wi: DVec3, mode: Mode) -> (Spectrum, f64) {
+        let [glossy, diffuse, clear] = o.choice;
         let (mut f, mut pdf) = (self.clear).map_or((Spectrum::ZERO, 0.0), |lobe| {
-            let (f, pdf) = lobe.eval_pdf(wo, wi, mode);
+            let (f, pdf) = lobe.eval_pdf(o.w, wi, mode);
             (f, clear * pdf)
         });
-        let across = across(wo, wi);
+        let across = across(o.w, wi);
         if !across || self.body.lets_through() {
             let i = self.view(wi);
             if let (false, Glossy::Rough(facets)) = (across, &self.glossy) {
-                let (once, density) = facets.both(&o.facing, &i.facing);
+                let (once, density) = facets.both(&o.view.facing, &i.facing);
                 f += once;
                 pdf += glossy * density;
             }
-            f += self.body.eval((o.admitted, i.admitted), across);
+            f += self.body.eval((o.view.admitted, i.admitted), across);
             pdf += diffuse * self.body.pdf(wi.z, across);
         }
         (f, pdf)
     }
 
+    /// The same with the density of the way back.
+    #[inline]
+    fn both_ways(&self, o: &Outlook, i: &Outlook, mode: Mode) -> (Spectrum, [f64; 2]) {
+        let (mut f, mut pdf, mut back) = (Spectrum::ZERO, 0.0, 0.0);
+        if let Some(lobe) = self.clear {
+            (f, pdf) = lobe.eval_pdf(o.w, i.w, mode);
+            pdf *= o.choice[CLEAR];
+            back = i.choice[CLEAR] * lobe.pdf(i.w, o.w, mode.reversed());
+        }
+        let across = across(o.w, i.w);
+        if let (false, Glossy::Rough(facets)) = (across, &self.glossy) {
+            let (once, [there, here]) = facets.both_ways(&o.view.facing, &i.view.facing);
+            f += once;
+            pdf += o.choice[GLOSSY] * there;
+            back += i.choice[GLOSSY] * here;
+        }
+        f += self.body.eval((o.view.admitted, i.view.admitted), across);
+        pdf += o.choice[DIFFUSE] * self.body.pdf(i.w.z, across);
+        back += i.choice[DIFFUSE] * self.body.pdf(o.w.z, across);
+        (f, [pdf, back])
+    }
+
     /// A sample of all continuous lobes together, drawn by one of them.
     #[inline]
-    fn finish(&self, wo: DVec3, o: &View, wi: DVec3, mode: Mode) -> Option<Sample> {
+    fn finish(&self, o: &Outlook, wi: DVec3, mode: Mode) -> Option<Sample> {
         if !local::usable(wi) {
             return None;
         }
-        let (f, pdf) = self.both(wo, o, wi, mode);
-        let dispersive = self.dispersive_between(wo, wi);
+        let (f, pdf) = self.both(o, wi, mode);
+        let dispersive = self.dispersive_between(o.w, wi);
         Some(Sample {
             dispersive,
-            ..Sample::continuous(wo, wi, f, pdf)?
+            ..Sample::continuous(o.w, wi, f, pdf)?
         })
     }
 
-    /// The glossy lobe, which is drawn with probability `p`.
+    /// The glossy lobe, if it is the one that is drawn.
     #[inline]
-    fn sample_glossy(
-        &self,
-        (wo, o): (DVec3, &View),
-        p: f64,
-        uc: f64,
-        u: [f64; 2],
-        mode: Mode,
-    ) -> Option<Sample> {
+    fn sample_glossy(&self, o: &Outlook, uc: f64, u: [f64; 2], mode: Mode) -> Option<Sample> {
+        let facing = &o.view.facing;
         match &self.glossy {
             Glossy::None => None,
             Glossy::Smooth(reflectance) => {
-                let share = reflectance.at(o.facing.w.z);
-                Sample::delta(wo, local::mirror(wo), share, p)
+                let share = reflectance.at(facing.w.z);
+                Sample::delta(o.w, local::mirror(o.w), share, o.choice[GLOSSY])
             }
             Glossy::Rough(facets) => {
-                let wi = facets.sample(&o.facing, uc, u);
+                let wi = facets.sample(facing, uc, u);
                 if wi.z > 0.0 {
-                    self.finish(wo, o, local::to_side_of(wo, wi), mode)
+                    self.finish(o, local::to_side_of(o.w, wi), mode)
                 } else {
                     None
                 }
@@ -249,6 +276,19 @@ struct View {
     /// What the cover lets in to the body.
     admitted: Spectrum,
 }
+
+/// A direction that a walk comes from, with the [probabilities](Principled::choice) of the lobes from there.
+#[derive(Clone, Copy, Debug)]
+struct Outlook {
+    w: DVec3,
+    view: View,
+    choice: [f64; 3],
+}
+
+/// Of the lobes in [`Principled::choice`].
+const GLOSSY: usize = 0;
+const DIFFUSE: usize = 1;
+const CLEAR: usize = 2;
 
 /// Does the surface lie between two directions?
 #[inline]
@@ -290,14 +330,14 @@ impl Lobe for Principled {
         if !local::usable(wo) || !local::usable(wi) {
             return 0.0;
         }
-        let o = self.view(wo);
-        let [glossy, diffuse, clear] = self.choice(wo, &o);
+        let o = self.outlook(wo);
+        let [glossy, diffuse, clear] = o.choice;
         let mut pdf = self
             .clear
             .map_or(0.0, |lobe| clear * lobe.pdf(wo, wi, mode));
         let across = across(wo, wi);
         if let (false, Glossy::Rough(facets)) = (across, &self.glossy) {
-            pdf += glossy * facets.pdf(&o.facing, local::lift(wi));
+            pdf += glossy * facets.pdf(&o.view.facing, local::lift(wi));
         }
         pdf + diffuse * self.body.pdf(wi.z, across)
     }
@@ -307,18 +347,26 @@ impl Lobe for Principled {
         if !local::usable(wo) || !local::usable(wi) {
             return (Spectrum::ZERO, 0.0);
         }
-        self.both(wo, &self.view(wo), wi, mode)
+        self.both(&self.outlook(wo), wi, mode)
+    }
+
+    #[inline]
+    fn eval_pdfs(&self, wo: DVec3, wi: DVec3, mode: Mode) -> (Spectrum, [f64; 2]) {
+        if !local::usable(wo) || !local::usable(wi) {
+            return (Spectrum::ZERO, [0.0; 2]);
+        }
+        self.both_ways(&self.outlook(wo), &self.outlook(wi), mode)
     }
 
     fn sample(&self, wo: DVec3, uc: f64, u: [f64; 2], mode: Mode) -> Option<Sample> {
         if !local::usable(wo) {
             return None;
         }
-        let o = self.view(wo);
-        let [glossy, diffuse, clear] = self.choice(wo, &o);
+        let o = self.outlook(wo);
+        let [glossy, diffuse, clear] = o.choice;
         let (take, uc) = local::choose(uc, glossy);
         if take {
-            return self.sample_glossy((wo, &o), glossy, uc, u, mode);
+            return self.sample_glossy(&o, uc, u, mode);
         }
         let rest = diffuse + clear;
         let (take, uc) = local::choose(uc, if rest > 0.0 { diffuse / rest } else { 1.0 });
@@ -326,11 +374,11 @@ impl Lobe for Principled {
             let (through, _) = local::choose(uc, self.body.chance_through());
             let from = if through { -wo } else { wo };
             let wi = local::to_side_of(from, warp::cosine_hemisphere(u));
-            return self.finish(wo, &o, wi, mode);
+            return self.finish(&o, wi, mode);
         }
         let sample = self.clear?.sample(wo, uc, u, mode)?;
         if !sample.delta {
-            return self.finish(wo, &o, sample.wi, mode);
+            return self.finish(&o, sample.wi, mode);
         }
         let weight = sample.weight / (clear as f32);
         Some(Sample {
@@ -344,19 +392,16 @@ impl Lobe for Principled {
         if !local::usable(wo) {
             return None;
         }
-        let o = self.view(wo);
-        let [glossy, _, clear] = self.choice(wo, &o);
+        let o = self.outlook(wo);
         let through = self
             .clear
             .and_then(|lobe| lobe.delta(wo, transmitted, mode));
         let through = through.map(|delta| Delta {
-            probability: delta.probability * clear,
+            probability: delta.probability * o.choice[CLEAR],
             ..delta
         });
         let coat = match &self.glossy {
-            Glossy::Smooth(_) if !transmitted => {
-                self.sample_glossy((wo, &o), glossy, 0.0, [0.0; 2], mode)
-            }
+            Glossy::Smooth(_) if !transmitted => self.sample_glossy(&o, 0.0, [0.0; 2], mode),
             _ => None,
         };
         match coat {

@@ -56,6 +56,15 @@ impl Lobe for RoughConductor {
     }
 
     #[inline]
+    fn eval_pdfs(&self, wo: DVec3, wi: DVec3, _mode: Mode) -> (Spectrum, [f64; 2]) {
+        if !local::same_side(wo, wi) {
+            return (Spectrum::ZERO, [0.0; 2]);
+        }
+        let [o, i] = [wo, wi].map(|w| self.facets.facing(local::lift(w)));
+        self.facets.both_ways(&o, &i)
+    }
+
+    #[inline]
     fn sample(&self, wo: DVec3, uc: f64, u: [f64; 2], _mode: Mode) -> Option<Sample> {
         if !local::usable(wo) {
             return None;

@@ -179,6 +179,33 @@ fn densities_do_not_depend_on_the_mode() {
     }
 }
 
+/// What is asked for at once is what is asked for one by one, to the bit.
+#[test]
+fn joins_get_what_they_would_get_one_by_one() {
+    let mut random = Random::new(10);
+    let mut seen = 0;
+    for case in some() {
+        let lobe = &case.bsdf;
+        for ((wo, wi), mode) in
+            (pairs(&case, &mut random).into_iter()).flat_map(|pair| MODES.map(|mode| (pair, mode)))
+        {
+            let value = lobe.eval(wo, wi, mode);
+            let pdfs = [lobe.pdf(wo, wi, mode), lobe.pdf(wi, wo, mode.reversed())];
+            assert_eq!(
+                lobe.eval_pdf(wo, wi, mode),
+                (value, pdfs[0]),
+                "{}",
+                case.name
+            );
+            if !value.is_zero() {
+                seen += 1;
+                assert_eq!(lobe.eval_pdfs(wo, wi, mode), (value, pdfs), "{}", case.name);
+            }
+        }
+    }
+    assert!(seen > 10_000, "{seen}");
+}
+
 #[test]
 fn nothing_comes_through_what_is_said_to_be_opaque() {
     let mut random = Random::new(8);

@@ -7,6 +7,7 @@ use kaustik_pss::Coordinates;
 use kaustik_scene::DirectSample;
 
 use super::Job;
+use super::joined::Joined;
 use super::vertex::PathVertex;
 use super::weights::{DirectEnd, Weighted};
 use super::witness::{Joint, Seen, Witness};
@@ -75,11 +76,8 @@ fn weigh_direct(
     if !shading::sides_agree(z.wo, wi, z.ng) {
         return None;
     }
-    let (f, pdf) = match sample.delta {
-        true => (z.bsdf.eval(z.wo, wi, Mode::Radiance), 0.0),
-        false => z.bsdf.eval_pdf(z.wo, wi, Mode::Radiance),
-    };
-    let value = z.throughput * f * sample.radiance;
+    let joined = Joined::new(z, wi, Mode::Radiance);
+    let value = joined.value * sample.radiance;
     if value.is_zero() {
         return None;
     }
@@ -89,7 +87,7 @@ fn weigh_direct(
         emission_pdf: sample.emission_pdf,
         squared: distance.map_or(1.0, |distance| distance * distance),
     };
-    let weight = job.weights().direct(z, (wi, pdf), &direct);
+    let weight = job.weights().direct(&joined, &direct);
     let stops = z.onward.stop * job.builder.form.at_emitter().stop;
     Weighted::new(value, wi.z.abs() * weight / (sample.pdf * stops), weight)
 }
@@ -189,18 +187,19 @@ impl Edge {
 /// What the edge from `y` to `z` carries; `None` if that is nothing.
 #[inline]
 fn weigh_joined(job: &Job<'_>, y: &PathVertex, z: &PathVertex, edge: &Edge) -> Option<Weighted> {
-    let &Edge {
-        wi, wy, squared, ..
-    } = edge;
-    let (f, pdf_z) = z.bsdf.eval_pdf(z.wo, wi, Mode::Radiance);
-    let (g, pdf_y) = y.bsdf.eval_pdf(y.wo, wy, Mode::Importance);
-    let value = (z.throughput * f) * (y.throughput * g);
+    let squared = edge.squared;
+    let z = Joined::new(z, edge.wi, Mode::Radiance);
+    if z.value.is_zero() {
+        return None;
+    }
+    let y = Joined::new(y, edge.wy, Mode::Importance);
+    let value = z.value * y.value;
     if value.is_zero() {
         return None;
     }
-    let weight = (job.weights()).joined((y, wy, pdf_y), (z, wi, pdf_z), squared);
+    let weight = job.weights().joined(&y, &z, squared);
     // The light's side carries geometric cosines and the factor, the eye's the shading cosine.
-    let geometry = edge.factor * wy.dot(y.ng).abs() * wi.z.abs() / squared;
-    let stops = y.onward.stop * z.onward.stop;
+    let geometry = edge.factor * y.cos() * z.wi.z.abs() / squared;
+    let stops = y.vertex.onward.stop * z.vertex.onward.stop;
     Weighted::new(value, geometry * weight / stops, weight)
 }

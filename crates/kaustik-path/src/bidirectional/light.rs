@@ -8,6 +8,7 @@ use kaustik_scene::camera::{LensHit, LensSample};
 use kaustik_scene::{EmissionSample, Interior};
 use kaustik_spectrum::Spectrum;
 
+use super::joined::Joined;
 use super::subpath_walk::SubpathWalk;
 use super::vertex::PathVertex;
 use super::weights::{LensEnd, Weighted};
@@ -241,8 +242,8 @@ fn weigh_lens(job: &Job<'_>, y: &PathVertex, wi: DVec3, lens: &LensSample) -> Op
     if factor == 0.0 {
         return None;
     }
-    let value = y.throughput * y.bsdf.eval(y.wo, wi, Mode::Importance);
-    if value.is_zero() {
+    let joined = Joined::new(y, wi, Mode::Importance);
+    if joined.value.is_zero() {
         return None;
     }
     let raster = lens.importance * job.raster_pdf;
@@ -252,10 +253,10 @@ fn weigh_lens(job: &Job<'_>, y: &PathVertex, wi: DVec3, lens: &LensSample) -> Op
         cos: lens.cos,
         pdf: job.scene.camera().has_aperture().then_some(lens.pdf),
     };
-    let weight = job.weights().lens_joined(y, wi, &end);
+    let weight = job.weights().lens_joined(&joined, &end);
     let stops = y.onward.stop * job.builder.form.at_lens().stop;
-    let geometry = factor * wi.dot(y.ng).abs() * raster;
-    Weighted::new(value, geometry * weight / stops, weight)
+    let geometry = factor * joined.cos() * raster;
+    Weighted::new(joined.value, geometry * weight / stops, weight)
 }
 
 impl Job<'_> {

@@ -4,6 +4,7 @@ mod eye;
 mod form;
 mod heuristic;
 mod join;
+mod joined;
 mod light;
 mod multiplexed;
 mod running;

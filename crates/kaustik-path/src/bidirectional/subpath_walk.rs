@@ -1,7 +1,7 @@
 //! A walk whose vertices are kept, with what weights must know of them.
 
 use glam::{DVec2, DVec3};
-use kaustik_bsdf::{Lobe, Mode};
+use kaustik_bsdf::Lobe;
 use kaustik_pss::Coordinates;
 use kaustik_scene::{EmissionPdf, EmissionSample};
 
@@ -150,11 +150,7 @@ impl<'a> SubpathWalk<'a> {
         let (densities, odds) = if sample.delta {
             ([1.0; 2], 0.0)
         } else {
-            let reverse = match self.walk.mode {
-                Mode::Radiance => Mode::Importance,
-                Mode::Importance => Mode::Radiance,
-            };
-            let back = last.bsdf.pdf(sample.wi, last.wo, reverse);
+            let back = (last.bsdf).pdf(sample.wi, last.wo, self.walk.mode.reversed());
             ([sample.pdf, back], last.onward.odds())
         };
         let cos = sample.wi.dot(last.ng).abs();

@@ -1,7 +1,7 @@
 //! A vertex of either subpath, with all that joining it takes.
 
 use glam::DVec3;
-use kaustik_bsdf::{Bsdf, Lobe, Mode};
+use kaustik_bsdf::Bsdf;
 use kaustik_scene::{Interior, Vertex};
 use kaustik_spectrum::Spectrum;
 
@@ -88,11 +88,9 @@ impl PathVertex {
         self.wo.dot(self.ng).abs()
     }
 
-    /// [`Running::rivals`] for a path that goes on from here in the local direction `wi`; `reverse` is
-    /// the mode of a walk that comes from there.
+    /// [`Running::rivals`] for a path that goes on from here, where a walk the other way would scatter with density `back`.
     #[inline]
-    pub(super) fn rivals(&self, heuristic: super::Heuristic, wi: DVec3, reverse: Mode) -> f64 {
-        let back = self.bsdf.pdf(wi, self.wo, reverse);
+    pub(super) fn rivals(&self, heuristic: super::Heuristic, back: f64) -> f64 {
         (self.running).rivals(heuristic, self.onward.odds(), back)
     }
 }

@@ -5,13 +5,11 @@
 //! the joined vertex, times what the vertex knows of its rivals ([`Running::rivals`]), over the
 //! odds with which this very join is made.
 
-use glam::DVec3;
-use kaustik_bsdf::{Lobe, Mode};
 use kaustik_scene::EmissionPdf;
 use kaustik_spectrum::Spectrum;
 
+use super::joined::Joined;
 use super::running::Running;
-use super::vertex::PathVertex;
 use super::{Form, Heuristic};
 
 /// What weights depend on besides the path.
@@ -83,47 +81,41 @@ impl Weights {
         self.heuristic.weight(0.0, more)
     }
 
-    /// s = 1: the vertex `z` of the eye, joined in local direction `wi`, into which it would scatter with this density.
+    /// s = 1: the vertex `z` of the eye.
     #[inline]
-    pub(super) fn direct(&self, z: &PathVertex, (wi, pdf): (DVec3, f64), end: &DirectEnd) -> f64 {
+    pub(super) fn direct(&self, z: &Joined<'_>, end: &DirectEnd) -> f64 {
+        let [pdf, back] = z.pdfs;
         let heuristic = self.heuristic;
         let emitter = self.form.at_emitter();
-        let odds = z.onward.odds() * emitter.odds();
+        let odds = z.vertex.onward.odds() * emitter.odds();
         let scattered = |found| heuristic.of(pdf / (found * odds * emitter.onward));
         let fewer = end.pdf.map_or(0.0, scattered);
-        let area = end.emission_pdf * wi.dot(z.ng).abs() / (end.squared * end.odds);
-        let rivals = z.rivals(heuristic, wi, Mode::Importance);
+        let area = end.emission_pdf * z.cos() / (end.squared * end.odds);
+        let rivals = z.vertex.rivals(heuristic, back);
         heuristic.weight(fewer, heuristic.of(area / odds) * rivals)
     }
 
-    /// s >= 2, t >= 2: `y` of the light, joined in local direction `wy`, and `z` of the eye, joined in
-    /// `wi`, at the square of a distance; each with the density of scattering there in its walk.
+    /// s >= 2, t >= 2: `y` of the light and `z` of the eye, at the square of a distance.
     #[inline]
-    pub(super) fn joined(
-        &self,
-        (y, wy, pdf_y): (&PathVertex, DVec3, f64),
-        (z, wi, pdf_z): (&PathVertex, DVec3, f64),
-        squared: f64,
-    ) -> f64 {
+    pub(super) fn joined(&self, y: &Joined<'_>, z: &Joined<'_>, squared: f64) -> f64 {
         let heuristic = self.heuristic;
-        let scale = 1.0 / (z.onward.odds() * y.onward.odds() * squared);
-        let by_eye = pdf_z * wy.dot(y.ng).abs();
-        let by_light = pdf_y * wi.dot(z.ng).abs();
-        let fewer = heuristic.of(by_eye * scale) * y.rivals(heuristic, wy, Mode::Radiance);
-        let more = heuristic.of(by_light * scale) * z.rivals(heuristic, wi, Mode::Importance);
+        let scale = 1.0 / (z.vertex.onward.odds() * y.vertex.onward.odds() * squared);
+        let by_eye = z.pdfs[0] * y.cos();
+        let by_light = y.pdfs[0] * z.cos();
+        let fewer = heuristic.of(by_eye * scale) * y.vertex.rivals(heuristic, y.pdfs[1]);
+        let more = heuristic.of(by_light * scale) * z.vertex.rivals(heuristic, z.pdfs[1]);
         heuristic.weight(fewer, more)
     }
 
-    /// t = 1: `y` of the light, joined in local direction `wi`.
+    /// t = 1: `y` of the light.
     #[inline]
-    pub(super) fn lens_joined(&self, y: &PathVertex, wi: DVec3, end: &LensEnd) -> f64 {
+    pub(super) fn lens_joined(&self, y: &Joined<'_>, end: &LensEnd) -> f64 {
         let heuristic = self.heuristic;
         let lens = self.form.at_lens();
-        let odds = y.onward.odds() * lens.odds();
-        let area = end.raster * wi.dot(y.ng).abs();
-        let fewer = heuristic.of(area / odds) * y.rivals(heuristic, wi, Mode::Radiance);
+        let odds = y.vertex.onward.odds() * lens.odds();
+        let [pdf, back] = y.pdfs;
+        let fewer = heuristic.of(end.raster * y.cos() / odds) * y.vertex.rivals(heuristic, back);
         let more = end.pdf.map_or(0.0, |position| {
-            let pdf = y.bsdf.pdf(y.wo, wi, Mode::Importance);
             let area = pdf * end.cos / end.squared;
             heuristic.of(area / (odds * position * lens.onward))
         });

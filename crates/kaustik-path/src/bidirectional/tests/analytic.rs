@@ -5,6 +5,7 @@ use kaustik_scene::{EmissionPdf, Vertex};
 use kaustik_spectrum::Spectrum;
 
 use super::reference::{Fault, Kind, Lens, Node, Path, Surface};
+use crate::bidirectional::joined::Joined;
 use crate::bidirectional::running::{Departure, End, Running};
 use crate::bidirectional::vertex::PathVertex;
 use crate::bidirectional::weights::{DirectEnd, LensEnd, Weights};
@@ -217,9 +218,8 @@ fn running_weights(path: &Path, form: Form, heuristic: Heuristic) -> Vec<f64> {
                     emission_pdf: emitter.direction,
                     squared,
                 };
-                let (z, wi) = (&eye[1], local(1, 0));
-                let pdf = z.bsdf.pdf(z.wo, wi, Mode::Radiance);
-                weights.direct(z, (wi, pdf), &end)
+                let z = Joined::new(&eye[1], local(1, 0), Mode::Radiance);
+                weights.direct(&z, &end)
             }
             s if s == n - 1 => {
                 let squared = path.squared(n - 1, n - 2);
@@ -229,14 +229,14 @@ fn running_weights(path: &Path, form: Form, heuristic: Heuristic) -> Vec<f64> {
                     cos: lens.cos,
                     pdf: lens.pdf,
                 };
-                weights.lens_joined(&light[n - 2], local(n - 2, n - 1), &end)
+                let wy = local(n - 2, n - 1);
+                let y = Joined::new(&light[n - 2], wy, Mode::Importance);
+                weights.lens_joined(&y, &end)
             }
             s => {
-                let (y, wy) = (&light[s - 1], local(s - 1, s));
-                let (z, wi) = (&eye[s], local(s, s - 1));
-                let pdf_y = y.bsdf.pdf(y.wo, wy, Mode::Importance);
-                let pdf_z = z.bsdf.pdf(z.wo, wi, Mode::Radiance);
-                weights.joined((y, wy, pdf_y), (z, wi, pdf_z), path.squared(s - 1, s))
+                let y = Joined::new(&light[s - 1], local(s - 1, s), Mode::Importance);
+                let z = Joined::new(&eye[s], local(s, s - 1), Mode::Radiance);
+                weights.joined(&y, &z, path.squared(s - 1, s))
             }
         })
         .collect()
