@@ -3,10 +3,10 @@
 /// Solids nested deeper than this are forgotten from the outside in.
 const DEPTH: usize = 6;
 
-/// The solids (by material index) that contain the current point, in the order of entry.
+/// The solids (each by the first material that is filled with the same medium) that contain the current point, in the order of entry.
 ///
-/// Identity is the material, with multiplicity, so that a solid whose surface is split over
-/// several primitives opens and closes as one. Where solids overlap, the one of higher
+/// Identity is the medium, with multiplicity, so that a solid whose surface is split over
+/// several primitives, be they clear and frosted, opens and closes as one. Where solids overlap, the one of higher
 /// priority is what light travels in; equal priorities: the one
 /// entered last.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -22,7 +22,7 @@ impl Interior {
         len: 0,
     };
 
-    /// Materials of the solids, first entered first.
+    /// Media of the solids, first entered first.
     #[inline]
     pub fn solids(&self) -> &[u32] {
         &self.solids[..usize::from(self.len)]
@@ -34,51 +34,51 @@ impl Interior {
         self.len == 0
     }
 
-    /// How many times it is within a solid of this material: overlapping objects are one.
+    /// How many times it is within a solid of this medium: overlapping objects are one.
     #[inline]
-    pub fn times(&self, material: u32) -> usize {
+    pub fn times(&self, medium: u32) -> usize {
         let solids = self.solids().iter();
-        solids.filter(|&&solid| solid == material).count()
+        solids.filter(|&&solid| solid == medium).count()
     }
 
     /// Goes into a solid; beyond six the one that was entered first is forgotten.
-    pub fn enter(&mut self, material: u32) {
+    pub fn enter(&mut self, medium: u32) {
         if usize::from(self.len) == DEPTH {
             self.solids.copy_within(1.., 0);
             self.len -= 1;
         }
-        self.solids[usize::from(self.len)] = material;
+        self.solids[usize::from(self.len)] = medium;
         self.len += 1;
     }
 
     /// Leaves a solid; leaving one that was never entered changes nothing.
-    pub fn leave(&mut self, material: u32) {
-        if let Some(at) = self.solids().iter().rposition(|&solid| solid == material) {
+    pub fn leave(&mut self, medium: u32) {
+        if let Some(at) = self.solids().iter().rposition(|&solid| solid == medium) {
             self.solids.copy_within(at + 1.., at);
             self.len -= 1;
         }
     }
 
     /// Goes through a surface of a solid, in by its front or out by its back.
-    pub fn pass(&mut self, material: u32, front: bool) {
+    pub fn pass(&mut self, medium: u32, front: bool) {
         if front {
-            self.enter(material);
+            self.enter(medium);
         } else {
-            self.leave(material);
+            self.leave(medium);
         }
     }
 
-    /// The same without one occurrence of `material`.
+    /// The same without one occurrence of `medium`.
     #[must_use]
-    pub fn without(mut self, material: u32) -> Self {
-        self.leave(material);
+    pub fn without(mut self, medium: u32) -> Self {
+        self.leave(medium);
         self
     }
 
-    /// The same with `material` entered.
+    /// The same with `medium` entered.
     #[must_use]
-    pub fn with(mut self, material: u32) -> Self {
-        self.enter(material);
+    pub fn with(mut self, medium: u32) -> Self {
+        self.enter(medium);
         self
     }
 

@@ -51,6 +51,12 @@ impl Matter {
         &self.materials[index as usize]
     }
 
+    /// What a material's surfaces are filled with, if they bound a solid.
+    #[inline]
+    pub(crate) fn medium(&self, material: u32) -> Option<u32> {
+        self.material(material).solid().map(|solid| solid.medium)
+    }
+
     /// The surface that a ray met, with its shading frame.
     #[inline]
     pub(crate) fn vertex(&self, ray: &Ray, hit: &Hit, vertex: &mut Vertex) {
@@ -119,10 +125,9 @@ impl Matter {
             if interior.is_vacuum() {
                 return Spectrum::ONE;
             }
-            let around = if material.solid().is_some() {
-                interior.without(vertex.material)
-            } else {
-                *interior
+            let around = match self.medium(vertex.material) {
+                Some(medium) => interior.without(medium),
+                None => *interior,
             };
             self.dominant(&around)
                 .map_or(Spectrum::ONE, |solid| self.material(solid).ior(wavelengths))
@@ -236,19 +241,19 @@ impl Matter {
     /// solid fills the inner side (none there has a higher priority, and none of the same was entered later) and not the outer side (where
     /// another object of the same material would).
     pub(crate) fn is_overruled(&self, material: u32, front: bool, interior: &Interior) -> bool {
-        if self.material(material).solid().is_none() {
+        let Some(medium) = self.medium(material) else {
             return false;
-        }
+        };
         let outside = match front {
             true => *interior,
-            false => interior.without(material),
+            false => interior.without(medium),
         };
         // A back may be met though no front was, as in a mesh with a hole.
         let inside = match front || outside == *interior {
-            true => outside.with(material),
+            true => outside.with(medium),
             false => *interior,
         };
-        outside.times(material) > 0 || self.dominant(&inside) != Some(material)
+        outside.times(medium) > 0 || self.dominant(&inside) != Some(medium)
     }
 
     /// Share of light left after a segment through what fills `interior`.
@@ -296,9 +301,9 @@ impl Matter {
         // One walk, in whatever order, that nothing ends: from hit to hit, each would begin anew.
         self.world.occluded_filtered(&ray, |hit| {
             let material = self.material_of[hit.instance as usize];
-            if self.material(material).solid().is_some() {
+            if let Some(medium) = self.medium(material) {
                 let leaves = !self.world.surface(&ray, hit).front;
-                crossings.add(material, leaves, hit);
+                crossings.add(medium, leaves, hit);
             }
             false
         });

@@ -241,10 +241,9 @@ impl Scene {
     /// Updates `interior` for a walk that passes the surface along `direction` (world).
     #[inline]
     pub fn cross(&self, vertex: &Vertex, direction: DVec3, interior: &mut Interior) {
-        if self.matter.material(vertex.material).solid().is_none() {
-            return;
+        if let Some(medium) = self.matter.medium(vertex.material) {
+            interior.pass(medium, !vertex.in_front(direction));
         }
-        interior.pass(vertex.material, !vertex.in_front(direction));
     }
 
     /// The solids beyond a vertex toward `direction`, for a walk that came from `wo` (both world).

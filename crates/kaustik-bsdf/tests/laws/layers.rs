@@ -48,6 +48,11 @@ pub(crate) fn layers(roughness: f64) -> Vec<Case> {
         wall: Wall::Solid,
         ..plastic
     };
+    let leaf = PrincipledParameters {
+        diffuse_transmission: 0.6,
+        diffuse_transmission_color: RED,
+        ..plastic
+    };
     let coat = |clearcoat, clearcoat_roughness| LayerParameters {
         clearcoat,
         clearcoat_roughness,
@@ -101,6 +106,14 @@ pub(crate) fn layers(roughness: f64) -> Vec<Case> {
             1.0,
             width,
         ),
+        case(
+            name("clear on leaf"),
+            Bsdf::layered(&leaf, &both),
+            false,
+            1.0,
+            width,
+        ),
+        case(name("brushed leaf"), brushed(0.7, leaf), false, 1.0, width),
         case(
             name("clear on solid"),
             Bsdf::layered(&solid, &coat(1.0, 0.1)),

@@ -1,7 +1,7 @@
 //! From the camera to the first surface that scatters widely.
 
 use glam::DVec2;
-use kaustik_bsdf::Bsdf;
+use kaustik_bsdf::{Bsdf, Lobe};
 use kaustik_pss::Coordinates;
 use kaustik_scene::{Scene, Vertex};
 use kaustik_spectrum::Wavelengths;
@@ -58,9 +58,10 @@ impl MeasurementWalk {
                     let cosine = scatter.wo.dot(scatter.ng);
                     let radius = self.radius * width / cosine.abs().max(LEAST_COSINE);
                     let (surface, normal) = (&vertex.surface, vertex.normal.as_vec3());
-                    let above = cosine > 0.0;
+                    let (above, through) = (cosine > 0.0, bsdf.transmits());
+                    let world = scene.world();
                     let outline =
-                        Outline::look(scene.world(), surface, normal, above, radius as f32);
+                        Outline::look(world, surface, normal, above, through, radius as f32);
                     out.push(Seen {
                         vertex: &vertex,
                         bsdf,

@@ -59,7 +59,7 @@ pub(super) struct Outline {
 impl Outline {
     /// Looks around as far as `radius`, in scene units. On the seen side of a surface, that of its `normal` if it is seen
     /// from `above`, whatever stands there ends it. On the other side it ends where a ray comes out of the solid that it
-    /// bounds; what a ray goes into there stands behind a sheet, and is none of its affair. What faces as the surface does is more
+    /// bounds; what a ray goes into there stands behind a sheet, and is none of its affair unless light comes `through` that. What faces as the surface does is more
     /// of the same, and what faces the opposite way, as the back of a thin plate, ends nothing. `None` where nothing is in the
     /// way, or for a radius that no disc can have.
     pub(super) fn look(
@@ -67,6 +67,7 @@ impl Outline {
         surface: &Surface,
         normal: Vec3,
         above: bool,
+        through: bool,
         radius: f32,
     ) -> Option<Self> {
         if !radius.is_normal() || !is_broken(world, surface.position, normal, radius) {
@@ -91,7 +92,7 @@ impl Outline {
                     _ => FREE,
                 }
             };
-            free(seen, false).min(free(-seen, true))
+            free(seen, false).min(free(-seen, !through))
         });
         let outline = Self { radius, sides };
         (sides != [FREE; SIDES]).then(|| outline.widened())
@@ -273,7 +274,7 @@ mod tests {
 
     fn look(world: &World, turn: Quat, center: Vec3, radius: f32) -> Option<Outline> {
         let surface = Surface::bare(turn * center, turn * Vec3::Z);
-        Outline::look(world, &surface, turn * Vec3::Z, true, radius)
+        Outline::look(world, &surface, turn * Vec3::Z, true, false, radius)
     }
 
     /// Points of a floor at many distances from a wall, on both sides of it: nothing behind the wall counts, and on this side
@@ -339,9 +340,12 @@ mod tests {
             let wall = solid(low, high, turn, false);
             assert_eq!(look(&wall, turn, Vec3::ZERO, 1.0), None);
             let surface = Surface::bare(Vec3::ZERO, turn * Vec3::Z);
-            let below = Outline::look(&wall, &surface, turn * Vec3::Z, false, 1.0);
-            for (at, holds) in held(&below.expect("a wall"), turn * Vec3::Z, 1.0, turn) {
-                assert!(at.x < 0.3 + 1e-4 || !holds, "{at}");
+            // but where it is seen from there, or light comes through
+            for (above, through) in [(false, false), (true, true)] {
+                let outline = Outline::look(&wall, &surface, turn * Vec3::Z, above, through, 1.0);
+                for (at, holds) in held(&outline.expect("a wall"), turn * Vec3::Z, 1.0, turn) {
+                    assert!(at.x < 0.3 + 1e-4 || !holds, "{at}");
+                }
             }
         }
     }
@@ -386,7 +390,7 @@ mod tests {
         let surface = world.surface_at(0, 30 * parts, 0.3, 0.3);
         let normal = surface.geometric_normal;
         for above in [true, false] {
-            let outline = Outline::look(&world, &surface, normal, above, 0.5);
+            let outline = Outline::look(&world, &surface, normal, above, !above, 0.5);
             assert_eq!(outline, None, "{above}");
         }
     }

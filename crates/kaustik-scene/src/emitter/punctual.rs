@@ -50,7 +50,7 @@ impl Punctual {
             shape,
             intensity: uplift_emission(rgb),
             luminance: f64::from(luminance(rgb)),
-            range: light.range.map_or(f64::INFINITY, f64::from),
+            range: (light.range.filter(|&range| range > 0.0)).map_or(f64::INFINITY, f64::from),
             position,
             axis,
             motion: None,

@@ -152,10 +152,16 @@ fn extensions(
     }
     if let Some(e) = place.extension("KHR_materials_diffuse_transmission")? {
         let diffuse = diffuse_transmission(reader, textures, &e)?;
-        if material.bounds_solid() {
+        let thick = material.volume.is_some_and(|volume| volume.thickness > 0.0);
+        if diffuse.factor > 0.0 && material.bounds_solid() {
             let message = "left out of a solid: what enters that is refracted";
             reader.warn(&e, message);
         } else {
+            if diffuse.factor > 0.0 && thick {
+                let message = "what diffuse light goes through is thin here: the volume, and what it absorbs, is left out";
+                reader.warn(&e, message);
+                material.volume = None;
+            }
             material.diffuse_transmission = Some(diffuse);
         }
     }

@@ -1,6 +1,8 @@
 //! What fills a closed mesh.
 
-use kaustik_spectrum::{Sigmoid, Spectrum, Wavelengths, uplift_reflectance};
+use std::collections::HashMap;
+
+use kaustik_spectrum::{Glass, Sigmoid, Spectrum, Wavelengths, uplift_reflectance};
 
 use crate::description::MaterialDescription;
 
@@ -11,6 +13,20 @@ pub(crate) struct Solid {
     absorption: Option<(Sigmoid, f32)>,
     /// Which of two overlapping solids fills the overlap: the higher.
     pub(crate) priority: i32,
+    /// The first material that is filled with the same: clear and frosted parts of a bottle bound one solid.
+    pub(crate) medium: u32,
+}
+
+/// Media of a scene, told by all that makes a difference within them, each with the first material that it fills.
+#[derive(Debug, Default)]
+pub(crate) struct Media(HashMap<String, u32>);
+
+impl Media {
+    /// Tells the solid that the material of this number bounds which medium it is of.
+    pub(super) fn add(&mut self, material: u32, glass: &Glass, solid: &mut Solid) {
+        let words = format!("{glass:?}, {:?}, {}", solid.absorption, solid.priority);
+        solid.medium = *self.0.entry(words).or_insert(material);
+    }
 }
 
 impl Solid {
@@ -30,6 +46,7 @@ impl Solid {
                 )
             }),
             priority: description.priority,
+            medium: u32::MAX,
         })
     }
 

@@ -24,7 +24,7 @@ use crate::scene::SceneError;
 use crate::texture::{Coding, Texture};
 pub(crate) use color::{ColorSource, Slot, luminance, reflecting};
 use emission::Emission;
-pub(crate) use interior::Solid;
+pub(crate) use interior::{Media, Solid};
 use kind::{Kind, is_pane};
 use layers::Layers;
 pub(crate) use layers::has_smooth_bumps;
@@ -122,6 +122,13 @@ impl Material {
             both_sides: description.double_sided || description.unlit,
             compensation,
         })
+    }
+
+    /// Tells its solid, if it bounds one, of which of the scene's media it is; `index` is the material's number.
+    pub(crate) fn join_media(&mut self, index: u32, media: &mut Media) {
+        if let Some(solid) = &mut self.solid {
+            media.add(index, &self.glass, solid);
+        }
     }
 
     /// The scattering function under a varnish whose normal, in the local frame, is this.

@@ -20,7 +20,7 @@ pub(super) struct Crossings {
 /// One solid on the way.
 #[derive(Clone, Copy)]
 struct Crossed {
-    material: u32,
+    medium: u32,
     /// How many more times it is left than entered.
     exits: i32,
     /// Its first crossing.
@@ -30,7 +30,7 @@ struct Crossed {
 impl Default for Crossed {
     fn default() -> Self {
         Self {
-            material: 0,
+            medium: 0,
             exits: 0,
             first: Hit {
                 t: f32::INFINITY,
@@ -45,18 +45,18 @@ impl Default for Crossed {
 
 impl Crossings {
     /// One more.
-    pub(super) fn add(&mut self, material: u32, leaves: bool, hit: &Hit) {
+    pub(super) fn add(&mut self, medium: u32, leaves: bool, hit: &Hit) {
         let near = &mut self.near[..self.count];
-        let known = near.iter().position(|crossed| crossed.material == material);
+        let known = near.iter().position(|crossed| crossed.medium == medium);
         let crossed = match known {
             Some(index) => &mut self.near[index],
             None if self.count < NEAR => {
                 self.count += 1;
                 &mut self.near[self.count - 1]
             }
-            None => self.far.entry(material).or_default(),
+            None => self.far.entry(medium).or_default(),
         };
-        crossed.material = material;
+        crossed.medium = medium;
         crossed.exits += if leaves { 1 } else { -1 };
         if hit.precedes(&crossed.first) {
             crossed.first = *hit;
@@ -69,7 +69,7 @@ impl Crossings {
         let mut interior = Interior::VACUUM;
         let mut enter = |crossed: &Crossed| {
             for _ in 0..crossed.exits {
-                interior.enter(crossed.material);
+                interior.enter(crossed.medium);
             }
         };
         let last_first = |a: &Crossed, b: &Crossed| match a.first.precedes(&b.first) {

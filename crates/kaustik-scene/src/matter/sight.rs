@@ -167,10 +167,7 @@ impl Matter {
                 return passed;
             };
             match self.hidden_side(ray, &hit, &interior) {
-                Some(front) => {
-                    let material = self.material_of[hit.instance as usize];
-                    interior.pass(material, front);
-                }
+                Some((medium, front)) => interior.pass(medium, front),
                 None => {
                     let opening = self.opening(ray, &hit, &interior, wavelengths);
                     passed = opening.dim(passed);
@@ -188,15 +185,16 @@ impl Matter {
         }
     }
 
-    /// Where the interface that a ray meets is hidden: does it meet the front?
-    fn hidden_side(&self, ray: &Ray, hit: &Hit, interior: &Interior) -> Option<bool> {
-        let material = self.material_of[hit.instance as usize];
+    /// Where the interface that a ray meets is hidden: of what it is, and whether the ray meets its front.
+    fn hidden_side(&self, ray: &Ray, hit: &Hit, interior: &Interior) -> Option<(u32, bool)> {
         // Nearly always there is nothing to ask.
-        if interior.is_vacuum() || self.material(material).solid().is_none() {
+        if interior.is_vacuum() {
             return None;
         }
+        let material = self.material_of[hit.instance as usize];
+        let medium = self.medium(material)?;
         let front = self.world.surface(ray, hit).front;
-        self.is_overruled(material, front, interior)
-            .then_some(front)
+        let hidden = self.is_overruled(material, front, interior);
+        hidden.then_some((medium, front))
     }
 }

@@ -16,7 +16,7 @@ use crate::description::{
 };
 use crate::emitter::{Emitters, Punctual, Sources};
 use crate::environment::Environment;
-use crate::material::{Material, has_smooth_bumps};
+use crate::material::{Material, Media, has_smooth_bumps};
 use crate::matter::Matter;
 use crate::texture::Texture;
 
@@ -252,7 +252,11 @@ fn matter(
     motions: &mut Motions,
 ) -> Result<Matter, SceneError> {
     let textures = textures(description)?;
-    let materials = materials(description, options, &textures)?;
+    let mut materials = materials(description, options, &textures)?;
+    let mut media = Media::default();
+    for (index, material) in materials.iter_mut().enumerate() {
+        material.join_media(index as u32, &mut media);
+    }
     let material_of = material_of(description)?;
     let (mut instances, moving) = instances(description, motions);
     let used = |test: fn(&Material) -> bool| {

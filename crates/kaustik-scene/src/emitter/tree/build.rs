@@ -38,6 +38,8 @@ impl LightTree {
         };
         if !lights.is_empty() {
             tree.grow(&mut lights, Place::NONE, 0);
+            tree.nodes.shrink_to_fit();
+            tree.parents.shrink_to_fit();
         }
         tree
     }

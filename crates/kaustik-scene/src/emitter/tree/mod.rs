@@ -84,7 +84,7 @@ impl LightTree {
                 return Some(0.0);
             };
             probability *= shares[place.lane as usize];
-            if place.node == 0 {
+            if place.node == 0 || probability <= 0.0 {
                 return Some(probability);
             }
             place = self.parents[place.node as usize];

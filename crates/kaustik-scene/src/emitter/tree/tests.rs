@@ -35,6 +35,31 @@ fn tree(lamps: &[Lamp], scale: f32, away: Vec3) -> LightTree {
     LightTree::new(lamps.iter().enumerate().map(light).collect(), lamps.len())
 }
 
+fn normal_of([a, b, c]: [Vec3; 3]) -> DVec3 {
+    let [u, v] = [b - a, c - a].map(Vec3::as_dvec3);
+    u.cross(v).normalize_or_zero()
+}
+
+/// Where there is no number nothing is chosen.
+#[test]
+fn places_that_are_no_numbers_have_no_share() {
+    let lamp = |i, place| Light::lamp(i, 1.0, place, (DVec3::Z, 3.0), f64::INFINITY);
+    let apart = vec![lamp(0, DVec3::ZERO), lamp(1, DVec3::X), lamp(2, DVec3::Y)];
+    let together = (0..5).map(|i| lamp(i, DVec3::ONE)).collect();
+    for tree in [LightTree::new(apart, 3), LightTree::new(together, 5)] {
+        for point in [
+            DVec3::NAN,
+            DVec3::INFINITY,
+            DVec3::new(0.0, f64::NEG_INFINITY, 1.0),
+        ] {
+            assert_eq!(tree.choose(point, 0.5), None);
+            assert_eq!(tree.probability(point, 1), Some(0.0));
+        }
+        let share = tree.probability(DVec3::new(0.2, 0.1, 3.0), 1);
+        assert!(share.is_some_and(|share| share > 0.1), "{share:?}");
+    }
+}
+
 proptest! {
     /// Looked at from within each lamp's cone, at any distance.
     #[test]
@@ -58,6 +83,37 @@ proptest! {
             }
             let from = (place * scale + away).as_dvec3();
             let share = tree.probability(from + direction * (distance * f64::from(scale)), i);
+            prop_assert!(share.is_some_and(|share| share > 0.0 && share <= 1.0), "{i}: {share:?}");
+        }
+    }
+
+    /// So has a triangle seen from its front, be it at a grazing angle.
+    #[test]
+    fn faces_have_a_share(
+        faces in prop::collection::vec((place(), place(), place()), 1..40),
+        size in -12..12i32,
+        cos in prop_oneof![0.0..1.0f64, (-5.0..0.0f64).prop_map(|x| libm::pow(10.0, x))],
+        distance in -3.0..7.0f64,
+        turn in unit(),
+    ) {
+        let scale = 10.0_f32.powi(size);
+        let faces: Vec<_> = (faces.into_iter())
+            .map(|(a, b, c)| [a, a + b * 0.1, a + c * 0.1].map(|corner| corner * scale))
+            .map(|corners| (corners, normal_of(corners)))
+            .filter(|(_, normal)| normal.is_normalized())
+            .collect();
+        let light = |(i, &(corners, normal))| Light::triangle(i as u32, 1.0, corners, normal);
+        let tree = LightTree::new(faces.iter().enumerate().map(light).collect(), faces.len());
+        let distance = libm::pow(10.0, distance) * f64::from(scale);
+        for (i, (corners, normal)) in faces.iter().enumerate() {
+            let aside = (turn - *normal * turn.dot(*normal)).normalize();
+            let direction = *normal * cos + aside * (1.0 - cos * cos).sqrt();
+            let from = corners[0].as_dvec3() + direction * distance;
+            // A face that lies so low as seen from there that rounding decides is none.
+            if !aside.is_finite() || (from - corners[0].as_dvec3()).normalize().dot(*normal) < 1e-5 {
+                continue;
+            }
+            let share = tree.probability(from, i);
             prop_assert!(share.is_some_and(|share| share > 0.0 && share <= 1.0), "{i}: {share:?}");
         }
     }

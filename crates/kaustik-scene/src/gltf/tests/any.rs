@@ -163,7 +163,6 @@ fn material(rng: &mut Rng, textures: usize) -> MaterialDescription {
         attenuation_distance: maybe(rng, bright).unwrap_or(f32::INFINITY),
         attenuation_color: numbers(rng, unit),
     });
-    let solid = transmission.is_some() && volume.is_some();
     MaterialDescription {
         name: format!("material \"{}\"", below(rng, 100)),
         base_color: numbers(rng, unit),
@@ -192,8 +191,8 @@ fn material(rng: &mut Rng, textures: usize) -> MaterialDescription {
             texture: texture(rng),
         }),
         transmission,
-        // Of a solid there is none.
-        diffuse_transmission: diffuse_transmission.filter(|_| !bare && !solid),
+        // There is none of what has an inside.
+        diffuse_transmission: diffuse_transmission.filter(|_| !bare && volume.is_none()),
         volume,
         clearcoat: maybe(rng, |rng| Clearcoat {
             factor: unit(rng),

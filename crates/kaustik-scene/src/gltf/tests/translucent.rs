@@ -38,9 +38,9 @@ fn a_leaf_is_read_in_full() {
     };
     let of = |beside: Value| leaf(&beside).clean().materials[0].diffuse_transmission;
     assert_eq!(of(json!({})), Some(read));
-    // Neither of them alone makes a solid.
+    // Neither makes a solid.
     for beside in [
-        json!({ "KHR_materials_volume": { "thicknessFactor": 1 } }),
+        json!({ "KHR_materials_volume": { "thicknessFactor": 0 } }),
         json!({ "KHR_materials_transmission": { "transmissionFactor": 0.5 } }),
     ] {
         assert_eq!(of(beside), Some(read));
@@ -64,4 +64,14 @@ fn of_a_solid_no_diffuse_light_goes_through() {
         warning.contains("KHR_materials_diffuse_transmission"),
         "{warning}"
     );
+}
+
+/// What scatters within is not shown, nor what would absorb between two surfaces that scatter.
+#[test]
+fn a_leaf_is_thin() {
+    let thick = json!({ "KHR_materials_volume": { "thicknessFactor": 1 } });
+    let (description, warning) = leaf(&thick).warned();
+    let material = &description.materials[0];
+    assert!(material.diffuse_transmission.is_some() && material.volume.is_none());
+    assert!(warning.contains("the volume"), "{warning}");
 }

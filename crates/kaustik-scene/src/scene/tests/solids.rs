@@ -100,6 +100,63 @@ fn overlapping_solids_are_seen_by_priority() {
     assert!(end.is_vacuum());
 }
 
+/// A block that is clear on one side and frosted on the other: materials of one medium bound one solid, those of another do not.
+#[test]
+fn a_solid_may_have_several_finishes() {
+    let side = |x: f32, out: f32| rectangle(Vec3::X * x, Vec3::Y * out, Vec3::Z);
+    let frosted = MaterialDescription {
+        base_color: [0.9, 0.8, 0.7, 1.0],
+        ..dielectric(1.5, 0.3, GREEN)
+    };
+    let around = |y: f32, z: f32| {
+        let (out, along) = (Vec3::new(0.0, y, z), Vec3::new(0.0, -z, y));
+        rectangle(Vec3::X + out, along, Vec3::X)
+    };
+    let block = |back: MaterialDescription| {
+        let stage = Stage::new().add(dielectric(1.5, 0.0, GREEN), side(0.0, -1.0));
+        let stage = stage.add(back.clone(), side(2.0, 1.0));
+        let sides = [(1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0)];
+        let add = |stage: Stage, (y, z)| stage.add(back.clone(), around(y, z));
+        sides.into_iter().fold(stage, add).build()
+    };
+    let start = AXIS - Vec3::X;
+    let scene = block(frosted.clone());
+    let (seen, end) = straight(&scene, start, Vec3::X, Interior::VACUUM);
+    let expected = [(0, 1.0, Spectrum::ONE), (1, 2.0, beer(GREEN, 2.0))];
+    assert_seen(&seen, &expected);
+    assert!(end.is_vacuum());
+    let (back, end) = straight(&scene, AXIS + Vec3::X * 3.0, Vec3::NEG_X, Interior::VACUUM);
+    assert_seen(
+        &back,
+        &[(1, 1.0, Spectrum::ONE), (0, 2.0, beer(GREEN, 2.0))],
+    );
+    assert!(end.is_vacuum());
+    // Who starts within finds the one solid by what it leaves.
+    let (within, end) = straight(
+        &scene,
+        AXIS + Vec3::X,
+        Vec3::X,
+        scene.matter.interior_at(AXIS.as_dvec3() + DVec3::X),
+    );
+    assert_seen(&within, &[(1, 1.0, beer(GREEN, 1.0))]);
+    assert!(end.is_vacuum());
+    let others = [
+        MaterialDescription {
+            ior: 1.4,
+            ..frosted.clone()
+        },
+        MaterialDescription {
+            priority: 1,
+            ..frosted.clone()
+        },
+        dielectric(1.5, 0.3, BLUE),
+    ];
+    for other in others {
+        let (_, end) = straight(&block(other), start, Vec3::X, Interior::VACUUM);
+        assert_eq!(end.solids(), [0]);
+    }
+}
+
 /// A sphere by rings, facing outward.
 fn sphere(centre: Vec3, radius: f64) -> Mesh {
     const RINGS: u32 = 48;
