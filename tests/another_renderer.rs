@@ -6,11 +6,11 @@
 
 use std::collections::BTreeMap;
 
-use kaustik::scene::{Description, gltf};
+use kaustik::scene::{Description, Scene, SceneOptions, gltf};
 use kaustik::{Builder, Method, RenderSettings};
 
 use crate::support::{
-    Runs, TILE, compile, from_both_sides, is_wanted, merged, picture, settings, tile_means,
+    Runs, TILE, from_both_sides, is_wanted, merged, picture, settings, tile_means,
 };
 
 const SIDE: u32 = 128;
@@ -76,7 +76,14 @@ impl Check {
     /// Where ours differs, with paths of so many edges at most.
     #[expect(clippy::print_stdout, reason = "figures for whoever runs it")]
     fn differences(&self, description: &Description, how: &How, max_depth: u32) -> Vec<String> {
-        let scene = compile(description, SIDE);
+        let compensation = self.name != GLOSSY.name;
+        let options = SceneOptions {
+            width: SIDE,
+            height: SIDE,
+            compensation,
+            ..SceneOptions::default()
+        };
+        let scene = Scene::new(description, &options).expect("a sound scene");
         let [means, errors] = self.reference();
         let colours = means[0].len();
         let runs: Vec<Vec<Vec<f64>>> = (0..SEEDS)
@@ -85,7 +92,7 @@ impl Check {
                 settings.seed = seed;
                 settings.max_depth = max_depth;
                 settings.options.pilot = 50_000;
-                settings.options.compensation = self.name != GLOSSY.name;
+                settings.options.compensation = compensation;
                 from_both_sides(&mut settings);
                 (how.change)(&mut settings);
                 // Discs of a quarter of a pixel's radius, where light is joined across edges but little.
@@ -192,7 +199,7 @@ const METHODS: [How; 9] = [
     How::new(Method::Path, 512),
     How::new(Method::Bdpt, 256),
     How::new(Method::Pssmlt, 512),
-    How::new(Method::Mmlt, 1024),
+    How::new(Method::Mmlt, 3072),
     How::new(Method::Relt, 512),
     How::new(Method::Mlt, 1024),
     How::new(Method::Erpt, 64),
