@@ -17,7 +17,7 @@ use kaustik::scene::description::{
     LightDescription, LightKind, MaterialDescription, Pixels, Projection, TextureDescription,
 };
 
-use kinds::{KINDS, Swatch, diffuse, metal};
+use kinds::{KINDS, Kind, LEAVES, Swatch, diffuse, metal};
 use shapes::{ball, cube, faces, sheet};
 
 /// A room that a number made.
@@ -39,7 +39,12 @@ struct Builder {
     description: Description,
     has_points: bool,
     has_dirac: bool,
+    /// May there be leaves?
+    has_leaves: bool,
 }
+
+/// Rooms from this on have leaves among their things; those before are as they were when they were looked at.
+const WITH_LEAVES: u64 = 100;
 
 /// The room of this number.
 pub(crate) fn room(number: u64) -> Room {
@@ -49,6 +54,7 @@ pub(crate) fn room(number: u64) -> Room {
         description: Description::default(),
         has_points: false,
         has_dirac: false,
+        has_leaves: number >= WITH_LEAVES,
     };
     builder.texture();
     let is_open = builder.draws.bernoulli(0.35);
@@ -161,7 +167,11 @@ impl Builder {
             albedo: self.color(0.2, 0.85),
             roughness: self.between(0.25, 0.7),
         };
-        let kind = &KINDS[self.draws.index(&[1.0; KINDS.len()])];
+        let mut kinds: Vec<&Kind> = KINDS.iter().collect();
+        if self.has_leaves {
+            kinds.extend(LEAVES.iter().cycle().take(12));
+        }
+        let kind = kinds[self.draws.index(&vec![1.0; kinds.len()])];
         let material = MaterialDescription {
             name: kind.name.to_owned(),
             ..(kind.make)(self, swatch)

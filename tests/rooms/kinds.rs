@@ -1,8 +1,8 @@
 //! The sorts of material that files may ask for.
 
 use kaustik::scene::description::{
-    AlphaMode, Anisotropy, Clearcoat, Iridescence, MaterialDescription, Model, Sheen,
-    SpecularGlossiness, TextureSlot, Transmission, UvTransform, Volume,
+    AlphaMode, Anisotropy, Clearcoat, DiffuseTransmission, Iridescence, MaterialDescription, Model,
+    Sheen, SpecularGlossiness, TextureSlot, Transmission, UvTransform, Volume,
 };
 use kaustik::spectrum::{Glass, Metal};
 
@@ -127,6 +127,38 @@ pub(super) const KINDS: [Kind; 22] = [
     }),
     dirac("half glass or gloss", half_glass_or_gloss),
 ];
+
+/// Those that came later.
+pub(super) const LEAVES: [Kind; 3] = [
+    kind("leaf", |room, swatch| leaf(room, swatch.plastic())),
+    dirac("smoothly varnished leaf", |room, swatch| {
+        varnished(leaf(room, swatch.plastic()), 0.0)
+    }),
+    dirac("leaf with clear spots", |room, swatch| {
+        let clear = Transmission {
+            factor: 0.3,
+            texture: Some(SLOT),
+        };
+        MaterialDescription {
+            transmission: Some(clear),
+            roughness: 0.0,
+            ..leaf(room, swatch.paint())
+        }
+    }),
+];
+
+fn leaf(room: &mut Builder, material: MaterialDescription) -> MaterialDescription {
+    let through = DiffuseTransmission {
+        factor: room.between(0.2, 0.8),
+        texture: None,
+        color: room.color(0.2, 0.9),
+        color_texture: None,
+    };
+    MaterialDescription {
+        diffuse_transmission: Some(through),
+        ..material
+    }
+}
 
 fn cloth(room: &mut Builder, swatch: Swatch) -> MaterialDescription {
     let sheen = Sheen {

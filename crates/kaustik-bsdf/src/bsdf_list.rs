@@ -161,6 +161,11 @@ mod tests {
             transmission: 0.5,
             ..lacquer(colour)
         };
+        let leaf = PrincipledParameters {
+            diffuse_transmission: 0.4,
+            diffuse_transmission_color: grey(0.5 * colour),
+            ..lacquer(colour)
+        };
         let layers = LayerParameters {
             clearcoat: 0.7,
             sheen_color: grey(0.2),
@@ -181,6 +186,7 @@ mod tests {
             Bsdf::oren_nayar(grey(colour), 0.5),
             Bsdf::principled(&lacquer(colour)),
             Bsdf::principled(&glass),
+            Bsdf::principled(&leaf),
             layered,
         ];
         // Varnish without what is below, as a camera walk may take it.
@@ -237,5 +243,22 @@ mod tests {
         }
         // 512 bytes of it would be as many of `Principled`.
         assert!(list.bytes() < 1_000 * 29, "{}", list.bytes());
+    }
+
+    /// So does one by which light comes through.
+    #[test]
+    fn a_textured_leaf_takes_little() {
+        let mut list = BsdfList::default();
+        for at in 0..1_000 {
+            let colour = 0.1 + 0.0005 * at as f32;
+            let bsdf = Bsdf::principled(&PrincipledParameters {
+                diffuse_transmission: 0.4,
+                diffuse_transmission_color: grey(colour),
+                ..lacquer(colour)
+            });
+            assert_eq!(list.number(&bsdf), at);
+            assert_eq!(list.get(at), bsdf);
+        }
+        assert!(list.bytes() < 1_000 * 66, "{}", list.bytes());
     }
 }

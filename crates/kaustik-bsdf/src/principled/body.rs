@@ -60,21 +60,27 @@ impl Body {
 
     /// The same without diffuse light.
     pub(super) fn blackened(&self) -> Self {
-        Self {
-            through: Spectrum::ZERO,
-            ..self.coloured(Spectrum::ZERO)
-        }
+        self.coloured(Spectrum::ZERO, Spectrum::ZERO)
     }
 
-    /// The same with another colour of what is sent back.
+    /// The same with other colours of what is sent back and let through.
     #[inline]
-    pub(super) fn coloured(&self, colour: Spectrum) -> Self {
-        Self { colour, ..*self }
+    pub(super) fn coloured(&self, colour: Spectrum, through: Spectrum) -> Self {
+        Self {
+            colour,
+            through,
+            ..*self
+        }
     }
 
     /// What is sent back: base colour times its share of the material.
     pub(super) fn colour(&self) -> Spectrum {
         self.colour
+    }
+
+    /// What is let through.
+    pub(super) fn through(&self) -> Spectrum {
+        self.through
     }
 
     /// What is sent back and let through, of the light that is let in.

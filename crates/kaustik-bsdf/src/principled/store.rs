@@ -11,9 +11,11 @@ use crate::shared::Shared;
 #[derive(Clone, Debug, Default)]
 pub(crate) struct PrincipledStore {
     glossy: Shared<Glossy>,
-    /// Without the colour of what they send back.
+    /// Without their colours.
     bodies: Shared<Body>,
     colours: Shared<Spectrum>,
+    /// Colours of what bodies let through.
+    through: Shared<Spectrum>,
     clear: Shared<Option<Clear>>,
     /// All but the colour.
     rests: Shared<Rest>,
@@ -31,6 +33,7 @@ pub(crate) struct PrincipledPieces {
 struct Rest {
     glossy: u32,
     body: u32,
+    through: u32,
     clear: u32,
 }
 
@@ -38,7 +41,8 @@ impl PrincipledStore {
     pub(crate) fn number(&mut self, whole: &Principled) -> PrincipledPieces {
         let rest = Rest {
             glossy: self.glossy.number(&whole.glossy),
-            body: self.bodies.number(&whole.body.coloured(Spectrum::ZERO)),
+            body: self.bodies.number(&whole.body.blackened()),
+            through: self.through.number(&whole.body.through()),
             clear: self.clear.number(&whole.clear),
         };
         PrincipledPieces {
@@ -52,7 +56,10 @@ impl PrincipledStore {
         let rest = self.rests.get(pieces.rest);
         Principled {
             glossy: self.glossy.get(rest.glossy),
-            body: (self.bodies.get(rest.body)).coloured(self.colours.get(pieces.colour)),
+            body: (self.bodies.get(rest.body)).coloured(
+                self.colours.get(pieces.colour),
+                self.through.get(rest.through),
+            ),
             clear: self.clear.get(rest.clear),
         }
     }
@@ -60,10 +67,12 @@ impl PrincipledStore {
     pub(crate) fn append(&mut self, other: &Self) -> PrincipledPieces {
         let glossy = self.glossy.append(&other.glossy);
         let body = self.bodies.append(&other.bodies);
+        let through = self.through.append(&other.through);
         let clear = self.clear.append(&other.clear);
         let moved = |rest: &Rest| Rest {
             glossy: glossy + rest.glossy,
             body: body + rest.body,
+            through: through + rest.through,
             clear: clear + rest.clear,
         };
         PrincipledPieces {
@@ -76,6 +85,7 @@ impl PrincipledStore {
         self.glossy.clear();
         self.bodies.clear();
         self.colours.clear();
+        self.through.clear();
         self.clear.clear();
         self.rests.clear();
     }
@@ -84,6 +94,7 @@ impl PrincipledStore {
         self.glossy.bytes()
             + self.bodies.bytes()
             + self.colours.bytes()
+            + self.through.bytes()
             + self.clear.bytes()
             + self.rests.bytes()
     }
