@@ -1,7 +1,7 @@
 use crate::lobe::lobe_of_variants;
 use crate::{
-    Coated, Conductor, Delta, Dielectric, Interface, Lambertian, LayerParameters, Layered, Lobe,
-    Mirror, Mode, OrenNayar, Passing, Phong, Principled, PrincipledParameters, Reflectance,
+    Coated, Conductor, Delta, Dielectric, Finish, Interface, Lambertian, LayerParameters, Layered,
+    Lobe, Mirror, Mode, OrenNayar, Passing, Phong, Principled, PrincipledParameters, Reflectance,
     RoughConductor, RoughDielectric, RoughThinDielectric, Sample, ThinDielectric,
 };
 use glam::DVec3;
@@ -173,7 +173,13 @@ impl Bsdf {
     /// is [`metal`](Self::metal) (at roughness 0 a [`mirror`](Self::mirror) of the base colour),
     /// transmission 1 is glass, and specular 0 is exactly [`lambertian`](Self::lambertian).
     pub fn principled(parameters: &PrincipledParameters) -> Self {
-        Principled::simplest(parameters)
+        Principled::simplest(parameters, None)
+    }
+
+    /// The same where the finish of that roughness and anisotropy has been made before.
+    #[inline]
+    pub fn principled_of(parameters: &PrincipledParameters, finish: &Finish) -> Self {
+        Principled::simplest(parameters, Some(finish))
     }
 }
 

@@ -1,3 +1,4 @@
+use crate::finish::Grain;
 use crate::ggx::{FacetLoss, Ggx};
 use crate::rebound::Rebound;
 use crate::{Reflectance, local};
@@ -38,24 +39,20 @@ pub(crate) fn rebound_colour(mean_reflectance: Spectrum, mean_loss: f32) -> Spec
 }
 
 impl Facets {
-    /// `mean` is the facets' [mean loss](Ggx::mean_loss), `rebound` the colour of what scatters between them, see [`rebound_colour`].
+    /// `rebound` is the colour of what scatters between them, see [`rebound_colour`].
     #[inline]
-    pub(crate) fn new(
-        reflectance: Reflectance,
-        (ggx, mean_loss): (Ggx, FacetLoss),
-        rebound: Spectrum,
-    ) -> Self {
+    pub(crate) fn new(reflectance: Reflectance, grain: &Grain, rebound: Spectrum) -> Self {
         let mean = f64::from(reflectance.mean().mean());
         let bounce = if mean > 0.0 {
             f64::from(rebound.mean()) / mean
         } else {
             0.0
         };
-        let loss = mean_loss.given_back;
+        let loss = grain.mean_loss.given_back;
         let rebound = rebound * (FRAC_1_PI as f32 / loss.max(1e-9));
         Self {
-            ggx,
-            way: Rebound::new(ggx.alpha()),
+            ggx: grain.ggx,
+            way: grain.way,
             reflectance,
             rebound,
             mean_loss: loss,
@@ -72,13 +69,13 @@ impl Facets {
     /// With or without compensation by the reflectance's own mean.
     #[inline]
     pub(crate) fn compensated(reflectance: Reflectance, ggx: Ggx, compensation: bool) -> Self {
-        let mean = ggx.mean_loss();
+        let grain = Grain::new(ggx);
         let rebound = if compensation {
-            rebound_colour(reflectance.mean(), mean.loss)
+            rebound_colour(reflectance.mean(), grain.mean_loss.loss)
         } else {
             Spectrum::ZERO
         };
-        Self::new(reflectance, (ggx, mean), rebound)
+        Self::new(reflectance, &grain, rebound)
     }
 
     /// A direction as value, density and sampling ask for it; what they do not need is not looked up.

@@ -9,7 +9,7 @@ pub(crate) use store::{PrincipledPieces, PrincipledStore};
 
 use crate::facets::{Facets, Facing, rebound_colour};
 use crate::ggx::FacetLoss;
-use crate::{Bsdf, Delta, Lobe, Mode, Passing, Reflectance, Sample, local, warp};
+use crate::{Bsdf, Delta, Finish, Lobe, Mode, Passing, Reflectance, Sample, local, warp};
 use body::Body;
 use clear::Clear;
 use glam::DVec3;
@@ -48,21 +48,27 @@ enum Glossy {
 impl Principled {
     /// From glTF's numbers, brought into range.
     pub fn new(parameters: &PrincipledParameters) -> Self {
-        Self::within(&parameters.in_range())
+        let p = parameters.in_range();
+        Self::within(&p, &Finish::of(&p))
     }
 
-    /// The function of these numbers, or the one simpler function that they amount to.
-    pub(crate) fn simplest(parameters: &PrincipledParameters) -> Bsdf {
+    /// The function of these numbers, or the one simpler function that they amount to. `finish` is that of their roughness and anisotropy,
+    /// if it is there already.
+    pub(crate) fn simplest(parameters: &PrincipledParameters, finish: Option<&Finish>) -> Bsdf {
         let p = parameters.in_range();
-        Self::simplified(&p).unwrap_or_else(|| Bsdf::Principled(Self::within(&p)))
+        Self::simplified(&p).unwrap_or_else(|| {
+            Bsdf::Principled(match finish {
+                Some(finish) => Self::within(&p, finish),
+                None => Self::within(&p, &Finish::of(&p)),
+            })
+        })
     }
 
     /// From numbers that are in range.
-    fn within(p: &PrincipledParameters) -> Self {
+    fn within(p: &PrincipledParameters, finish: &Finish) -> Self {
         let metal = p.metallic as f32;
         let opaque = ((1.0 - p.metallic) * (1.0 - p.transmission)) as f32;
-        let facets = p.facets().map(|ggx| (ggx, ggx.mean_loss()));
-        let body = Body::new(p, facets, opaque);
+        let body = Body::new(p, finish, opaque);
         let (f0, f90) = p.dielectric_ends();
         let reflectance = p.mixed(
             (p.base_color * metal, Spectrum::splat(metal)),
@@ -70,9 +76,9 @@ impl Principled {
         );
         let glossy = if reflectance.mean().is_zero() {
             Glossy::None
-        } else if let Some((ggx, mean)) = facets {
-            let rebound = metal_rebound(p, mean) * metal + body.rebound() * opaque;
-            Glossy::Rough(Facets::new(reflectance, (ggx, mean), rebound))
+        } else if let Some(grain) = &finish.grain {
+            let rebound = metal_rebound(p, grain.mean_loss) * metal + body.rebound() * opaque;
+            Glossy::Rough(Facets::new(reflectance, grain, rebound))
         } else {
             Glossy::Smooth(reflectance)
         };

@@ -1,7 +1,8 @@
 use super::PrincipledParameters;
 use crate::facets::rebound_colour;
+use crate::finish::Grain;
 use crate::ggx::{FacetLoss, Ggx};
-use crate::{Reflectance, warp};
+use crate::{Finish, Reflectance, warp};
 use glam::DVec3;
 use kaustik_spectrum::Spectrum;
 use std::f64::consts::FRAC_1_PI;
@@ -23,17 +24,16 @@ pub(super) struct Body {
 }
 
 impl Body {
-    /// `share` is the part of the material that is opaque dielectric; `facets` are its facets with their mean loss.
-    pub(super) fn new(
-        p: &PrincipledParameters,
-        facets: Option<(Ggx, FacetLoss)>,
-        share: f32,
-    ) -> Self {
+    /// `share` is the part of the material that is opaque dielectric.
+    pub(super) fn new(p: &PrincipledParameters, finish: &Finish, share: f32) -> Self {
         let (f0, f90) = p.dielectric_ends();
         let cover = p.reflectance(f0, f90);
         let mut mean = cover.mean();
         let mut rebound = Spectrum::ZERO;
-        if let Some((ggx, at)) = facets {
+        if let Some(Grain {
+            ggx, mean_loss: at, ..
+        }) = finish.grain
+        {
             if p.compensation {
                 rebound = rebound_colour(mean, at.loss);
             }
@@ -51,7 +51,7 @@ impl Body {
         Self {
             cover,
             rebound,
-            ggx: facets.map(|(ggx, _)| ggx),
+            ggx: finish.grain.map(|grain| grain.ggx),
             colour: p.base_color * (share * (1.0 - through)),
             through: p.diffuse_transmission_color * (share * through),
             passed,

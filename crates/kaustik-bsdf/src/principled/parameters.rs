@@ -84,7 +84,7 @@ impl PrincipledParameters {
     /// The same with every number in its range; what is not a number becomes the range's lower
     /// end, an index that is not positive and finite becomes 1.
     #[inline]
-    pub(super) fn in_range(&self) -> Self {
+    pub(crate) fn in_range(&self) -> Self {
         let unit = |x: f64| within(x, 0.0, 1.0);
         let lane = |x: f32, high: f64| within(f64::from(x), 0.0, high) as f32;
         let share = |s: Spectrum| s.map(|x| lane(x, 1.0));
@@ -125,7 +125,7 @@ impl PrincipledParameters {
     ///
     /// Along x the roughness goes from alpha to 1 with the square of the anisotropy, as the extension has it.
     #[inline]
-    pub(super) fn facets(&self) -> Option<Ggx> {
+    pub(crate) fn facets(&self) -> Option<Ggx> {
         let alpha = self.alpha();
         let strength = self.anisotropy * self.anisotropy;
         let along = alpha + (1.0 - alpha) * strength;

@@ -15,7 +15,9 @@ mod older;
 mod translucency;
 
 use glam::DVec3;
-use kaustik_bsdf::{Bsdf, Interface, LayerParameters, PrincipledParameters, SMOOTH_ALPHA, Wall};
+use kaustik_bsdf::{
+    Bsdf, Finish, Interface, LayerParameters, PrincipledParameters, SMOOTH_ALPHA, Wall,
+};
 use kaustik_geometry::{Surface, World};
 use kaustik_spectrum::{Glass, Spectrum, Wavelengths};
 
@@ -41,6 +43,8 @@ pub(crate) struct Material {
     metallic: f32,
     roughness: f32,
     metallic_roughness: Option<Slot>,
+    /// Of a glTF material without layers, where it is the same all over.
+    finish: Option<Finish>,
     normal: Option<(Slot, f32)>,
     specular: f32,
     specular_texture: Option<Slot>,
@@ -96,6 +100,8 @@ impl Material {
             metallic: description.metallic,
             roughness: description.roughness,
             metallic_roughness: slot(description.metallic_roughness_texture)?,
+            finish: (kind == Kind::Principled && is_equally_rough(description))
+                .then(|| Finish::new(f64::from(description.roughness), 0.0)),
             normal: slot(description.normal_texture)?.map(|slot| (slot, description.normal_scale)),
             specular: description.specular.factor,
             specular_texture: slot(description.specular.texture)?,
@@ -237,9 +243,10 @@ impl Material {
         around: Spectrum,
     ) -> Bsdf {
         let base = self.parameters(textures, surface, wavelengths, around);
-        match self.layers.as_deref() {
-            None => Bsdf::principled(&base),
-            Some(layers) => {
+        match (self.layers.as_deref(), &self.finish) {
+            (None, None) => Bsdf::principled(&base),
+            (None, Some(finish)) => Bsdf::principled_of(&base, finish),
+            (Some(layers), _) => {
                 let on_top = layers.on_top(textures, surface, wavelengths, around);
                 Bsdf::layered(&base, &on_top)
             }
@@ -391,6 +398,11 @@ impl Material {
     pub(crate) fn ior(&self, wavelengths: &Wavelengths) -> Spectrum {
         self.glass.ior(wavelengths)
     }
+}
+
+/// Is its roughness one number?
+fn is_equally_rough(description: &MaterialDescription) -> bool {
+    description.metallic_roughness_texture.is_none() && description.specular_glossiness.is_none()
 }
 
 /// A glass by name, or glTF's ior with its dispersion (20 / Abbe number). An ior of 0 is the
