@@ -92,7 +92,7 @@ fn parts(lights: &mut [Light], depth: u32) -> [Part<'_>; WIDTH] {
             break;
         };
         let lights = std::mem::take(&mut largest.lights);
-        let middle = part(lights, largest.depth);
+        let middle = cut(lights, largest.depth);
         let (left, right) = lights.split_at_mut(middle);
         largest.depth += 1;
         let depth = largest.depth;
@@ -106,7 +106,7 @@ fn parts(lights: &mut [Light], depth: u32) -> [Part<'_>; WIDTH] {
 }
 
 /// Puts two or more lights in the order of two groups and returns how many are in the first: at least one, and not all.
-fn part(lights: &mut [Light], depth: u32) -> usize {
+fn cut(lights: &mut [Light], depth: u32) -> usize {
     let half = lights.len() / 2;
     let plane = (depth < DEEPEST).then(|| best_plane(lights)).flatten();
     let Some((axis, plane)) = plane else {
