@@ -316,14 +316,25 @@ fn moving() -> Model {
 
 fn variants() -> Model {
     let mut model = triangle();
-    model.json["materials"] = json!([{}, { "extensions": { "KHR_materials_unlit": {} } }]);
+    let leaf = json!({ "KHR_materials_diffuse_transmission": {
+        "diffuseTransmissionFactor": 0.5, "diffuseTransmissionColorFactor": [0.2, 0.9, 0.4] },
+        "KHR_materials_volume": { "thicknessFactor": 0, "attenuationDistance": 0.5 },
+        "KHR_materials_transmission": { "transmissionFactor": 0.5 } });
+    model.json["materials"] =
+        json!([{ "extensions": leaf }, { "extensions": { "KHR_materials_unlit": {} } }]);
     model.json["extensions"] = json!({ "KHR_materials_variants": {
         "variants": [{ "name": "day" }, { "name": "night" }] } });
     let primitive = &mut model.json["meshes"][0]["primitives"][0];
     primitive["material"] = json!(0);
     primitive["extensions"] = json!({ "KHR_materials_variants": {
         "mappings": [{ "material": 1, "variants": [0, 1] }] } });
-    model.json["extensionsUsed"] = json!(["KHR_materials_variants", "KHR_materials_unlit"]);
+    model.json["extensionsUsed"] = json!([
+        "KHR_materials_variants",
+        "KHR_materials_unlit",
+        "KHR_materials_diffuse_transmission",
+        "KHR_materials_volume",
+        "KHR_materials_transmission"
+    ]);
     model
 }
 
