@@ -201,7 +201,7 @@ const METHODS: [How; 9] = [
     How::new(Method::Pssmlt, 512),
     How::new(Method::Mmlt, 3072),
     How::new(Method::Relt, 512),
-    How::new(Method::Mlt, 1024),
+    How::new(Method::Mlt, 2048),
     How::new(Method::Erpt, 64),
     How::new(Method::ErptPss, 64),
     How::new(Method::Sppm, 64),
