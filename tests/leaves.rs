@@ -1,12 +1,10 @@
 //! What lets diffuse light through is as bright from behind as its share says, in closed form.
 
-use glam::{Affine3A, Quat, Vec3};
+use glam::Vec3;
 use kaustik::scene::Scene;
-use kaustik::scene::description::{
-    DiffuseTransmission, LightDescription, LightKind, MaterialDescription,
-};
+use kaustik::scene::description::{DiffuseTransmission, MaterialDescription};
 
-use crate::support::{compile, describe, direct_light_by_all, paint, square};
+use crate::support::{compile, describe, direct_light_by_all, paint, square, sun};
 
 const SIDE: u32 = 16;
 const IRRADIANCE: f64 = 5.0;
@@ -36,14 +34,7 @@ fn sunlit(behind: bool) -> Scene {
     let mut description = describe(Vec3::new(0.03, 0.02, 9.0), 0.1, [sheet]);
     let down = if behind { 1.0 } else { -1.0 };
     let axis = Vec3::new((1.0 - SUN * SUN).sqrt() as f32, 0.0, down * SUN as f32);
-    description.lights.push(LightDescription {
-        name: "sun".to_owned(),
-        kind: LightKind::Directional,
-        color: [1.0; 3],
-        intensity: IRRADIANCE as f32,
-        range: None,
-        transform: Affine3A::from_quat(Quat::from_rotation_arc(Vec3::NEG_Z, axis)),
-    });
+    description.lights.push(sun(axis, IRRADIANCE));
     compile(&description, SIDE)
 }
 

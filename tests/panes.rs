@@ -1,10 +1,10 @@
 //! What is lit through a smooth pane and seen through it, in closed form.
 
-use glam::{Affine3A, Quat, Vec3};
+use glam::Vec3;
 use kaustik::scene::Scene;
-use kaustik::scene::description::{LightDescription, LightKind, MaterialDescription, Transmission};
+use kaustik::scene::description::{MaterialDescription, Transmission};
 
-use crate::support::{compile, describe, direct_light_by_all, paint, square};
+use crate::support::{compile, describe, direct_light_by_all, paint, square, sun};
 
 const SIDE: u32 = 16;
 const ALBEDO: f64 = 0.6;
@@ -25,20 +25,13 @@ fn pane() -> MaterialDescription {
 }
 
 /// A floor under panes one above the other, seen from above under a sun whose height has this sine.
-fn showcase(panes: u8, sun: f32) -> Scene {
+fn showcase(panes: u8, height: f32) -> Scene {
     let floor = (paint([ALBEDO as f32; 3]), square(Vec3::ZERO, 0.6));
     let sheets = (1..=panes).map(|i| (pane(), square(Vec3::Z * (0.1 * f32::from(i)), 1.3)));
     let things = std::iter::once(floor).chain(sheets);
     let mut description = describe(Vec3::new(0.03, 0.02, 9.0), 0.1, things);
-    let axis = Vec3::new((1.0 - sun * sun).sqrt(), 0.0, -sun);
-    description.lights.push(LightDescription {
-        name: "sun".to_owned(),
-        kind: LightKind::Directional,
-        color: [1.0; 3],
-        intensity: IRRADIANCE as f32,
-        range: None,
-        transform: Affine3A::from_quat(Quat::from_rotation_arc(Vec3::NEG_Z, axis)),
-    });
+    let axis = Vec3::new((1.0 - height * height).sqrt(), 0.0, -height);
+    description.lights.push(sun(axis, IRRADIANCE));
     compile(&description, SIDE)
 }
 

@@ -8,12 +8,13 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::thread;
 
-use glam::{Affine3A, Vec3};
+use glam::{Affine3A, Quat, Vec3};
 use kaustik::film::Image;
 use kaustik::geometry::Mesh;
 use kaustik::path::features;
 use kaustik::scene::description::{
-    CameraDescription, InstanceDescription, MaterialDescription, Projection, Specular,
+    CameraDescription, InstanceDescription, LightDescription, LightKind, MaterialDescription,
+    Projection, Specular,
 };
 use kaustik::scene::{Description, Scene, SceneOptions, builtin};
 use kaustik::{Budget, Builder, Control, Method, Normaliser, RenderSettings, Starts, render};
@@ -139,6 +140,18 @@ pub(crate) fn means(image: &Image) -> [f64; 3] {
     image
         .rgb()
         .map(|plane| plane.iter().map(|&v| f64::from(v)).sum::<f64>() / plane.len() as f64)
+}
+
+/// Parallel white light along an axis of length 1, of this irradiance on what faces it.
+pub(crate) fn sun(axis: Vec3, irradiance: f64) -> LightDescription {
+    LightDescription {
+        name: "sun".to_owned(),
+        kind: LightKind::Directional,
+        color: [1.0; 3],
+        intensity: irradiance as f32,
+        range: None,
+        transform: Affine3A::from_quat(Quat::from_rotation_arc(Vec3::NEG_Z, axis)),
+    }
 }
 
 /// Mean over all pixels and channels of the light of paths of two edges at most, by every method.

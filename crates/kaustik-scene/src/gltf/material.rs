@@ -151,34 +151,36 @@ fn extensions(
         material.volume = Some(volume(reader, &e)?);
     }
     if let Some(e) = place.extension("KHR_materials_diffuse_transmission")? {
-        let diffuse = diffuse_transmission(reader, textures, &e)?;
-        let thick = material.volume.is_some_and(|volume| volume.thickness > 0.0);
-        if diffuse.factor > 0.0 && material.bounds_solid() {
-            let message = "left out of a solid: what enters that is refracted";
-            reader.warn(&e, message);
-        } else {
-            if diffuse.factor > 0.0 && thick {
-                let message = "what diffuse light goes through is thin here: the volume, and what it absorbs, is left out";
-                reader.warn(&e, message);
-                material.volume = None;
-            }
-            material.diffuse_transmission = Some(diffuse);
-        }
+        diffuse_transmission(reader, textures, &e, material)?;
     }
     Ok(())
 }
 
+/// Of what has an inside one of the two is left out.
 fn diffuse_transmission(
     reader: &mut Reader<'_>,
     textures: &Textures,
     place: &Cursor<'_>,
-) -> Result<DiffuseTransmission> {
-    Ok(DiffuseTransmission {
+    material: &mut MaterialDescription,
+) -> Result<()> {
+    let diffuse = DiffuseTransmission {
         factor: reader.number(place, "diffuseTransmissionFactor", 0.0, UNIT)?,
         texture: slot(reader, textures, place, "diffuseTransmissionTexture")?,
         color: reader.numbers(place, "diffuseTransmissionColorFactor", [1.0; 3], UNIT)?,
         color_texture: slot(reader, textures, place, "diffuseTransmissionColorTexture")?,
-    })
+    };
+    let is_there = diffuse.factor > 0.0;
+    if is_there && material.bounds_solid() {
+        reader.warn(place, "left out of a solid: what enters that is refracted");
+        return Ok(());
+    }
+    if is_there && material.volume.is_some_and(|volume| volume.thickness > 0.0) {
+        let message = "what diffuse light goes through is thin here: the volume, and what it absorbs, is left out";
+        reader.warn(place, message);
+        material.volume = None;
+    }
+    material.diffuse_transmission = Some(diffuse);
+    Ok(())
 }
 
 /// 1 or more, or the 0 by which the extension spells a reflection of 1 everywhere.

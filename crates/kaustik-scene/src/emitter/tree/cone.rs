@@ -81,15 +81,10 @@ pub(super) fn angle(a: DVec3, b: DVec3) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
     use proptest::prelude::*;
 
-    fn unit() -> impl Strategy<Value = DVec3> {
-        (-1.0..1.0f64, 0.0..std::f64::consts::TAU).prop_map(|(z, phi)| {
-            let radius = (1.0 - z * z).sqrt();
-            DVec3::new(radius * libm::cos(phi), radius * libm::sin(phi), z)
-        })
-    }
+    use super::super::tests::unit;
+    use super::*;
 
     fn cone() -> impl Strategy<Value = Cone> {
         let spread = prop_oneof![Just(0.0), Just(PI), 0.0..PI];

@@ -8,7 +8,8 @@ use super::*;
 /// A lamp: the exponent of its power, its place, where it shines to within how many radians, and how many lengths far.
 type Lamp = (i32, Vec3, DVec3, f64, Option<f64>);
 
-fn unit() -> impl Strategy<Value = DVec3> {
+/// Of length 1.
+pub(super) fn unit() -> impl Strategy<Value = DVec3> {
     (-1.0..1.0f64, 0.0..std::f64::consts::TAU).prop_map(|(z, phi)| {
         let radius = (1.0 - z * z).sqrt();
         DVec3::new(radius * libm::cos(phi), radius * libm::sin(phi), z)
