@@ -33,7 +33,7 @@ use crate::sampling::cells::Cells;
 use crate::sampling::stratified::mix;
 use crate::sampling::streams;
 use crate::state::{Reader, StateError, Writer};
-use crate::{RenderError, RenderSettings, StepId};
+use crate::{Builder, Method, RenderError, RenderSettings, StepId};
 
 /// Samples a cell that tell where there is something to see. They are used for nothing else, so that
 /// where one looks more closely does not depend on what is found there.
@@ -44,11 +44,12 @@ const FIRST_LOOK: u64 = u64::MAX / 2;
 const FROM_LIGHT: u64 = u64::MAX / 4;
 const FROM_LIGHT_LOOK: u64 = u64::MAX / 8;
 /// The most samples in a cell that is looked at more closely, for each in another.
-const CLOSELY: u64 = 1024;
-/// Mutations a pixel for each pass but the first.
-const EACH: u64 = 16;
-/// The same where something is seen by way of mirrors or glass: that has more noise.
-const EACH_SPECULAR: u64 = 4;
+const CLOSELY: f64 = 1024.0;
+/// Mutations a pixel for each pass but the first, where each mutation is a path of one strategy.
+const EACH: u64 = 8;
+/// The same where it is a path by all strategies, which takes as long as a dozen of these samples, or where something is seen by way of mirrors or glass,
+/// which has more noise.
+const EACH_OFTEN: u64 = 4;
 
 /// Stratified samples of purely specular paths, in passes over a grid, one cell a pixel.
 pub(crate) struct Lamps<'a> {
@@ -75,13 +76,34 @@ pub(crate) struct Lamps<'a> {
     nonfinite: Nonfinite,
 }
 
+/// Mutations a pixel for each pass, where nothing is seen by way of mirrors.
+fn each(settings: &RenderSettings) -> u64 {
+    let bidirectional = settings.options.builder == Builder::Bidirectional;
+    match settings.method {
+        Method::Relt | Method::Annealing => EACH_OFTEN,
+        Method::Pssmlt | Method::PssmltMultistage if bidirectional => EACH_OFTEN,
+        // whose samples count as several mutations
+        Method::Erpt => 2 * EACH,
+        _ => EACH,
+    }
+}
+
+/// How the samples of a cell and its neighbours differ.
+#[derive(Clone, Copy, Debug)]
+struct Spread {
+    /// Standard deviation of X + Y + Z.
+    deviation: f64,
+    /// The same over the mean; 0 where nothing was seen.
+    relative: f64,
+}
+
 /// What a few samples of a cell saw. Less than a film has of a pixel.
 #[derive(Clone, Copy, Debug)]
 struct Look {
     /// X + Y + Z of all samples together.
     light: f64,
-    /// Root of the sum of its squares.
-    root: f32,
+    /// The sum of its squares.
+    squares: f64,
     /// Was some of it seen by way of a mirror or glass?
     specular: bool,
     /// Did a walk go on from a mirror or through glass, whatever it saw?
@@ -133,7 +155,7 @@ impl<'a> Lamps<'a> {
             generators,
             cells,
             often: Vec::new(),
-            each: EACH,
+            each: each(settings),
             passes: 0,
             pixels: settings.pixels(),
             cell_area: layout.extended_bounds().area() / cells.count() as f64,
@@ -148,7 +170,7 @@ impl<'a> Lamps<'a> {
         // of a lamp that is small one of the two is far too low
         let mean = seen_mean.max(found.mean);
         if seen.iter().any(|look| look.specular) {
-            lamps.each = EACH_SPECULAR;
+            lamps.each = EACH_OFTEN;
         }
         lamps.film = Film::with_layout(&layout, Quantum::from_sum_of_xyz(mean))?;
         lamps.often = lamps.closely(&seen);
@@ -175,7 +197,7 @@ impl<'a> Lamps<'a> {
             }
             Look {
                 light: sum,
-                root: squares.sqrt() as f32,
+                squares,
                 specular,
                 onward,
             }
@@ -186,38 +208,58 @@ impl<'a> Lamps<'a> {
     }
 
     /// How often each cell is sampled in a pass: once, and as many samples again as there are cells fall to those
-    /// where something was seen, and to their neighbours: half of them to all of these alike, half by
-    /// how bright it is there. Where mirrors or glass are seen, a third each, and a third to all cells that see some: behind
+    /// where samples differ: half of them by the standard deviation, which is what gives the least squared error, half
+    /// by its ratio to the mean, for the least relative one. The inside of a lamp and an even sky ask for nothing more; what costs is
+    /// the outline of whatever stands before them. Where mirrors or glass are seen, a third each, and a third to all cells that see some: behind
     /// several reflections a lamp may be too small for a few samples to have met it.
     fn closely(&self, seen: &[Look]) -> Vec<u64> {
-        let (columns, rows) = (self.cells.columns() as i64, self.cells.rows() as i64);
-        let root = |x: i64, y: i64| {
-            let inside = (0..columns).contains(&x) && (0..rows).contains(&y);
-            if inside {
-                seen[(y * columns + x) as usize].root
-            } else {
-                0.0
-            }
-        };
-        // the brightest of the cell and its neighbours
-        let near = |cell: i64| {
-            let (x, y) = (cell % columns, cell / columns);
-            let around = (-1..=1).flat_map(|dy| (-1..=1).map(move |dx| (dx, dy)));
-            (around.map(|(dx, dy)| root(x + dx, y + dy))).fold(0.0, f32::max)
-        };
-        let near: Vec<f32> = (0..columns * rows).map(near).collect();
-        let lit = near.iter().filter(|&&root| root > 0.0).count().max(1);
-        let sum = (near.iter().map(|&root| f64::from(root)).sum::<f64>()).max(f64::MIN_POSITIVE);
+        let spread = self.spread(seen);
+        let sum =
+            |of: fn(&Spread) -> f64| spread.iter().map(of).sum::<f64>().max(f64::MIN_POSITIVE);
+        let deviations = sum(|spread| spread.deviation);
+        let relatives = sum(|spread| spread.relative);
         let onward = seen.iter().filter(|look| look.onward).count();
         let parts = if onward > 0 { 3.0 } else { 2.0 };
         let share = self.cells.count() as f64 / parts;
-        let of = |is: bool, count: usize| if is { share / count as f64 } else { 0.0 };
-        let often = |(root, look): (f32, &Look)| {
-            let bright = share * (f64::from(root) / sum);
-            let alike = of(root > 0.0, lit) + of(look.onward, onward);
-            ((alike + bright) as u64).clamp(1, CLOSELY)
+        let often = |(spread, look): (&Spread, &Look)| {
+            let by_spread = spread.deviation / deviations + spread.relative / relatives;
+            let by_mirrors = if look.onward {
+                1.0 / onward as f64
+            } else {
+                0.0
+            };
+            (1.0 + share * (by_spread + by_mirrors))
+                .round()
+                .clamp(1.0, CLOSELY) as u64
         };
-        near.into_iter().zip(seen).map(often).collect()
+        spread.iter().zip(seen).map(often).collect()
+    }
+
+    /// How the samples of each cell and of its neighbours differ: a few of its own alone would often tell nothing of an
+    /// outline that crosses it.
+    fn spread(&self, seen: &[Look]) -> Vec<Spread> {
+        let (columns, rows) = (self.cells.columns() as usize, self.cells.rows() as usize);
+        let around = |at: usize, side: usize| at.saturating_sub(1)..(at + 2).min(side);
+        let of = |cell: usize| {
+            let (x, y) = (cell % columns, cell / columns);
+            let near = around(y, rows).flat_map(|y| around(x, columns).map(move |x| (x, y)));
+            let near = near.map(|(x, y)| &seen[y * columns + x]);
+            let (mut count, mut sum, mut squares) = (0, 0.0, 0.0);
+            for look in near {
+                count += LOOK;
+                sum += look.light;
+                squares += look.squares;
+            }
+            let mean = sum / count as f64;
+            let variance = squares / count as f64 - mean * mean;
+            let deviation = variance.max(0.0).sqrt();
+            let relative = if mean > 0.0 { deviation / mean } else { 0.0 };
+            Spread {
+                deviation,
+                relative,
+            }
+        };
+        (0..columns * rows).map(of).collect()
     }
 
     /// Which cells show emitters by samples from their own side: those of which more are seen there than would give

@@ -4,6 +4,7 @@ pub(crate) mod climb;
 mod even;
 mod keep;
 pub(crate) mod kernels;
+mod noise;
 mod run;
 mod scales;
 pub(crate) mod scouts;

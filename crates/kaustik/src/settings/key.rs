@@ -306,7 +306,7 @@ pub const KEYS: &[Key] = &[
         name: "even",
         default: "auto",
         range: "auto|0 to 256",
-        meaning: "independent samples a sweep beside the chains, spread evenly over the image. auto: 2 to 256, more where \
+        meaning: "independent samples a sweep beside the chains, spread evenly over the image. auto: 8 to 256, more where \
                   light is easy to find, fewer where the specific replica alone shows much of it; a number: so many (the paper \
                   has none)",
         methods: EXCHANGE,

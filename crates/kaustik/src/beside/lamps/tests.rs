@@ -62,6 +62,39 @@ fn inside_a_large_lamp_rays_see_to_it() {
     assert!(!always.iter().any(|&cell| lamps.by_light.has(cell)));
 }
 
+/// Where all samples around a cell are alike there is nothing to learn: samples go to the outline.
+#[test]
+fn outlines_have_most_samples() {
+    let scene = small::scene("cornell-direct", [128; 2]);
+    let settings = small::settings(Method::Relt, [128; 2]);
+    let lamps = Lamps::new(&scene, &settings).expect("lamps").expect("some");
+    let mut value = Contributions::default();
+    let met: Vec<usize> = (0..lamps.cells.count())
+        .map(|cell| lamps.met(cell, &mut value))
+        .collect();
+    let side = lamps.cells.columns() as usize;
+    let often = |wanted: &dyn Fn(&[usize; 9]) -> bool| {
+        let mut mean = kaustik_mcmc::Mean::new();
+        for (x, y) in (1..side - 1).flat_map(|y| (1..side - 1).map(move |x| (x, y))) {
+            let cell = y * side + x;
+            let around = std::array::from_fn(|i| met[cell + i % 3 + side * (i / 3) - side - 1]);
+            if wanted(&around) {
+                mean.push(lamps.often[cell] as f64);
+            }
+        }
+        mean.mean()
+    };
+    let outline = often(&|around| (1..LOOK as usize).contains(&around[4]));
+    let inside = often(&|around| around.iter().all(|&met| met == LOOK as usize));
+    let outside = often(&|around| around.iter().all(|&met| met == 0));
+    assert!(inside >= 1.0 && outside <= 1.0, "{inside} {outside}");
+    assert!(outline > 4.0 * inside, "{outline} {inside}");
+    // a pass has twice as many samples as there are cells
+    let all: u64 = lamps.often.iter().sum();
+    let cells = lamps.cells.count();
+    assert!((2 * cells).abs_diff(all) < cells / 20, "{all} of {cells}");
+}
+
 /// A replay of a sample from an emitter's own side tells the splat that a pass has made of it.
 #[test]
 fn samples_from_the_light_are_told() {

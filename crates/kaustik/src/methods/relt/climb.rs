@@ -1,18 +1,21 @@
 //! One attempt at an annealing: particles go up from replica to replica.
 
 use std::array::from_fn;
+use std::fmt;
 
 use kaustik_estimate::{PathTarget, ReplicaFamily, ReplicaSet, ScalarTarget, SpecularSplit};
 use kaustik_mcmc::{
-    Draws, Estimate, Extinct, Family, Ignore, LevelKernel, Pcg64Dxsm, Point, Population,
+    Draws, Estimate, Extinct, Family, Ignore, LevelKernel, Mean, Pcg64Dxsm, Point, Population,
     Resampling, SampleGenerators, checked_densities, generator,
 };
 use kaustik_path::{Contributions, Sighting};
+use kaustik_pss::{Coordinates, Stream};
 use rayon::prelude::*;
 
 use super::kernels::{Mutation, kernels, mutation};
+use super::noise;
 use super::scouts::{Scouts, scouting};
-use super::start::{Started, State, samples};
+use super::start::{PoolSample, Started, State, samples};
 use crate::beside::meter::{Hunt, Places};
 use crate::sampling::shuffle::Shuffle;
 use crate::sampling::streams;
@@ -29,6 +32,39 @@ const FIRST_SCOUTS_BESIDE: u32 = 4;
 /// Where of its scouts more than this share are effective ones, independent samples know its light as well as a chain
 /// does: the heuristic shares it best.
 const EASY: f64 = 1e-2;
+/// Where its light would be less than this share of the noise of independent samples, a chain that follows it takes time from
+/// what has the rest.
+const LITTLE: f64 = 0.1;
+
+/// Why implicit specular light is left to independent samples.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Easy {
+    /// So large a share of walks from the camera find it.
+    Found(f64),
+    /// It has so small a share of the noise.
+    Quiet(f64),
+}
+
+impl fmt::Display for Easy {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Found(share) => {
+                write!(
+                    f,
+                    "{:.0} % of walks from the camera find its light",
+                    100.0 * share
+                )
+            }
+            Self::Quiet(share) => {
+                write!(
+                    f,
+                    "independent samples have {:.1} % of their noise from its light",
+                    100.0 * share
+                )
+            }
+        }
+    }
+}
 
 /// A population of paths.
 type Climbing<const K: usize> = Population<Point<Mutation>, Contributions, K>;
@@ -37,8 +73,8 @@ type Climbing<const K: usize> = Population<Point<Mutation>, Contributions, K>;
 pub(super) struct Climb<'a, const K: usize> {
     target: PathTarget<'a>,
     set: ReplicaSet,
-    /// Effective share of scouts that found light, where that is so large that no chain need follow it.
-    pub(super) easy: Option<f64>,
+    /// Why no chain need follow what scouts look for, if so.
+    pub(super) easy: Option<Easy>,
     settings: &'a RenderSettings,
     family: ReplicaFamily<K>,
     attempt: u32,
@@ -46,6 +82,9 @@ pub(super) struct Climb<'a, const K: usize> {
     scouts: Scouts<'a, K>,
     /// Where a meter's scouts have found more of what those look for.
     places: Option<Places<'a>>,
+    /// Independent samples, the particles before they climb, and where on the window each begins.
+    samples: Vec<State>,
+    rasters: Vec<[f64; 2]>,
 }
 
 /// An attempt on its way up.
@@ -67,7 +106,7 @@ impl<'a, const K: usize> Climb<'a, K> {
         set: &'a ReplicaSet,
         settings: &'a RenderSettings,
         attempt: u32,
-        easy: Option<Option<f64>>,
+        easy: Option<Option<Easy>>,
     ) -> Self {
         let family = ReplicaFamily::new(set, settings.options.target);
         let particles = (settings.options.particles << attempt).min(MOST_PARTICLES);
@@ -81,6 +120,20 @@ impl<'a, const K: usize> Climb<'a, K> {
             None => 0,
         };
         let ladder = streams::annealing(attempt, K + 1);
+        let mut samples = samples(
+            target,
+            &family,
+            &mutation(set, settings.options.steps, 0),
+            settings.seed,
+            streams::annealing(attempt, 0),
+            (particles, None),
+        )
+        .unwrap_or_default();
+        // A state has the coordinates that its path began with: nothing is drawn.
+        let mut draws = generator(settings.seed, 0);
+        let rasters = (samples.iter_mut())
+            .map(|(point, _)| point.current(&mut draws).get2(Stream::Camera, 0))
+            .collect();
         let mut climb = Self {
             target,
             set: *set,
@@ -91,28 +144,54 @@ impl<'a, const K: usize> Climb<'a, K> {
             particles,
             scouts: Scouts::send(target, family, settings, ladder, count),
             places: None,
+            samples,
+            rasters,
         };
         match (easy.unwrap_or_else(|| climb.is_easy()), hunt) {
-            (Some(share), _) => climb.leave_specular(share),
+            (Some(easy), _) => climb.leave_specular(easy),
             (None, hunt) => climb.places = hunt.and_then(|hunt| hunt.places(&family)),
         }
         climb
     }
 
-    /// The effective share of scouts, if it is so large that independent samples may have their light.
-    fn is_easy(&self) -> Option<f64> {
+    /// Why independent samples may have the light of scouts, if so.
+    fn is_easy(&self) -> Option<Easy> {
         let options = &self.settings.options;
         // As a renderer of its own an annealing has no even samples.
-        let even = self.settings.method == Method::Relt && options.even != EvenSamples::Count(0);
-        Some(self.scouts.effective_share()).filter(|share| even && *share > EASY)
+        if self.settings.method != Method::Relt || options.even == EvenSamples::Count(0) {
+            return None;
+        }
+        let found = self.scouts.effective_share();
+        if found > EASY {
+            return Some(Easy::Found(found));
+        }
+        let (finds, sent) = self.scouts.light();
+        let pool = self.pool();
+        let specular = finds.iter().sum::<f64>() / sent.max(1) as f64;
+        let other: Mean = pool.iter().map(|sample| sample.light.other).collect();
+        let part = specular / (specular + other.mean());
+        let noise = noise::of_finds(&finds, sent, part)?;
+        let share = noise / (noise + noise::of_samples(&pool));
+        (share < LITTLE).then_some(Easy::Quiet(share))
     }
 
-    /// Leaves light that so large a share of scouts find to independent samples.
-    fn leave_specular(&mut self, share: f64) {
-        self.easy = Some(share);
+    /// Leaves light that is easy to find to independent samples.
+    fn leave_specular(&mut self, easy: Easy) {
+        self.easy = Some(easy);
         self.set = self.set.leaving_specular();
         self.family = ReplicaFamily::new(&self.set, self.settings.options.target);
         self.scouts.judge_by(self.family);
+    }
+
+    /// What is kept of the independent samples.
+    fn pool(&self) -> Vec<PoolSample> {
+        let samples = self.samples.iter().zip(&self.rasters);
+        let kept = samples.map(|((_, value), &raster)| PoolSample {
+            densities: all_densities(&self.family, value),
+            light: SpecularSplit::of(value, ScalarTarget::Xyz),
+            raster,
+        });
+        kept.collect()
     }
 
     /// How many replicas there are to climb to.
@@ -121,7 +200,7 @@ impl<'a, const K: usize> Climb<'a, K> {
     }
 
     /// Goes up all levels. Also the first that nobody reached, and how far scouts saw.
-    pub(super) fn run(&self) -> (Started, Option<Extinct>, Sighting) {
+    pub(super) fn run(&mut self) -> (Started, Option<Extinct>, Sighting) {
         let mut ascent = self.begin();
         let extinct = (1..self.count()).find_map(|level| self.climb(&mut ascent, level).err());
         let sighted = match &self.places {
@@ -132,20 +211,12 @@ impl<'a, const K: usize> Climb<'a, K> {
     }
 
     /// Independent samples, and the uniform replica's states among them.
-    fn begin(&self) -> Ascent<'a, K> {
+    fn begin(&mut self) -> Ascent<'a, K> {
+        let mut started = self.known();
+        let samples = std::mem::take(&mut self.samples);
         let Climb { settings, .. } = *self;
         let set = &self.set;
         let steps = settings.options.steps;
-        let samples = samples(
-            self.target,
-            &self.family,
-            &mutation(set, steps, 0),
-            settings.seed,
-            streams::annealing(self.attempt, 0),
-            (self.particles, None),
-        )
-        .unwrap_or_default();
-        let mut started = self.known_of(&samples);
         let kernels = kernels::<K>(self.target, set, steps);
         let family = Elsewhere {
             all: self.family,
@@ -167,17 +238,10 @@ impl<'a, const K: usize> Climb<'a, K> {
     }
 
     /// What independent samples and scouts tell before anyone climbs.
-    fn known_of(&self, samples: &[State]) -> Started {
-        let pool: Vec<_> = (samples.iter())
-            .map(|(_, value)| {
-                let light = SpecularSplit::of(value, ScalarTarget::Xyz);
-                (all_densities(&self.family, value), light)
-            })
-            .collect();
+    fn known(&self) -> Started {
+        let pool = self.pool();
         let scouted = self.scouts.light();
-        let light = (pool.iter())
-            .flat_map(|(_, light)| [light.specular, light.other])
-            .sum::<f64>();
+        let light: f64 = pool.iter().map(|sample| sample.light.whole()).sum();
         let (found, sent) = &scouted;
         let of_scouts = found.iter().sum::<f64>() / (*sent).max(1) as f64;
         // Where no particle has met light, scouts may have.
@@ -212,7 +276,7 @@ impl<'a, const K: usize> Climb<'a, K> {
             central,
         } = ascent;
         let kernel = &kernels[level];
-        let at_once = effective(started.pool.iter().map(|(densities, _)| densities[level]));
+        let at_once = effective(started.pool.iter().map(|sample| sample.densities[level]));
         let mut population = self.climbers(populations, level);
         let mut elsewhere = Estimate::exact(0.0);
         let mut annealed = 0.0;

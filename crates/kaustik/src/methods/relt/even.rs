@@ -24,14 +24,16 @@ use crate::{EvenSamples, RenderSettings};
 
 /// The most samples a sweep, if it is not said how many, and the fewest.
 const MOST: f64 = EvenSamples::MOST as f64;
-const FEWEST: f64 = 2.0;
+const FEWEST: f64 = 8.0;
 /// More than so many only where each cell of the image still has one sample at most while all ladders take a sweep: in
 /// small pictures there would be hardly any sweeps.
 const MOST_OF_SMALL: f64 = 64.0;
+/// As many where light is hard to find, but none of it is left to a specific replica.
+const FEW: f64 = 64.0;
 /// As many where light is hard to find, and a specific replica has little of it.
-const FEW: f64 = 16.0;
+const FEW_BESIDE: f64 = 32.0;
 /// That is: of the full replica's density, in the mean, its own is at most this share.
-const LITTLE: f64 = 0.04;
+const LITTLE: f64 = 0.02;
 
 /// How many even samples a sweep are worth their cost.
 ///
@@ -54,23 +56,23 @@ pub(super) fn samples_a_sweep<const K: usize>(
         .map(|[at_once, _]| at_once / particles);
     let ease = 2.0 * shares.fold(0.5, f64::min);
     let rough = |k: usize| started.rough[k].value;
-    let specific = if specific {
-        rough(K - 1) / rough(full_replica::<K>())
+    let few = if specific {
+        few_beside(rough(K - 1) / rough(full_replica::<K>()))
     } else {
-        0.0
+        FEW
     };
     let cells = Cells::new(settings).count();
     let a_ladder = cells as f64 / f64::from(settings.options.ladders);
     let most = MOST.min(a_ladder.max(MOST_OF_SMALL));
-    // 16 where an effective sample in four is one, as where light is hard to find; 256 where it is one in two
-    (MOST * ease.powi(4)).min(most).max(few(specific)).round() as u32
+    // 16 where an effective sample in four is one; 256 where it is one in two
+    (MOST * ease.powi(4)).max(few).min(most).round() as u32
 }
 
 /// Even samples where light is hard to find: they show what is easy all the same. The more light the specific
 /// replica has, of its share of the full replica's density, the fewer: that light is seen in sweeps alone. Measured:
 /// `docs/experiments/relt.md`.
-fn few(specific: f64) -> f64 {
-    (FEW * (LITTLE / specific).min(1.0)).max(FEWEST)
+fn few_beside(specific: f64) -> f64 {
+    (FEW_BESIDE * (LITTLE / specific).min(1.0)).max(FEWEST)
 }
 
 /// The way of one ladder over the cells.
@@ -186,8 +188,9 @@ mod tests {
 
     #[test]
     fn the_more_only_sweeps_show_the_fewer_are_even() {
-        let found = [0.0, 0.04, 0.08, 0.16, 0.32, 1.0].map(few);
-        for (found, wanted) in found.into_iter().zip([16.0, 16.0, 8.0, 4.0, 2.0, 2.0]) {
+        let found = [0.0, 0.02, 0.04, 0.08, 0.16, 0.32, 1.0].map(few_beside);
+        let wanted = [32.0, 32.0, 16.0, 8.0, 8.0, 8.0, 8.0];
+        for (found, wanted) in found.into_iter().zip(wanted) {
             assert!((found - wanted).abs() < 1e-12, "{found} {wanted}");
         }
     }

@@ -70,8 +70,9 @@ pub(super) fn pool<const K: usize>(
     started: &Started,
 ) -> ReplicaShares<K> {
     let mut pool = ReplicaShares::on(below(set));
-    for (densities, light) in &started.pool {
-        pool.sample(weights.share(&std::array::from_fn(|k| densities[k]), *light));
+    for sample in &started.pool {
+        let densities = std::array::from_fn(|k| sample.densities[k]);
+        pool.sample(weights.share(&densities, sample.light));
     }
     if weights.shared() < K {
         let (found, sent) = &started.scouted;

@@ -73,14 +73,26 @@ const AGAIN: u32 = 3;
 /// density counts, not only what particles have seen of its light: in water under a small lamp that is nothing, and
 /// a third of the picture.
 const NEGLIGIBLE: f64 = 1e-3;
+
+/// What is kept of an independent sample.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct PoolSample {
+    /// By replica; 0 for those that there are not.
+    pub(crate) densities: [f64; ReplicaSet::MOST],
+    /// X + Y + Z.
+    pub(crate) light: SpecularSplit,
+    /// Where the walk from the camera begins, in the unit square over the window.
+    pub(crate) raster: [f64; 2],
+}
+
 /// What an annealing leaves.
 pub(crate) struct Started {
     /// For each replica that is to run, a state for each ladder of this process.
     pub(crate) starts: Vec<Vec<State>>,
     /// Integrals of the replicas' densities: constants of the weights.
     pub(crate) rough: Vec<Estimate>,
-    /// Densities and [`SpecularSplit`] of the first attempt's independent samples.
-    pub(crate) pool: Vec<([f64; ReplicaSet::MOST], SpecularSplit)>,
+    /// The first attempt's independent samples.
+    pub(crate) pool: Vec<PoolSample>,
     /// Implicit specular light of what the first attempt's scouts found, and how many were sent.
     pub(crate) scouted: (Vec<f64>, u64),
     /// Effective numbers of particles by replica: of the first population weighed at once, and of the
@@ -97,8 +109,8 @@ pub(crate) struct Started {
     pub(crate) dropped: Option<String>,
 }
 
-/// Why the specific replica would be of no use, if it would not.
-fn needless<const K: usize>(
+/// Why there is no light for the specific replica, if there cannot be any.
+fn lightless(
     target: PathTarget<'_>,
     set: &ReplicaSet,
     started: &Started,
@@ -110,14 +122,16 @@ fn needless<const K: usize>(
     if !target.scene.has_extended_lights() {
         return Some("there is no emitter that a walk can run into".to_owned());
     }
-    if sighted == Sighting::Plain {
-        let walks = started.scouted.1;
-        return Some(format!(
-            "none of {walks} walks from the camera began at a mirror or at smooth glass"
-        ));
-    }
-    let negligible = started.rough[K - 1].value < NEGLIGIBLE * started.rough[K - 2].value;
-    negligible
+    let walks = started.scouted.1;
+    (sighted == Sighting::Plain).then(|| {
+        format!("none of {walks} walks from the camera began at a mirror or at smooth glass")
+    })
+}
+
+/// Why it is not worth its steps though it has lived, if so.
+fn negligible<const K: usize>(set: &ReplicaSet, started: &Started) -> Option<String> {
+    let little = started.rough[K - 1].value < NEGLIGIBLE * started.rough[K - 2].value;
+    (set.is_specific() && little)
         .then(|| format!("its normalisation is below {NEGLIGIBLE} of that of the replica before"))
 }
 
@@ -132,26 +146,28 @@ fn anneal<const K: usize>(
     let mut first = None;
     loop {
         let easy = first.as_ref().map(|(_, easy)| *easy);
-        let climb = Climb::<K>::new(target, set, settings, attempt, easy);
+        let mut climb = Climb::<K>::new(target, set, settings, attempt, easy);
         let (mut started, extinct, sighted) = climb.run();
-        if extinct.is_some() && attempt < AGAIN {
+        let lightless = lightless(target, set, &started, sighted);
+        let hopeless = lightless.is_some() && extinct == Some(Extinct { level: K - 1 });
+        if extinct.is_some() && !hopeless && attempt < AGAIN {
             attempt += 1;
             first.get_or_insert(((started.pool, started.scouted), climb.easy));
             continue;
         }
-        if let Some(Extinct { level }) = extinct {
+        let specific = |why: String| format!("the specific replica does not run: {why}");
+        if hopeless {
+            started.dropped = lightless.map(specific);
+        } else if let Some(Extinct { level }) = extinct {
             started.dropped = Some(format!(
                 "replicas from the {}. on do not run: none of {} particles reached it",
                 level + 1,
                 started.particles
             ));
-        } else if let Some(share) = climb.easy {
-            started.dropped = Some(format!(
-                "the specific replica does not run: {:.0} % of walks from the camera find its light",
-                100.0 * share
-            ));
-        } else if let Some(why) = needless::<K>(target, set, &started, sighted) {
-            started.drop_last(format!("the specific replica does not run: {why}"));
+        } else if let Some(easy) = climb.easy {
+            started.dropped = Some(specific(easy.to_string()));
+        } else if let Some(why) = lightless.or_else(|| negligible::<K>(set, &started)) {
+            started.drop_last(specific(why));
         }
         // What counts as independent is the first attempt's: a later one was made because that had met too little,
         // and is the last because it met enough.

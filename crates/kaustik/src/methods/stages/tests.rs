@@ -12,7 +12,9 @@ use crate::engine::Engine;
 use crate::retold::cut;
 use crate::state::{Header, Keep, Snapshot, Source, State, take_up};
 use crate::threads::pool;
-use crate::{Budget, Method, RenderSettings, StageLadder, StepId, replay, replay_from, small};
+use crate::{
+    Budget, Direct, Method, RenderSettings, StageLadder, StepId, replay, replay_from, small,
+};
 
 const METHODS: [Method; 2] = [Method::MltMultistage, Method::PssmltMultistage];
 const SIDE: u32 = 8;
@@ -211,7 +213,9 @@ fn no_stream_repeats() {
 #[test]
 fn steps_of_stages_are_retold() {
     let scene = scene();
-    let settings = settings(Method::PssmltMultistage, 2);
+    let mut settings = settings(Method::PssmltMultistage, 2);
+    // samples beside the chains would be told among their steps
+    settings.options.direct = Direct::Together;
     let pool = pool(1).expect("threads");
     let (told, ends, state) = pool.install(|| {
         let mut engine = StagedEngine::new(&scene, &settings).expect("an engine");
