@@ -22,10 +22,10 @@
 //! * [`Mode::Radiance`] walks from the eye, [`Mode::Importance`] from a light. Each is the other's
 //!   adjoint: `eval(wo, wi, Importance) == eval(wi, wo, Radiance)`.
 //! * Opaque surfaces reflect on both sides; a dielectric's outside is z > 0.
-//! * Lobes are chosen by means over the lanes, so a density is one number for all wavelengths.
-//! * **Hero alone**: refraction where the index differs between lanes sends all of them where the
-//!   hero goes, which is right for the hero only. `Sample::dispersive` and
-//!   [`Lobe::dispersive_between`] say so; such a path counts with its hero.
+//! * Lobes are chosen by their means over the lanes (the path's four wavelengths), so a pdf is one number for all wavelengths.
+//! * **Hero alone**: refraction where the index differs between lanes sends all of them in the direction of the
+//!   hero wavelength, which is right for the hero only. `Sample::dispersive` and
+//!   [`Lobe::dispersive_between`] report this; such a path counts for its hero only.
 
 mod albedo;
 mod bsdf;

@@ -1,5 +1,9 @@
+use crate::local::within;
 use crate::{fresnel, warp};
 use kaustik_spectrum::Spectrum;
+
+/// The thickest film, in nanometres: thicker ones show no colours.
+const MOST_NM: f64 = 1e5;
 
 /// Interference in a thin transparent film over a surface (`KHR_materials_iridescence`): soap, oil, anodised
 /// metal.
@@ -29,7 +33,7 @@ struct Beneath {
 }
 
 impl ThinFilm {
-    /// From `strength` in `[0, 1]`, the film's `index` relative to the outside, its `thickness` in nanometres, the
+    /// From `strength` in `[0, 1]`, the film's `index` relative to the outside, its `thickness` in nanometres (100,000 at most), the
     /// path's `wavelengths` outside in nanometres, and what the surface without it reflects at normal incidence and at
     /// grazing, `f0` at most `f90`.
     pub fn new(
@@ -44,9 +48,9 @@ impl ThinFilm {
         } else {
             1.0
         };
-        let path = 2.0 * index * thickness.clamp(0.0, 1e5);
+        let path = 2.0 * index * within(thickness, 0.0, MOST_NM);
         Self {
-            strength: strength.clamp(0.0, 1.0) as f32,
+            strength: within(strength, 0.0, 1.0) as f32,
             index: index as f32,
             turns: wavelengths.map(|nm| {
                 if nm > 0.0 {

@@ -1,14 +1,14 @@
-//! From the visits of Markov chains to splats on a film.
+//! Estimators: from the visits of Markov chains to splats on a film.
 //!
-//! A chain knows values and densities; a film knows splats. Between them stands what a visit
-//! is worth: [`PathTarget`] evaluates paths, [`ScalarContribution`] reads the chain's density
-//! off them ([`MappedContribution`]: times a [`RasterMap`]), [`KelemenDeposit`] weighs and
+//! A chain works with values and densities, a film with splats. This crate lies between them and decides what a visit
+//! contributes: [`PathTarget`] evaluates paths, [`ScalarContribution`] computes the chain's density
+//! from the result ([`MappedContribution`]: times a [`RasterMap`]), [`KelemenDeposit`] weights and
 //! splats every visit. [`ReplicaFamily`] and [`ReplicaDeposit`] do the same for replica
 //! exchange.
 //!
-//! For photons, [`PhotonMap`] says what a light path brings to which measurement points,
-//! [`PhotonTarget`] gives the densities of all levels, [`PhotonDeposit`] weighs the visits.
-//! The spatial target learns by [`RegionSums`] (what has touched a region) and [`Regions`]
+//! For photons, [`PhotonMap`] gives the contribution of a light path to each measurement point,
+//! [`PhotonTarget`] gives the densities of all levels, [`PhotonDeposit`] weights the visits.
+//! The spatial target is learnt through [`RegionSums`] (statistics of what has touched a region) and [`Regions`]
 //! (the tree, and the density of photons in each of its leaves).
 //!
 //! ```

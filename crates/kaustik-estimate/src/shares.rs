@@ -196,11 +196,6 @@ impl<const K: usize> ReplicaShares<K> {
         self.parts[level].count()
     }
 
-    /// What the films were given: sums of weight times light.
-    pub fn held(&self) -> [f64; K] {
-        self.held
-    }
-
     /// How far independent samples are to be trusted with a replica's light, in [0, 1]: n / (n + 2)
     /// for n effective samples, `(sum of light)^2 / sum of squares`.
     ///

@@ -1,13 +1,13 @@
 //! Markov chains for expensive, vector-valued targets on the unit cube and on any state.
 //!
-//! Some integrals are dear: each evaluation takes microseconds or more, yields not a number
+//! Some integrals are expensive: each evaluation takes microseconds or more, yields not a single number
 //! but a bundle of contributions (which pixels, which colours), and reads as many random
-//! numbers as it happens to need. Where such an integrand is concentrated in small places,
+//! numbers as it happens to need. Where such an integrand is concentrated in small regions,
 //! independent samples waste nearly all evaluations. A Metropolis chain walks on the
 //! *random numbers themselves*, the primary samples (Kelemen, Szirmay-Kalos, Antal and
 //! Csonka, "A simple and robust mutation strategy for the Metropolis light transport
-//! algorithm", 2002), and stays where the integrand is large. This crate is that method,
-//! made for rendering but ignorant of light: it knows no vector, no image and no thread.
+//! algorithm", 2002), and stays where the integrand is large. This crate implements that method.
+//! It was made for rendering but contains nothing about light: no vector, no image and no thread.
 //!
 //! ```
 //! use kaustik_mcmc::{
@@ -70,34 +70,34 @@
 //!
 //! | noun | is |
 //! |---|---|
-//! | [`Target`] | dear: evaluates a point into a value |
-//! | [`Family`] | cheap: K unnormalised target densities, one a level, read off a value |
-//! | [`Point`] | lazily made coordinates with their clock (Kelemen sec. 4 and 6) |
+//! | [`Target`] | the expensive part: evaluates a point into a value |
+//! | [`Family`] | the cheap part: K unnormalised target densities, one per level, computed from a value |
+//! | [`Point`] | coordinates that are created when first read, with time stamps (Kelemen sec. 4 and 6) |
 //! | [`Mutation`] | how one coordinate takes a small step: [`Exponential`], [`Uniform`], [`WrappedNormal`], [`WrappedCauchy`], [`Power`]; [`PerCoordinate`] |
-//! | [`Proposal`] | a guard: a point one step on, until decided; dropped, it never was |
+//! | [`Proposal`] | a guard that holds the proposed point until it is decided on; dropped undecided, it leaves no trace |
 //! | [`Kernel`] | how a chain proposes, for any state: [`PointKernel`] for points, [`LevelKernel`] and [`SizedKernel`] with step sizes of their own |
 //! | [`Mixture`] | several kernels in one, by fixed chances or by [`Suitability`] |
 //! | [`Scouting`] | independence proposals that a cheap test screens before they are evaluated: [`Metropolis::scout`] |
 //! | [`Touring`] | surrogate transitions (Liu 2001): many steps under a cheap target, offered as one: [`Metropolis::step_by_tour`] |
 //! | [`SecondStage`] | a second try after a rejected large step: [`Metropolis::step_delayed`] |
-//! | [`Metropolis`] | a chain: current value, the decision, what is yet to be reported |
+//! | [`Metropolis`] | a chain: its current value, the accept/reject decision, visits not yet reported |
 //! | [`Ladder`] | chains at all levels that exchange states: by a [`Schedule`], on a [`SwapGraph`] |
 //! | [`Population`], [`anneal`](fn@anneal) | particles that climb the levels: starts and rough normalisers |
 //! | [`RoughNormalisers`], [`SteppingStone`] | integrals of the densities: fixed ones for weights, running ones for scales |
-//! | [`Visit`], [`Recorder`] | what a chain tells, and who listens |
+//! | [`Visit`], [`Recorder`] | what a chain reports at each step, and what receives it |
 //! | [`Pool`], [`Start`] | independent samples, and the one a chain begins at |
-//! | [`Stratification`] | a pool whose samples share the cube among them |
+//! | [`Stratification`] | a pool of samples that are stratified over the cube |
 //! | [`Redistribution`], [`Redistributor`], [`Deposit`] | many short chains from Monte Carlo samples |
 //! | [`AcceptanceAdaptation`], [`JumpAdaptation`], [`DiminishingAdaptation`] | step sizes that learn, between rounds |
 //! | [`Mean`], [`Estimate`] | a running mean with its standard error; a number with its own |
 //! | [`IndexProcess`] | which replica was where: lineages, round trips |
 //! | [`Autocorrelation`], [`Halves`], [`split_r_hat`], [`Jumps`] | how far a chain's estimates can be trusted |
-//! | [`Draws`] | every decision: a generator, or the [enumerator](testing::Enumerator) |
-//! | [`testing`] | feature: how to prove a kernel of your own right |
+//! | [`Draws`] | the source of every random decision: a generator, or the [enumerator](testing::Enumerator) |
+//! | [`testing`] | with the feature `testing`: how to prove a kernel of your own correct |
 //!
-//! Dear and cheap are apart so that a value that was paid for can be judged under any
+//! The expensive and the cheap part are kept apart so that a value, once computed, can be used under any
 //! number of densities: exchange between replicas, multiple importance sampling and
-//! annealing cost no evaluation.
+//! annealing need no further evaluation.
 //!
 //! # Two ways in
 //!
@@ -105,7 +105,7 @@
 //! [`Metropolis::step`]. This is the way above.
 //!
 //! *You ask and tell*: keep your own loop, take a [`Proposal`] from a [`Point`], read
-//! coordinates from it, decide. No trait to implement; [`Proposal`] shows it whole.
+//! coordinates from it, evaluate, decide. There is no trait to implement; [`Proposal`] has a complete example.
 //!
 //! Either way, a renderer that asks a sampler for the *next* number wraps the coordinates in a
 //! [`Cursor`].
@@ -116,7 +116,7 @@
 //!
 //! # Estimating
 //!
-//! With b the integral of the density I at the chain's level, M steps and F what is wanted:
+//! Let b be the integral of the density I at the chain's level, M the number of steps and F the quantity to be integrated:
 //!
 //! | estimator | each visit adds | scale |
 //! |---|---|---|
@@ -124,12 +124,12 @@
 //! | Kelemen's combination (eqs. 1 and 2), split: of all visits | weight * F / (I/b0 + p) | (b / b0) / M |
 //! | the same: of independent proposals | independent * F / (I/b0 + p) | 1 / M |
 //!
-//! where p is the probability of large steps and b0 any positive constant, a guess of b. The
-//! combination is the sum of its two sums. Both estimators are unbiased after any number of steps, if b is the
-//! [normaliser](Pool::normaliser) of the very pool that the chain's start was chosen from.
+//! where p is the probability of large steps and b0 any positive constant, such as a guess of b. Kelemen's
+//! combination is the sum of the two lower rows. Both estimators are unbiased after any number of steps, if b is the
+//! [normaliser](Pool::normaliser) of the same pool that the chain's start was chosen from.
 //! (A pool whose samples all have density 0 has b = 0, which is right for the sum over all visits: a chain from any
-//! start still brings its independent proposals.)
-//! Kelemen's printed form, with an estimate of b inside the weights, is not.
+//! start still contributes its independent proposals.)
+//! Kelemen's printed form, which has an estimate of b inside the weights, is biased.
 //!
 //! # To read on
 //!

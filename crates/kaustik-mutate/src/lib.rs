@@ -5,11 +5,11 @@
 //! changed, and returns T(y -> x) / T(x -> y); whether it is accepted is the chain's matter.
 //!
 //! # Measure
-//! `f` and all densities are per area of the vertices (per solid angle where an emitter lies
-//! infinitely far away, per area of the lens), as in Veach 1997 ch. 8. Between two vertices that
-//! do not scatter into Dirac directions stands `G`. A run of Dirac scatterings between `b`
-//! (nearer the eye) and `a` (nearer the light) stands instead with the Jacobian
-//! `cos_b d(omega_b)/dA_a`, which is a factor of `f` and of the density of every way to make the
+//! `f` and all pdfs are with respect to area at the vertices (to solid angle where an emitter lies
+//! infinitely far away, to area of the lens at the lens), as in Veach 1997 ch. 8. Two neighbouring vertices that
+//! do not scatter into Dirac directions contribute the geometric term `G`. For a run of Dirac scatterings between `b`
+//! (nearer the eye) and `a` (nearer the light) the Jacobian
+//! `cos_b d(omega_b)/dA_a` takes its place. It is a factor of `f` and of the pdf of every way to make the
 //! run; it cancels wherever paths are compared, because runs are kept or made as a whole, and is set to 1. So
 //! in this crate
 //!
@@ -18,11 +18,11 @@
 //! | to `a` from `b`, against the light | `p_w(b) P.. / cos_b` |
 //! | to `b` from `a`, with the light | `p_w(a) P.. / cos_a` times `s / S` of each vertex passed |
 //!
-//! where `P` are the probabilities of the lobes, `s` is the squared ratio of the indices that radiance
-//! is multiplied by and `S` the factor of shading normals for particles (both: Veach 1997 ch. 5). Each step has
-//! two factors more: the chance to pass what is partly transparent on the way, times the opacity of where it ends; and where
-//! that is a smooth pane, which rays pass as well ([`Bsdf::passing`](kaustik_bsdf::Bsdf::passing)), the chance to meet it. `f` has the first, and
-//! in the transmittance of the edge what passes panes over the chance to.
+//! where `P` are the probabilities of the lobes, `s` is the factor by which refraction scales radiance, the squared ratio
+//! of the indices, and `S` is the correction for shading normals in particle transport (both: Veach 1997 ch. 5). Each step has
+//! two further factors: first, the probability of passing the partly transparent surfaces on the way, times the opacity of the surface where the step ends; second, where
+//! that surface is a smooth pane, which rays may also pass ([`Bsdf::passing`](kaustik_bsdf::Bsdf::passing)), the probability of meeting it. `f` has only the first; for panes on the
+//! way, the transmittance of the edge in `f` is what passes divided by the probability of passing.
 //!
 //! The unit of area is the scene's own, or in a scene of millimetres or of kilometres the square of the
 //! length that is usual there: products over long paths stay within the range of `f64`.

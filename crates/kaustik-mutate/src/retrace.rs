@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use glam::{DVec2, DVec3};
-use kaustik_bsdf::{Lobe, Mode};
+use kaustik_bsdf::{Frame, Lobe, Mode};
 use kaustik_geometry::World;
 use kaustik_mcmc::{Draws, Mutation, Uniform};
 use kaustik_scene::EmitterPoint;
@@ -173,6 +173,7 @@ impl Retrace<'_> {
         let surface = world.surface_at(instance, primitive, to.x as f32, to.y as f32);
         vertex.position = surface.position.as_dvec3();
         vertex.normal = surface.geometric_normal.as_dvec3();
+        vertex.frame = Frame::from_z(vertex.normal);
         vertex.surface = surface;
         if self.to.scene.has_alpha() {
             emitter.opacity = f64::from(self.to.scene.opacity(vertex));

@@ -1,7 +1,7 @@
-//! From a point of the unit cube to light paths: path tracing, light tracing, bidirectional
-//! path tracing and its single strategies (multiplexed), photon paths and the measurement
+//! Path builders, which turn a point of the unit cube into light paths: path tracing, light tracing, bidirectional
+//! path tracing, and its single strategies one at a time (multiplexed). Also photon paths and the measurement
 //! points that they touch, and sights: walks from the camera alone that look for implicit
-//! specular light.
+//! specular light ([`Class::L0`]).
 //!
 //! A [`PathBuilder`] draws every number from [`Coordinates`](kaustik_pss::Coordinates) and
 //! nothing else. It knows no chain and no random generator, so that plain Monte Carlo, Markov

@@ -353,7 +353,8 @@ impl Scene {
 
     /// How much more often [`Self::sample_direct`] at `from` chooses the emitter that such an emission starts from than
     /// [`Self::sample_emission`] does: the ratio of its densities to those of [`EmissionPdf`], otherwise the same. 1 where few
-    /// emitters stand anywhere, and of what is infinitely far away; 0 where none of its light can come to that point.
+    /// emitters stand anywhere, and of what is infinitely far away; where none of its light can come to that point, only the small share
+    /// that goes by power alone.
     #[inline]
     pub fn next_event_odds(&self, pdf: &EmissionPdf, from: DVec3) -> f64 {
         self.emitters.odds(pdf.emitter, from)

@@ -161,8 +161,9 @@ impl Nonfinite {
         if kept > KEPT || (kept == 0) != (self.count == 0) || kept as u64 > self.count {
             return Err(StateError::damaged("its faults do not add up"));
         }
-        for step in self.steps {
-            Reader::count(step)?;
+        // Numbers of steps are places and no counts: samples beside chains have some from far up.
+        if self.steps.iter().any(|&step| step > u64::MAX / 2) {
+            return Err(StateError::damaged("a step is beyond all that are"));
         }
         Ok(self)
     }
@@ -222,6 +223,18 @@ pub(crate) fn add_counters(a: Counters, b: Counters) -> Counters {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Samples beside chains have numbers that no count may have.
+    #[test]
+    fn faults_of_samples_from_far_up_are_read_again() {
+        let at = |step| {
+            let mut faults = Nonfinite::default();
+            faults.count(1, step);
+            faults.checked()
+        };
+        assert!(at(u64::MAX / 4 + 7).is_ok());
+        assert!(at(u64::MAX).is_err());
+    }
 
     #[test]
     fn the_first_faults_are_kept_and_all_are_counted() {

@@ -1,12 +1,12 @@
-//! A small path tracer that knows nothing of this workspace, once as it is, once with our
-//! chains: no trait of ours is implemented, the proposal guard is all.
+//! A small path tracer that knows nothing of this workspace, run once as it is and once with our
+//! chains. It implements no trait of ours: it uses the proposal guard (`Proposal`) alone.
 //!
-//! The scene is a room with a glass ball and a small lamp. Paths meet the lamp by chance alone,
-//! and what lights the floor through the ball, nobody can aim at.
+//! The scene is a room with a glass ball and a small lamp. Paths hit the lamp only by chance,
+//! and no next-event estimation is possible for the light that reaches the floor through the ball.
 //!
 //! `cargo run --release -p kaustik-mcmc --example foreign_renderer [picture.png]`
 //!
-//! The picture shows plain paths, chains with as many, and the reference.
+//! The picture shows plain path tracing, chains with as many paths, and the reference.
 
 #![expect(clippy::print_stdout, reason = "an example shows what it found")]
 

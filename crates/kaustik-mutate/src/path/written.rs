@@ -87,7 +87,10 @@ impl PathSpace<'_> {
             }
             path.slots.push(vertex);
         }
-        let sound = self.serves(path.raster) && self.evaluate(&mut path);
+        let sound = self.serves(path.raster)
+            && self.evaluate(&mut path)
+            && path.density.is_finite()
+            && path.colour.is_finite();
         let same = path.density.to_bits() == written.density.to_bits()
             && path.colour.0.map(f32::to_bits) == written.colour.map(f32::to_bits);
         (sound && same).then_some(path)

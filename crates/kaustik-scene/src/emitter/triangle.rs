@@ -149,14 +149,14 @@ pub(super) fn typical_area(world: &World, instance: u32, primitive: u32) -> f64 
     areas.sum::<f64>() / f64::from(TIMES)
 }
 
-/// The solids in front of a triangle and behind it.
+/// The solids in front of a triangle and behind it. Where geometry moves nobody asks: they are looked up for each sample.
 pub(super) fn interiors_around(
     matter: &Matter,
     instance: u32,
     primitive: u32,
     area: f64,
 ) -> [Interior; 2] {
-    if !matter.has_solids {
+    if !matter.has_solids || matter.world.moves() {
         return [Interior::VACUUM; 2];
     }
     let middle = (matter.world).surface_at(instance, primitive, 1.0 / 3.0, 1.0 / 3.0);

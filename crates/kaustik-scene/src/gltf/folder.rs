@@ -77,7 +77,7 @@ impl Folder {
             let found = format!("\"{}\": {e}", shorten(relative));
             LoadError::io(place.pointer(), expected, io::Error::new(e.kind(), found))
         };
-        let path = root.join(relative).canonicalize().map_err(failed)?;
+        let path = find(root, relative).map_err(failed)?;
         if !path.starts_with(root) {
             let found = format!("\"{}\", a link out of the folder", shorten(relative));
             let expected = "a file inside the folder of the scene file";
@@ -89,6 +89,19 @@ impl Folder {
         let bytes = Arc::new(read_file(&path, &place.pointer(), budget, failed)?);
         self.read.insert(path, Arc::clone(&bytes));
         Ok(bytes)
+    }
+}
+
+/// The file that a relative path leads to. Some exporters part folders by a backslash, which is part of a name elsewhere than on
+/// Windows: that is tried where there is no such name.
+fn find(root: &Path, relative: &str) -> io::Result<PathBuf> {
+    let found = root.join(relative).canonicalize();
+    match found {
+        Err(_) if relative.contains('\\') => {
+            let parted = relative.replace('\\', "/");
+            root.join(parted).canonicalize().or(found)
+        }
+        found => found,
     }
 }
 

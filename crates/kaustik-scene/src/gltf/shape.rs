@@ -123,7 +123,8 @@ fn bend<'a>(
     reader.budget.work(primitive, size_of_val(&pulls[..]))?;
     for vertex in 0..mesh.positions.len() {
         let own = &pulls[vertex * each..][..each];
-        let Some(by) = mean(own, bends) else { continue };
+        let by = mean(own, bends).or(bends.first().copied());
+        let by = by.unwrap_or(DAffine3::IDENTITY);
         let position = &mut mesh.positions[vertex];
         *position = by.transform_point3(position.as_dvec3()).as_vec3();
         if let Some(normal) = mesh.normals.get_mut(vertex) {

@@ -10,7 +10,7 @@ use super::{ErrorKind, LoadError};
 /// The path of a relative uri, or the bytes of a data uri.
 #[derive(Debug, PartialEq)]
 pub(super) enum Uri {
-    /// Percent-decoded once; it has no scheme and is not absolute, and its `..` do not climb
+    /// Percent-decoded once, or as it is written if its escapes are none (exporters write "10%.bin"); it has no scheme and is not absolute, and its `..` do not climb
     /// above where it starts.
     Relative(String),
     /// The payload of a data uri.
@@ -27,7 +27,7 @@ impl Uri {
             });
         }
         let path = percent_decode(text).and_then(|bytes| String::from_utf8(bytes).ok());
-        let path = path.ok_or_else(|| place.mismatch("a uri with valid percent escapes"))?;
+        let path = path.unwrap_or_else(|| text.to_owned());
         match outside(text, &path) {
             None => Ok(Self::Relative(path)),
             Some(why) => Err(place
@@ -158,8 +158,17 @@ mod tests {
         ] {
             assert_eq!(read(uri), Err(ErrorKind::Forbidden), "{uri}");
         }
-        assert_eq!(read("a%2.bin"), Err(ErrorKind::Value));
-        assert_eq!(read("a%ff.bin"), Err(ErrorKind::Value));
+    }
+
+    /// Blender names the buffer of "example 10%.blend" so.
+    #[test]
+    fn what_is_no_escape_is_read_as_it_is_written() {
+        for uri in ["example 10%.bin", "a%2.bin", "a%ff.bin", "%2e%2e/a%.bin"] {
+            assert_eq!(read(uri), Ok(Uri::Relative(uri.into())));
+        }
+        for uri in ["../10%.bin", "/10%.bin", "c:10%.bin", "..\\10%"] {
+            assert_eq!(read(uri), Err(ErrorKind::Forbidden), "{uri}");
+        }
     }
 
     #[test]

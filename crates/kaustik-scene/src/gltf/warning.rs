@@ -33,17 +33,19 @@ pub(super) struct Warnings {
 
 impl Warnings {
     pub(super) fn push(&mut self, place: impl Into<String>, message: impl Into<String>) {
-        if self.list.len() >= MOST {
-            self.dropped += 1;
-            return;
-        }
         let warning = Warning {
             place: place.into(),
             message: message.into(),
         };
-        if self.seen.insert(warning.clone()) {
-            self.list.push(warning);
+        if self.seen.contains(&warning) {
+            return;
         }
+        if self.list.len() >= MOST {
+            self.dropped += 1;
+            return;
+        }
+        self.seen.insert(warning.clone());
+        self.list.push(warning);
     }
 
     pub(super) fn into_list(mut self) -> Vec<Warning> {

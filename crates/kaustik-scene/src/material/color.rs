@@ -27,13 +27,18 @@ impl Slot {
         textures: &[Texture],
         material: &str,
     ) -> Result<Self, SceneError> {
-        if slot.texture >= textures.len() || slot.uv_set > 1 {
-            return Err(SceneError::Reference {
-                what: format!("material '{material}'"),
-                kind: "texture or uv set",
-                index: slot.texture,
-                count: textures.len(),
-            });
+        for (kind, index, count) in [
+            ("texture", slot.texture, textures.len()),
+            ("uv set", usize::from(slot.uv_set), 2),
+        ] {
+            if index >= count {
+                return Err(SceneError::Reference {
+                    what: format!("material '{material}'"),
+                    kind,
+                    index,
+                    count,
+                });
+            }
         }
         Ok(Self {
             texture: slot.texture as u32,

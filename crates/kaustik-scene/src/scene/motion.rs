@@ -189,16 +189,18 @@ impl Clock<'_> {
         }
     }
 
-    /// Keys of the file within the interval, in order, with whether something jumps there; then the end.
+    /// Keys of the file within the interval, in order, with whether something jumps there; then the end. None in an
+    /// instant, which has one place, also where something jumps.
     fn breaks(&self, carried: &Carried) -> Vec<(f64, bool)> {
         let (open, close) = (f64::from(self.shutter.open), f64::from(self.shutter.close));
         let mut breaks: Vec<(f64, bool)> = Vec::new();
-        if close > open {
-            for joint in self.chain(carried) {
-                sample::keys(joint, [open, close], |time, jumps| {
-                    breaks.push(((time - open) / (close - open), jumps));
-                });
-            }
+        if close <= open {
+            return breaks;
+        }
+        for joint in self.chain(carried) {
+            sample::keys(joint, [open, close], |time, jumps| {
+                breaks.push(((time - open) / (close - open), jumps));
+            });
         }
         breaks.push((1.0, false));
         breaks.sort_by(|a, b| a.0.total_cmp(&b.0));

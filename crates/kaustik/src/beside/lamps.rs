@@ -92,9 +92,9 @@ fn each(settings: &RenderSettings) -> u64 {
 #[derive(Clone, Copy, Debug)]
 struct Spread {
     /// Standard deviation of X + Y + Z.
-    deviation: f64,
+    deviation: f32,
     /// The same over the mean; 0 where nothing was seen.
-    relative: f64,
+    relative: f32,
 }
 
 /// What a few samples of a cell saw. Less than a film has of a pixel.
@@ -102,8 +102,8 @@ struct Spread {
 struct Look {
     /// X + Y + Z of all samples together.
     light: f64,
-    /// The sum of its squares.
-    squares: f64,
+    /// Root of the sum of its squares.
+    root: f32,
     /// Was some of it seen by way of a mirror or glass?
     specular: bool,
     /// Did a walk go on from a mirror or through glass, whatever it saw?
@@ -197,7 +197,7 @@ impl<'a> Lamps<'a> {
             }
             Look {
                 light: sum,
-                squares,
+                root: squares.sqrt() as f32,
                 specular,
                 onward,
             }
@@ -214,23 +214,26 @@ impl<'a> Lamps<'a> {
     /// several reflections a lamp may be too small for a few samples to have met it.
     fn closely(&self, seen: &[Look]) -> Vec<u64> {
         let spread = self.spread(seen);
-        let sum =
-            |of: fn(&Spread) -> f64| spread.iter().map(of).sum::<f64>().max(f64::MIN_POSITIVE);
+        let sum = |of: fn(&Spread) -> f32| {
+            let all = spread.iter().map(|spread| f64::from(of(spread)));
+            all.sum::<f64>().max(f64::MIN_POSITIVE)
+        };
         let deviations = sum(|spread| spread.deviation);
         let relatives = sum(|spread| spread.relative);
         let onward = seen.iter().filter(|look| look.onward).count();
         let parts = if onward > 0 { 3.0 } else { 2.0 };
         let share = self.cells.count() as f64 / parts;
         let often = |(spread, look): (&Spread, &Look)| {
-            let by_spread = spread.deviation / deviations + spread.relative / relatives;
+            let by_spread =
+                f64::from(spread.deviation) / deviations + f64::from(spread.relative) / relatives;
             let by_mirrors = if look.onward {
                 1.0 / onward as f64
             } else {
                 0.0
             };
-            (1.0 + share * (by_spread + by_mirrors))
-                .round()
-                .clamp(1.0, CLOSELY) as u64
+            let wanted = 1.0 + share * (by_spread + by_mirrors);
+            // what is not a number becomes 0, then 1
+            (wanted.round().clamp(1.0, CLOSELY) as u64).max(1)
         };
         spread.iter().zip(seen).map(often).collect()
     }
@@ -248,15 +251,15 @@ impl<'a> Lamps<'a> {
             for look in near {
                 count += LOOK;
                 sum += look.light;
-                squares += look.squares;
+                squares += f64::from(look.root) * f64::from(look.root);
             }
             let mean = sum / count as f64;
             let variance = squares / count as f64 - mean * mean;
             let deviation = variance.max(0.0).sqrt();
             let relative = if mean > 0.0 { deviation / mean } else { 0.0 };
             Spread {
-                deviation,
-                relative,
+                deviation: deviation as f32,
+                relative: relative as f32,
             }
         };
         (0..columns * rows).map(of).collect()

@@ -183,6 +183,10 @@ impl Engine for DirectApart<'_> {
         self.steps() - before
     }
 
+    fn pass(&self) -> Option<u64> {
+        Some(self.pass)
+    }
+
     /// Whole passes.
     fn planned(&self, ladder: u32, settings: &RenderSettings) -> u64 {
         let passes = match settings.budget {

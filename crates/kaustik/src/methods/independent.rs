@@ -345,7 +345,11 @@ impl Engine for IndependentEngine<'_> {
 
     /// Samples follow from their number alone; how many chains one has, from those of its cell before it.
     fn replay(&mut self, StepId { ladder, step }: StepId) -> Result<Vec<Event>, RenderError> {
-        let pass = self.grain(ladder).max(1);
+        let pass = self.grain(ladder);
+        if pass == 0 {
+            // a ladder without cells has no samples
+            return Ok(Vec::new());
+        }
         let (job, streams) = self.parts(None);
         let Some(stream) = streams.iter_mut().find(|s| s.ladder == ladder) else {
             return Ok(Vec::new());

@@ -230,8 +230,9 @@ impl Engine for StagedEngine<'_> {
     }
 
     fn develop(&mut self) -> Result<Image, RenderError> {
-        if let Some(failure) = self.failure.take() {
-            return Err(failure);
+        // It stays: what a watcher was shown in place of a picture, the render's end says as well.
+        if let Some(failure) = &self.failure {
+            return Err(failure.clone());
         }
         let image = self.engine.develop()?;
         let sums = self.sums.with(&image, self.engine.steps());

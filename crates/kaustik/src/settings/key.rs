@@ -96,9 +96,9 @@ pub const KEYS: &[Key] = &[
         name: "pilot",
         default: "100000",
         range: "1 to 10000000",
-        meaning: "independent samples at the start: they choose the first states, estimate the normalisation and fix the \
-                  film's quantum (path, light, bdpt, and the remainder of photon methods: a hundredth of it; mmlt: at most as \
-                  many bidirectional samples besides, and no more than 200,000, tell how often strategies are tried; \
+        meaning: "number of independent samples at the start: they provide the first states, estimate the normalisation constant and \
+                  set the film's quantum (path, light, bdpt, and the remainder of photon methods: a hundredth of it; mmlt: up to \
+                  as many bidirectional samples in addition, at most 200,000, decide how often strategies are tried; \
                   multi-stage methods: as many again, shared by the stages after the first)",
         methods: &[
             Method::Path,
@@ -122,8 +122,8 @@ pub const KEYS: &[Key] = &[
         name: "nextevent",
         default: "on",
         range: "on|off",
-        meaning: "joins every vertex to an emitter; off: emitters are found by running into them (with builder=unidirectional \
-                  and seeds=path alone)",
+        meaning: "connects every vertex to an emitter; off: emitters are found only when a path hits one (only with \
+                  builder=unidirectional and seeds=path)",
         methods: &[
             Method::Path,
             Method::Pssmlt,
@@ -136,8 +136,9 @@ pub const KEYS: &[Key] = &[
         name: "builder",
         default: "unidirectional",
         range: "unidirectional|endpoint|simple|bidirectional",
-        meaning: "how a point becomes paths: a walk joined to emitters at every vertex, or at its end only; walks from light \
-                  and camera joined at their ends, or everywhere",
+        meaning: "how a point becomes paths. unidirectional: a walk from the camera, connected to emitters at every vertex; \
+                  endpoint: connected at its end only; simple: walks from light and camera, connected at their ends; \
+                  bidirectional: connected everywhere",
         methods: WALKS,
     },
     Key {
@@ -214,8 +215,8 @@ pub const KEYS: &[Key] = &[
         name: "meter",
         default: "on",
         range: "on|off",
-        meaning: "where light comes by way of smooth glass, mirrors or water, the scale of the image (relt: of the specific \
-                  replica's part) is measured by samples beside the chains as well, if they know it better (with \
+        meaning: "where light arrives by way of smooth glass, mirrors or water, extra samples beside the chains also estimate the \
+                  scale of the image (relt: of the specific replica's part), if they estimate it better (with \
                   normaliser=running; not with contribution=maximum or mis=printed)",
         methods: METERED,
     },
@@ -223,33 +224,34 @@ pub const KEYS: &[Key] = &[
         name: "direct",
         default: "lamps",
         range: "lamps|together|apart",
-        meaning: "what independent samples beside the chains see to. lamps: emitters and surroundings seen directly (mlt, \
-                  erpt: also by mirrors and smooth glass alone; erpt-pss: nothing); together: nothing, as in the papers; \
-                  apart: all paths of at most two edges",
+        meaning: "which light is rendered by independent samples instead of the chains. lamps: emitters and environment seen \
+                  directly (mlt, erpt: also those seen by way of mirrors and smooth glass alone; erpt-pss: none); together: \
+                  none, as in the papers; apart: all paths of at most two edges",
         methods: DIRECT,
     },
     Key {
         name: "direct",
         default: "lamps",
         range: "lamps|together",
-        meaning: "what independent samples beside the stages see to. lamps: emitters and surroundings seen directly \
-                  (mlt-multistage: also by mirrors and smooth glass alone); together: nothing",
+        meaning: "which light is rendered by independent samples instead of the stages. lamps: emitters and environment seen \
+                  directly (mlt-multistage: also those seen by way of mirrors and smooth glass alone); together: none",
         methods: STAGED,
     },
     Key {
         name: "stages",
         default: "widths",
         range: "widths|two",
-        meaning: "maps that the stages go by. widths: of widths 1, 2, 4, ... for a quarter of the budget, then of ten widths \
-                  from half of the image's to all of it; two: one of a quarter of its width, after a sixteenth of the budget",
+        meaning: "resolution of the maps that weight the stages. widths: maps of widths 1, 2, 4, ... for a quarter of the budget, \
+                  then of ten widths from half of the image's to all of it; two: a single map, of a quarter of the image's \
+                  width, after a sixteenth of the budget",
         methods: STAGED,
     },
     Key {
         name: "budget",
         default: "64",
         range: "1 to 1000000",
-        meaning: "mutations a pixel that the stages are laid out for, whatever the render takes: beyond them, stages of the full \
-                  width begin where the mutations have doubled",
+        meaning: "mutations per pixel for which the stages are laid out, however long the render is: beyond it, a new stage of \
+                  the full width begins each time the mutations have doubled",
         methods: STAGED,
     },
     Key {
@@ -272,11 +274,11 @@ pub const KEYS: &[Key] = &[
         name: "replicas",
         default: "standard",
         range: "standard|paper|sides|uniform;D0,D1,D2,D3,D4,D5;...",
-        meaning: "what the chains of a ladder follow: three sets by name (the paper's four, with scouts, and tours for the \
-                  specific one; the same without, as printed but that of implicit specular light only what cannot be \
-                  joined is left to the specific one; path and light tracing side by side), or 2 to 8 of your own: the \
-                  weights of the six classes of paths, *N for N steps a sweep, ~T for tours of T steps, @B for the \
-                  replica that it stands on; uniform+N sends N scouts a sweep",
+        meaning: "targets of the chains of a ladder. Three sets have a name. standard: the paper's four, with scouts, and with \
+                  tours for the specific one; paper: the same without these, as printed, except that of implicit specular \
+                  light only what cannot be connected is left to the specific one; sides: path tracing and light tracing side \
+                  by side. Or 2 to 8 of your own: the weights of the six classes of paths, *N for N steps a sweep, ~T for \
+                  tours of T steps, @B for the replica that it stands on; uniform+N sends N scouts a sweep",
         methods: REPLICAS,
     },
     Key {

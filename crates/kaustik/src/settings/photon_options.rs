@@ -274,10 +274,10 @@ pub(crate) const NORMALISATION: Key = Key {
     name: "normalisation",
     default: "iteration",
     range: "iteration|progressive",
-    meaning: "how visible light paths are scaled: for each iteration by the share of its own uniform ones that are \
-                  visible, as in the paper and wherever something moves; or by that of all so far, which is biased where the \
-                  share goes with the wavelengths (where a chain of visibility stands on the uniform one, with reduction=off; elsewhere \
-                  as iteration)",
+    meaning: "how visible light paths are scaled. iteration: by the share of the iteration's own uniform light paths that are \
+                  visible, as in the paper and wherever something moves; progressive: by the share over all iterations so far, \
+                  which is biased if the share depends on the wavelengths (where a chain of visibility stands on the uniform \
+                  one, with reduction=off; elsewhere as iteration)",
     methods: VISIBILITY,
 };
 /// Layers.

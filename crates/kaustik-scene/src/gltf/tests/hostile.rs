@@ -267,6 +267,29 @@ fn files_beside_the_scene_are_read() {
     );
 }
 
+/// Backslashes part folders where no name has them, and a percent sign that begins no escape is one.
+#[test]
+fn what_exporters_write_is_found() {
+    let disk = Disk::new();
+    let binary = File::triangle().binary;
+    fs::create_dir(disk.scene().join("textures")).unwrap();
+    fs::write(disk.scene().join("textures/10%.bin"), binary).unwrap();
+    for uri in [
+        "textures/10%.bin",
+        "textures\\10%.bin",
+        "textures%5C10%25.bin",
+    ] {
+        assert!(disk.load(uri).is_ok(), "{uri}");
+    }
+    let error = disk.load("textures\\11%.bin").unwrap_err();
+    assert_eq!(error.kind(), ErrorKind::Io);
+    assert!(error.to_string().contains("textures\\11%.bin"), "{error}");
+    for uri in ["textures\\..\\..\\secret.bin", "..%5Csecret.bin"] {
+        let error = disk.load(uri).unwrap_err();
+        assert_eq!(error.kind(), ErrorKind::Forbidden, "{uri}");
+    }
+}
+
 #[test]
 fn nothing_outside_is_opened() {
     let disk = Disk::new();

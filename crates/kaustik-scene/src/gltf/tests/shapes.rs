@@ -131,6 +131,29 @@ fn joints_that_do_not_rest_bend_the_mesh() {
     assert_eq!(description.meshes[1].positions[1], Vec3::X);
 }
 
+/// What no joint pulls at, exporters leave to the first joint: all of it, its turn and its scale as well.
+#[test]
+fn what_nothing_pulls_at_follows_the_first_joint() {
+    let half = std::f32::consts::FRAC_1_SQRT_2;
+    let joints = [
+        // x becomes twice y
+        json!({ "translation": [0, 3, 0], "rotation": [0, 0, half, half], "scale": [2, 2, 2] }),
+        json!({ "translation": [7, 0, 0] }),
+    ];
+    let pulls = [
+        ([1, 0, 0, 0], [1.0, 0.0, 0.0, 0.0]),
+        ([0; 4], [0.0; 4]),
+        ([1, 0, 0, 0], [1.0, 0.0, 0.0, 0.0]),
+    ];
+    let bind = matrix(1.0, [0.0; 3]);
+    let description = skinned(&joints, &[bind, bind], pulls).clean();
+    let transform = description.instances[0].transform;
+    let [a, b] =
+        [0, 1].map(|corner| transform.transform_point3(description.meshes[0].positions[corner]));
+    assert!(near(a, [7.0, 0.0, 0.0]), "{a}");
+    assert!(near(b, [0.0, 5.0, 0.0]), "{b}");
+}
+
 /// A first joint that flattens or mirrors what it holds does so to nothing else: here all hangs on the second.
 #[test]
 fn a_first_joint_spoils_nothing_that_hangs_on_others() {

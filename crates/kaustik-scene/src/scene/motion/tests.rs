@@ -129,6 +129,28 @@ fn an_instant_is_still() {
     );
 }
 
+/// Also where something jumps at that very time: it has jumped.
+#[test]
+fn an_instant_of_a_jump_is_still() {
+    let mut animation = turning();
+    animation.joints[0].translation = Some(channel(
+        Interpolation::Step,
+        &[0.0, 2.0],
+        &[[0.0; 3], [8.0, 0.0, 0.0]],
+    ));
+    animation.joints[1].rotation = None;
+    let motion = clock(&animation, 2.0, 2.0).motion(&animation.carried[0], &[DVec3::X]);
+    let motion = motion.expect("a sound motion");
+    assert!(motion.is_still());
+    for time in [0.0, 0.9999, 1.0] {
+        let found = motion.at(time).transform_point3(glam::Vec3::X);
+        assert!(
+            (found - glam::Vec3::new(9.0, 0.0, 0.0)).length() < 1e-6,
+            "{found}"
+        );
+    }
+}
+
 /// What would take too many keys is refused before it is made.
 #[test]
 fn too_much_is_refused() {

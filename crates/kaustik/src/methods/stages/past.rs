@@ -48,7 +48,7 @@ impl Counted<'_> {
     fn nonfinite(&self) -> (u64, Vec<StepId>) {
         let (count, mut places) = self.engine.nonfinite();
         for place in &mut places {
-            place.step += self.start;
+            place.step = place.step.saturating_add(self.start);
         }
         (count, places)
     }
