@@ -13,6 +13,7 @@ mod light;
 mod lookup;
 mod manner;
 mod narrow;
+mod nearby;
 mod outline;
 mod point;
 mod points;

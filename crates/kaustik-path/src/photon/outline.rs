@@ -3,13 +3,15 @@
 //! A disc is to count what lands on the surface that its point lies on. Where a wall stands on a floor, half of a disc at
 //! its foot lies behind it: photons there belong to another room, and those that would be in that half are missing in
 //! this one. And a disc at the edge of a table lies half in the air. Short rays tell where something stands on the surface
-//! and, from inside what it bounds, where that ends; the disc ends there too.
+//! and, from inside what it bounds, where that ends; the disc ends there too. Where a sheet ends that bounds nothing, its
+//! triangles tell.
 
 use std::f64::consts::{FRAC_1_SQRT_2, FRAC_PI_4, PI};
 
 use glam::{Vec2, Vec3};
 use kaustik_geometry::{Hit, Ray, Surface, World};
 
+use super::nearby::Nearby;
 use super::point::agree;
 
 /// Normals whose cosine is less (within about 6 degrees of opposite ones) belong to two faces of a plate.
@@ -34,8 +36,6 @@ const DIRECTIONS: [Vec2; SIDES + 1] = {
 };
 /// Rays rise from the surface by so much of their length.
 const RISE: f32 = 1.0 / 64.0;
-/// Where more triangles than these are near, rays look without asking all of them.
-const MOST_NEAR: u32 = 64;
 /// Of a disc in a crack less than this part is free. That few photons are not all its light, its sides are made as long as
 /// [`LEAST_SIDE`] of the radius at least.
 const LEAST_FREE: f64 = 1.0 / 32.0;
@@ -60,8 +60,8 @@ impl Outline {
     /// Looks around as far as `radius`, in scene units. On the seen side of a surface, that of its `normal` if it is seen
     /// from `above`, whatever stands there ends it. On the other side it ends where a ray comes out of the solid that it
     /// bounds; what a ray goes into there stands behind a sheet, and is none of its affair unless light comes `through` that. What faces as the surface does is more
-    /// of the same, and what faces the opposite way, as the back of a thin plate, ends nothing. `None` where nothing is in the
-    /// way, or for a radius that no disc can have.
+    /// of the same, and what faces the opposite way, as the back of a thin plate, ends nothing. It ends where the last of its triangles does as
+    /// well. `None` where nothing is in the way, or for a radius that no disc can have.
     pub(super) fn look(
         world: &World,
         surface: &Surface,
@@ -70,10 +70,14 @@ impl Outline {
         through: bool,
         radius: f32,
     ) -> Option<Self> {
-        if !radius.is_normal() || !is_broken(world, surface.position, normal, radius) {
+        if !radius.is_normal() {
             return None;
         }
         let [x, y] = plane(normal);
+        let nearby = Nearby::look(world, surface.position, [x, y, normal], radius);
+        if nearby.goes_on() {
+            return None;
+        }
         let seen = if above { normal } else { -normal };
         let sides = std::array::from_fn(|side| {
             let [along, across] = DIRECTIONS[side].to_array();
@@ -92,7 +96,13 @@ impl Outline {
                     _ => FREE,
                 }
             };
-            free(seen, false).min(free(-seen, !through))
+            let covered = nearby.covered(DIRECTIONS[side], radius);
+            let end = (covered / radius * f32::from(FREE)) as u8;
+            if nearby.is_broken() {
+                end.min(free(seen, false)).min(free(-seen, !through))
+            } else {
+                end
+            }
         });
         let outline = Self { radius, sides };
         (sides != [FREE; SIDES]).then(|| outline.widened())
@@ -155,23 +165,8 @@ impl Outline {
 
 /// Does a face that faces so end a surface of this normal: neither more of it nor the back of a plate?
 #[inline]
-fn ends(normal: Vec3, facing: Vec3) -> bool {
+pub(super) fn ends(normal: Vec3, facing: Vec3) -> bool {
     !agree(normal, facing) && normal.dot(facing) > OPPOSITE
-}
-
-/// Does something face otherwise within the radius? Most discs lie on surfaces that go on beyond them: they need no ray.
-fn is_broken(world: &World, center: Vec3, normal: Vec3, radius: f32) -> bool {
-    let mut offered = 0;
-    let (at, reach) = (center.as_dvec3(), f64::from(radius));
-    world.any_near(center, radius, |corners| {
-        offered += 1;
-        let [a, b, c] = corners.map(|corner| corner.as_dvec3());
-        let across = (b - a).cross(c - a);
-        let size = across.length();
-        // one without an area reaches nowhere
-        let reaches = across.dot(at - a).abs() < reach * size;
-        offered > MOST_NEAR || (reaches && ends(normal, (across / size).as_vec3()))
-    })
 }
 
 /// Two axes in the plane across a unit normal. They jump where a normal turns: one and the same serves both who makes
@@ -302,6 +297,42 @@ mod tests {
                 assert!(lost < COUNT / 5, "{from} {lost}");
             }
             assert_eq!(look(&world, turn, Vec3::new(-1.5, 0.0, 0.0), 1.0), None);
+        }
+    }
+
+    /// A sheet of squares with a corner at the origin, each of two triangles, as seen from a place that is turned.
+    fn sheet(squares: [[f32; 4]; 2], turn: Quat) -> World {
+        let corners = squares.map(|[x0, y0, x1, y1]| {
+            [[x0, y0], [x1, y0], [x1, y1], [x0, y1]].map(|[x, y]| Vec3::new(x, y, 0.0))
+        });
+        let mesh = |corners: [Vec3; 4]| {
+            Arc::new(Mesh::new(corners.to_vec(), vec![[0, 1, 2], [0, 2, 3]]).expect("a square"))
+        };
+        let instance = |mesh| Instance {
+            mesh,
+            transform: Affine3A::from_quat(turn),
+        };
+        World::build(corners.map(mesh).to_vec(), vec![instance(0), instance(1)]).expect("a world")
+    }
+
+    /// Points of a sheet of two squares side by side: nothing beyond its border counts, on this side of it all but what chords cut
+    /// off, and there is no border between the two.
+    #[test]
+    fn a_disc_ends_at_the_border_of_a_sheet() {
+        for turn in rotations().take(20) {
+            let world = sheet([[-9.0, -9.0, 0.0, 0.5], [-9.0, 0.5, 0.0, 9.0]], turn);
+            for from in [0.9_f32, 0.5, 0.1, 0.01] {
+                let center = Vec3::new(-from, 0.3, 0.0);
+                let outline = look(&world, turn, center, 1.0).expect("a border");
+                let mut lost = 0;
+                for (at, holds) in held(&outline, turn * Vec3::Z, 1.0, turn) {
+                    let free = at.x < from;
+                    assert!(free || !holds || at.x < from + 2e-3, "{from} {at}");
+                    lost += u32::from(free && !holds);
+                }
+                assert!(lost < COUNT / 5, "{from} {lost}");
+            }
+            assert_eq!(look(&world, turn, Vec3::new(-2.0, 0.3, 0.0), 1.0), None);
         }
     }
 
