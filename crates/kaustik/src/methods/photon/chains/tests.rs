@@ -11,7 +11,7 @@ use crate::{Method, small};
 const SIZE: [u32; 2] = [16; 2];
 const LEVELS: usize = PhotonTargetKind::ALL.len();
 const ITERATIONS: usize = 3;
-const SEEDS: u64 = 16;
+const SEEDS: u64 = 32;
 /// Light paths that a plain count takes.
 const PLAIN: usize = 50_000;
 
