@@ -8,7 +8,7 @@ use super::point::agree;
 
 /// Where more triangles than these are near, not all of them are asked.
 const MOST_NEAR: usize = 64;
-/// Where more than these are of the point's own surface, it is taken to go on: to ask how far would take longer than the point's light.
+/// Where more than these are of the point's own surface, it is taken to go on, so that looking around takes little time.
 const MOST_OWN: usize = 16;
 /// Triangles reach over their edges by so much of the radius: neighbours leave no gap.
 const JOINT: f32 = 1e-3;
@@ -116,12 +116,6 @@ impl Nearby {
     }
 }
 
-/// Twice the area of the triangle of the origin and two points, by the sense in which they follow each other.
-#[inline]
-fn twice_area(p: Vec2, q: Vec2) -> f32 {
-    p.perp_dot(q)
-}
-
 /// Its edges in the sense in which its inside is on their left.
 fn edges([a, b, c]: [Vec2; 3]) -> [[Vec2; 2]; 3] {
     if (b - a).perp_dot(c - a) > 0.0 {
@@ -133,7 +127,7 @@ fn edges([a, b, c]: [Vec2; 3]) -> [[Vec2; 2]; 3] {
 
 /// Does it hold all of a disc around the origin?
 fn holds_disc(triangle: [Vec2; 3], radius: f32) -> bool {
-    let inside = |[p, q]: [Vec2; 2]| twice_area(p, q) >= radius * p.distance(q);
+    let inside = |[p, q]: [Vec2; 2]| p.perp_dot(q) >= radius * p.distance(q);
     edges(triangle).into_iter().all(inside)
 }
 
@@ -142,7 +136,7 @@ fn crossing(triangle: [Vec2; 3], direction: Vec2, joint: f32) -> Option<[f32; 2]
     let (mut enter, mut leave) = (0.0_f32, f32::INFINITY);
     for [p, q] in edges(triangle) {
         let edge = q - p;
-        let inside = twice_area(p, q) + joint * edge.length();
+        let inside = p.perp_dot(q) + joint * edge.length();
         let rise = edge.perp_dot(direction);
         if rise > 0.0 {
             enter = enter.max(-inside / rise);

@@ -1,6 +1,7 @@
 //! Replica exchange light transport (Kitaoka, Kitamura and Kishino 2009).
 
 pub(crate) mod climb;
+mod easy;
 mod even;
 mod keep;
 pub(crate) mod kernels;

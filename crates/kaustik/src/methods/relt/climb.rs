@@ -1,19 +1,18 @@
 //! One attempt at an annealing: particles go up from replica to replica.
 
 use std::array::from_fn;
-use std::fmt;
 
 use kaustik_estimate::{PathTarget, ReplicaFamily, ReplicaSet, ScalarTarget, SpecularSplit};
 use kaustik_mcmc::{
-    Draws, Estimate, Extinct, Family, Ignore, LevelKernel, Mean, Pcg64Dxsm, Point, Population,
+    Draws, Estimate, Extinct, Family, Ignore, LevelKernel, Pcg64Dxsm, Point, Population,
     Resampling, SampleGenerators, checked_densities, generator,
 };
 use kaustik_path::{Contributions, Sighting};
 use kaustik_pss::{Coordinates, Stream};
 use rayon::prelude::*;
 
+use super::easy::Easy;
 use super::kernels::{Mutation, kernels, mutation};
-use super::noise;
 use super::scouts::{Scouts, scouting};
 use super::start::{PoolSample, Started, State, samples};
 use crate::beside::meter::{Hunt, Places};
@@ -29,43 +28,6 @@ const MOST_PARTICLES: u64 = 1_000_000;
 const FIRST_SCOUTS: u32 = 16;
 /// The same where those of a meter go out as well, which find more in less time.
 const FIRST_SCOUTS_BESIDE: u32 = 4;
-/// Where of its scouts more than this share are effective ones, independent samples know its light as well as a chain
-/// does: the heuristic shares it best.
-const EASY: f64 = 1e-2;
-/// Where its light would be less than this share of the noise of independent samples, a chain that follows it takes time from
-/// what has the rest.
-const LITTLE: f64 = 0.1;
-
-/// Why implicit specular light is left to independent samples.
-#[derive(Clone, Copy, Debug)]
-pub(super) enum Easy {
-    /// So large a share of walks from the camera find it.
-    Found(f64),
-    /// It has so small a share of the noise.
-    Quiet(f64),
-}
-
-impl fmt::Display for Easy {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Found(share) => {
-                write!(
-                    f,
-                    "{:.0} % of walks from the camera find its light",
-                    100.0 * share
-                )
-            }
-            Self::Quiet(share) => {
-                write!(
-                    f,
-                    "independent samples have {:.1} % of their noise from its light",
-                    100.0 * share
-                )
-            }
-        }
-    }
-}
-
 /// A population of paths.
 type Climbing<const K: usize> = Population<Point<Mutation>, Contributions, K>;
 
@@ -161,18 +123,7 @@ impl<'a, const K: usize> Climb<'a, K> {
         if self.settings.method != Method::Relt || options.even == EvenSamples::Count(0) {
             return None;
         }
-        let found = self.scouts.effective_share();
-        if found > EASY {
-            return Some(Easy::Found(found));
-        }
-        let (finds, sent) = self.scouts.light();
-        let pool = self.pool();
-        let specular = finds.iter().sum::<f64>() / sent.max(1) as f64;
-        let other: Mean = pool.iter().map(|sample| sample.light.other).collect();
-        let part = specular / (specular + other.mean());
-        let noise = noise::of_finds(&finds, sent, part)?;
-        let share = noise / (noise + noise::of_samples(&pool));
-        (share < LITTLE).then_some(Easy::Quiet(share))
+        Easy::judge(&self.scouts.light(), &self.pool())
     }
 
     /// Leaves light that is easy to find to independent samples.

@@ -42,7 +42,7 @@ const LITTLE: f64 = 0.02;
 /// `1/r - 1`. A visit of a chain has 1 or more, because visits meet a pixel by chance. So from
 /// `r` = 1/2 on even samples are the better ones, and chains go on only for what they may yet
 /// find. The replica that is hardest to sample decides, since its light is what chains are for.
-/// Where light is hard to find there are [`few`] all the same.
+/// Where light is hard to find there are [some](FEW) all the same.
 pub(super) fn samples_a_sweep<const K: usize>(
     settings: &RenderSettings,
     started: &Started,

@@ -9,7 +9,6 @@ use kaustik_pss::Coordinates;
 use kaustik_scene::Scene;
 use rayon::prelude::*;
 
-use super::climb::effective;
 use super::kernels::Mutation;
 use super::start::State;
 use crate::RenderSettings;
@@ -165,11 +164,6 @@ impl<'a, const K: usize> Scouts<'a, K> {
     fn densities(&self, level: usize) -> impl Iterator<Item = f64> {
         let density = move |find: &Find| self.family.of_classes(&find.classes)[level];
         self.found.iter().map(density)
-    }
-
-    /// Effective share of those that found light: the mean squared over the mean of squares.
-    pub(crate) fn effective_share(&self) -> f64 {
-        effective(self.found.iter().map(|find| find.light)) / self.count.max(1) as f64
     }
 
     /// Judges what they found by another family.
