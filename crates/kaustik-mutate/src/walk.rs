@@ -4,7 +4,7 @@ use glam::DVec3;
 use kaustik_bsdf::{Lobe, Mode};
 use kaustik_geometry::Ray;
 use kaustik_mcmc::Draws;
-use kaustik_scene::{EmitterPoint, Interior, Passed, Segment};
+use kaustik_scene::{EmitterPoint, Interior, Passed};
 use kaustik_spectrum::{Spectrum, Wavelengths};
 
 use crate::vertex::{Edge, PathVertex, VertexKind};
@@ -62,7 +62,7 @@ impl PathSpace<'_> {
             slot.kind = VertexKind::Emitter(EmitterPoint::Environment(direction));
             slot.opacity = 1.0;
             slot.edge = Edge::default();
-            if seen && self.dims(&segment) {
+            if seen && segment.by_chance {
                 (slot.edge).dim(self.scene.visibility(ray, &start, &wavelengths));
             }
             return seen;
@@ -75,7 +75,7 @@ impl PathSpace<'_> {
             transmittance: segment.transmittance,
         };
         self.arrive(slot, interior, -direction);
-        if self.dims(&segment) {
+        if segment.by_chance {
             slot.edge.dim(self.passed(slot, from, &wavelengths));
         }
         if i == 0 {
@@ -112,16 +112,10 @@ impl PathSpace<'_> {
         self.arrive(slot, interior, -direction);
         (self.scene).write_bsdf(&slot.vertex, &wavelengths, &interior, &mut slot.bsdf);
         from.edge = self.edge_from(from, slot, segment.transmittance);
-        if self.dims(&segment) {
+        if segment.by_chance {
             from.edge.dim(self.passed(from, slot, &wavelengths));
         }
         true
-    }
-
-    /// May a walk have come along a segment through what does not let all rays and all light pass?
-    #[inline]
-    fn dims(&self, segment: &Segment) -> bool {
-        self.scene.has_alpha() || segment.through_pane
     }
 
     /// The edge from a vertex to the next toward the eye, a surface.

@@ -183,6 +183,7 @@ impl Scene {
             weight: passage.weight,
             distance: f64::from(hit.t) * ray.direction.as_dvec3().length(),
             through_pane: passage.through_pane,
+            by_chance: passage.by_chance,
         };
         if interior.is_vacuum() {
             return segment;
@@ -224,6 +225,7 @@ impl Scene {
             segment.distance = distance;
             segment.weight = passage.weight;
             segment.through_pane = passage.through_pane;
+            segment.by_chance = passage.by_chance;
             if !self.is_overruled(ray, vertex, interior) {
                 return segment;
             }

@@ -67,6 +67,8 @@ pub(crate) struct Passage<'w, U> {
     pub(crate) weight: Spectrum,
     /// Has light gone through a pane?
     pub(crate) through_pane: bool,
+    /// Has light gone through a surface that only some rays pass: a pane, or one of partial alpha?
+    pub(crate) by_chance: bool,
 }
 
 impl<'w, U: FnOnce() -> f64> Passage<'w, U> {
@@ -80,6 +82,7 @@ impl<'w, U: FnOnce() -> f64> Passage<'w, U> {
             passed: 1.0,
             weight: Spectrum::ONE,
             through_pane: false,
+            by_chance: false,
         }
     }
 
@@ -93,6 +96,7 @@ impl<'w, U: FnOnce() -> f64> Passage<'w, U> {
                 false => opening.share() * (1.0 / opening.chance()) as f32,
             };
             self.through_pane |= !stops;
+            self.by_chance |= !stops;
         }
         stops
     }
@@ -109,6 +113,8 @@ impl<'w, U: FnOnce() -> f64> Passage<'w, U> {
             self.threshold = u();
         }
         self.passed *= 1.0 - stop;
-        self.passed <= self.threshold
+        let stops = self.passed <= self.threshold;
+        self.by_chance |= !stops;
+        stops
     }
 }

@@ -14,6 +14,9 @@ pub struct Segment {
     pub distance: f64,
     /// Did it go through a smooth pane?
     pub through_pane: bool,
+    /// Did it go through a surface that not all rays and not all light pass: a pane, or one of partial alpha? Where it did
+    /// not, [`Scene::visibility`](crate::Scene::visibility) between its ends is 1.
+    pub by_chance: bool,
 }
 
 impl Segment {
@@ -23,6 +26,7 @@ impl Segment {
             weight: passage.weight,
             distance: f64::INFINITY,
             through_pane: passage.through_pane,
+            by_chance: passage.by_chance,
         }
     }
 

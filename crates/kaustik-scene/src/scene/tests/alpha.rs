@@ -70,6 +70,27 @@ fn each_layer_stops_its_share() {
     }
 }
 
+/// What a walk says of its way is what a look back finds: clear if no veil was passed by chance, and only then.
+#[test]
+fn a_walk_knows_whether_its_way_was_clear() {
+    let scene = layers(&[(0.0, 2.0), (0.2, 1.0), (0.5, 0.5), (0.7, 0.0)]);
+    let ray = Ray::new(START, Vec3::NEG_Z);
+    let mut clear = 0;
+    for i in 0..100 {
+        let u = (f64::from(i) + 0.5) / 100.0;
+        let (mut vertex, mut interior) = (Vertex::default(), Interior::VACUUM);
+        let segment = scene.advance(&ray, &mut interior, &wavelengths(), || u, &mut vertex);
+        let back = Ray {
+            t_max: segment.distance as f32 - 0.1,
+            ..ray
+        };
+        let share = passed_share(&scene, &back, &Interior::VACUUM);
+        assert_eq!(segment.by_chance, share < 1.0, "{u}: {share}");
+        clear += u32::from(!segment.by_chance);
+    }
+    assert_eq!(clear, 20);
+}
+
 #[test]
 fn the_floor_and_full_opacity_block() {
     let scene = layers(&[(0.5, 1.0), (1.0, 0.0), (0.0, 2.0)]);
