@@ -47,7 +47,8 @@ pub struct Progress {
 /// ```
 #[derive(Default)]
 pub struct Control<'a> {
-    /// Becomes true when the render is to stop soon and give what it has.
+    /// Becomes true when the render is to stop soon and give what it has. It must not become false again before the render
+    /// returns: what has stopped and what has not yet would no longer fit.
     pub stop: Option<&'a AtomicBool>,
     /// Told after every round.
     pub progress: Option<&'a mut dyn FnMut(&Progress)>,

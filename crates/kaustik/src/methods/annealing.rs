@@ -362,6 +362,10 @@ impl<const K: usize> Engine for AnnealingEngine<'_, K> {
         Ok(develop(&parts)?)
     }
 
+    fn holds_back(&self) -> bool {
+        false
+    }
+
     fn layers(&self) -> Result<Vec<Layer>, RenderError> {
         let direct = self.besides.parts().map(|part| layer("direct", part));
         direct.collect()

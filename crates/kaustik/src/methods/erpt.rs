@@ -208,6 +208,10 @@ impl Engine for ErptEngine<'_> {
         Ok(image)
     }
 
+    fn holds_back(&self) -> bool {
+        false
+    }
+
     fn chain_statistics(&self) -> Option<ChainStatistics> {
         let (chains, light) = self.all();
         let moves = &chains.chain.moves;

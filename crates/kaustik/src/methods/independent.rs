@@ -321,6 +321,10 @@ impl Engine for IndependentEngine<'_> {
         Ok(image)
     }
 
+    fn holds_back(&self) -> bool {
+        self.redistribution.is_some()
+    }
+
     fn chain_statistics(&self) -> Option<ChainStatistics> {
         Some(self.redistribution.as_ref()?.statistics(self.chains()))
     }

@@ -18,6 +18,15 @@ pub struct Key {
     pub methods: &'static [Method],
 }
 
+impl Key {
+    /// Some words are for some methods alone, though one setting holds what all of them mean: is this one for those
+    /// of this key?
+    pub(super) fn knows(&self, value: &str) -> bool {
+        let is_shared = matches!(self.name, "normaliser" | "direct");
+        !is_shared || self.range.split('|').any(|word| word == value)
+    }
+}
+
 const EVERY: &[Method] = &Method::ALL;
 const WALKS: &[Method] = &[Method::Pssmlt, Method::ErptPss, Method::PssmltMultistage];
 const SINGLE: &[Method] = &[Method::Pssmlt, Method::ErptPss];
@@ -325,7 +334,7 @@ pub const KEYS: &[Key] = &[
     Key {
         name: "particles",
         default: "10000",
-        range: "1000 to 1000000",
+        range: "10 to 1000000",
         meaning: "particles of the population annealing at the start: they choose, with what scouts find, the first states and fix the \
                   constants of the weights and the film's quantum; and of each round of annealing",
         methods: REPLICAS,

@@ -65,7 +65,7 @@ pub struct Options {
     pub even: EvenSamples,
     /// The law of the replicas' small steps.
     pub steps: Steps,
-    /// Particles of an annealing, 1000 to 1,000,000.
+    /// Particles of an annealing, 10 to 1,000,000.
     pub particles: u64,
     /// Steps of each chain that spreads the light of a sample, 1 to 100,000.
     pub length: u32,
@@ -191,11 +191,12 @@ fn elsewhere(others: &[Method]) -> String {
 }
 
 impl Options {
-    /// Refuses settings of a method that contradict each other.
+    /// Refuses settings out of their [ranges](KEYS), and settings of a method that contradict each other.
     ///
     /// # Errors
     /// [`RenderError::Setting`], with the reason.
     pub fn check(&self, method: Method) -> Result<(), RenderError> {
+        self.check_ranges(method)?;
         let has = method.keys().any(|key| key.name == "nextevent");
         if let Some(reason) = self.next_event_that_is_not_there(method).filter(|_| has) {
             return Err(RenderError::Setting {
@@ -209,6 +210,29 @@ impl Options {
             Method::Annealing => self.check_line().and_then(|()| self.check_delta()),
             _ => Ok(()),
         }
+    }
+
+    /// Fields are public: is each what its key could have been told? Also those that this method does not have.
+    fn check_ranges(&self, method: Method) -> Result<(), RenderError> {
+        for key in KEYS {
+            let mut again = *self;
+            let Some(mut setting) = again.setting(key.name) else {
+                continue;
+            };
+            let found = setting.written();
+            let is_known = !key.methods.contains(&method) || key.knows(&found);
+            if !is_known || setting.read(&found).is_err() {
+                return Err(RenderError::Setting {
+                    what: key.name,
+                    found: match found.is_empty() {
+                        true => "what no word stands for".to_owned(),
+                        false => found,
+                    },
+                    expected: key.range.to_owned(),
+                });
+            }
+        }
+        Ok(())
     }
 
     /// Is `delta` asked of replicas that it says something about?
@@ -295,11 +319,8 @@ impl Options {
                     .filter(|other| other.keys().any(|known| known.name == key))
                     .collect(),
             })?;
-        // Words that only other methods know.
-        let shared = matches!(key.name, "normaliser" | "direct");
-        let known = !shared || key.range.split('|').any(|word| word == value);
         let read = match self.setting(key.name) {
-            Some(mut setting) if known => setting.read(value),
+            Some(mut setting) if key.knows(value) => setting.read(value),
             _ => Err(None),
         };
         read.map_err(|reason| OptionError::Value {

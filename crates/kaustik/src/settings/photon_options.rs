@@ -11,7 +11,7 @@ use crate::settings::options::setting::{
 /// Settings that only photon methods read. Each is named as its key, or as said.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PhotonOptions {
-    /// Light paths of an iteration, 1000 to 100,000,000; `None`: 250,000, or two a pixel where that is more.
+    /// Light paths of an iteration, 10 to 100,000,000; `None`: 250,000, or two a pixel where that is more.
     pub photons: Option<u64>,
     /// Lobes of this GGX roughness or more show the light of photons, in [0, 1].
     pub roughness: f64,
@@ -142,7 +142,7 @@ const REGIONS: &[Method] = &[Method::PhotonSpatial, Method::PhotonImage];
 pub(crate) const LIGHT_PATHS: Key = Key {
     name: "photons",
     default: "auto",
-    range: "auto|1000 to 100000000",
+    range: "auto|10 to 100000000",
     meaning: "light paths of an iteration; each iteration sees the scene from new points and with new wavelengths (the \
                   paper on the spatial target function: 10 million). auto: 250,000, or two for each pixel where that is more",
     methods: PHOTONS,
@@ -326,7 +326,7 @@ impl PhotonOptions {
     /// The setting of a key; `None` if photons have no such key.
     pub(crate) fn setting(&mut self, key: &str) -> Option<AnySetting<'_>> {
         Some(match key {
-            "photons" => optional_integer(&mut self.photons, "auto", 1_000..=100_000_000),
+            "photons" => optional_integer(&mut self.photons, "auto", 10..=100_000_000),
             "roughness" => number(&mut self.roughness, |alpha| (0.0..=1.0).contains(&alpha)),
             "radius" => number(&mut self.radius, |widths| (0.01..=100.0).contains(&widths)),
             "reduction" => optional(&mut self.reduction, "off", |text| {
@@ -404,7 +404,7 @@ mod tests {
         assert_eq!(again, options);
         assert_ne!(options.photon, PhotonOptions::default());
         for wrong in [
-            "photons=10",
+            "photons=9",
             "photons=many",
             "roughness=2",
             "radius=0",

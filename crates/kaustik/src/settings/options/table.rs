@@ -46,7 +46,7 @@ impl Options {
             "exchange" => word(&mut self.exchange, EXCHANGES),
             "even" => by(&mut self.even, EvenSamples::parse, EvenSamples::text),
             "steps" => word(&mut self.steps, STEPS),
-            "particles" => integer(&mut self.particles, 1_000..=1_000_000),
+            "particles" => integer(&mut self.particles, 10..=1_000_000),
             "length" => integer(&mut self.length, 1..=100_000),
             "chains" => number(&mut self.chains, |n| (0.01..=100.0).contains(&n)),
             "consecutive" => optional_integer(&mut self.consecutive, "off", 1..=100_000),

@@ -63,11 +63,55 @@ fn what_is_written_of_replicas_is_what_was_set() {
         "exchange=some",
         "even=257",
         "even=some",
-        "particles=10",
+        "particles=9",
     ] {
         assert!(again.set(Method::Relt, wrong).is_err(), "{wrong}");
     }
     assert_eq!(again, options);
+}
+
+/// What code writes into fields is held against the same ranges, whichever method may read it.
+#[test]
+fn fields_out_of_range_are_refused() {
+    type Change = fn(&mut Options);
+    let wrong: [(&str, Change); 12] = [
+        ("ladders", |o| o.ladders = 65_537),
+        ("pilot", |o| o.pilot = 0),
+        ("beta", |o| o.beta = 0.5),
+        ("delta", |o| o.delta = f64::NAN),
+        ("even", |o| o.even = EvenSamples::Count(257)),
+        ("particles", |o| o.particles = 0),
+        ("mutation", |o| o.small_step = SmallStep::Uniform(2.0)),
+        ("jitter", |o| o.jitter = Jitter::Between([2.0, 1.0])),
+        ("acceptance", |o| o.photon.acceptance = 1.0),
+        ("pace", |o| o.photon.pace = crate::Pace::Periods([0; 4])),
+        ("photons", |o| o.photon.photons = Some(0)),
+        ("floor", |o| o.stages.floor = 0.0),
+    ];
+    for method in Method::ALL {
+        assert!(Options::default().check(method).is_ok(), "{method}");
+        for (key, change) in wrong {
+            let mut options = Options::default();
+            change(&mut options);
+            let error = options.check(method).expect_err(key).to_string();
+            assert!(error.contains(key), "{method}: {error}");
+        }
+    }
+}
+
+/// A word that another method's key of the same name knows.
+#[test]
+fn words_of_other_methods_are_refused() {
+    let mut options = Options {
+        normaliser: Normaliser::Exchange,
+        ..Options::default()
+    };
+    assert!(options.check(Method::Relt).is_ok());
+    assert!(options.check(Method::Pssmlt).is_err());
+    options.normaliser = Normaliser::Running;
+    options.direct = Direct::Apart;
+    assert!(options.check(Method::Mlt).is_ok());
+    assert!(options.check(Method::MltMultistage).is_err());
 }
 
 #[test]
