@@ -32,7 +32,7 @@ use crate::{Interior, Vertex};
 use alias::AliasTable;
 use density::lambertian_pdf;
 use next_event::{Chosen, NextEvent};
-pub(crate) use punctual::Punctual;
+pub(crate) use punctual::{Arrival, Punctual};
 use shares::{Choices, Shares};
 use triangle::{TriangleEmitter, interiors_around, typical_area};
 
@@ -282,34 +282,32 @@ impl Emitters {
         position: DVec3,
         wavelengths: &Wavelengths,
     ) -> Option<DirectSample> {
-        let &Chosen {
-            probability, odds, ..
-        } = chosen;
-        if light.is_directional() {
-            return Some(DirectSample {
-                wi: -light.axis(),
-                pdf: probability,
-                odds,
-                emission_pdf: self.disc_pdf(),
-                radiance: light.intensity(light.axis(), wavelengths),
-                delta: true,
-                reach: Reach::Infinity,
-            });
-        }
-        let to = light.position - position;
-        let squared = to.length_squared();
-        let distance = squared.sqrt();
-        let wi = to / distance;
-        let fading = light.window(distance) / squared;
-        (squared > 0.0 && fading > 0.0).then(|| DirectSample {
-            wi,
-            pdf: probability,
-            odds,
-            emission_pdf: light.direction_pdf(-wi),
-            radiance: light.intensity(-wi, wavelengths) * fading as f32,
+        let Arrival {
+            toward,
+            squared,
+            intensity,
+        } = light.arrival(position, wavelengths);
+        (squared > 0.0 && !intensity.is_zero()).then(|| DirectSample {
+            wi: toward,
+            pdf: chosen.probability,
+            odds: chosen.odds,
+            emission_pdf: self.punctual_pdf(light, toward),
+            radiance: intensity * (1.0 / squared) as f32,
             delta: true,
-            reach: Reach::Point(light.position),
+            reach: match light.is_directional() {
+                true => Reach::Infinity,
+                false => Reach::Point(light.position),
+            },
         })
+    }
+
+    /// Density with which light walks leave a punctual light away from `toward`: per solid angle, of one that is infinitely far away per
+    /// area of the disc that they start on.
+    fn punctual_pdf(&self, light: &Punctual, toward: DVec3) -> f64 {
+        match light.is_directional() {
+            true => self.disc_pdf(),
+            false => light.direction_pdf(-toward),
+        }
     }
 
     /// Density per solid angle with which [`Self::write_direct`] from a point at a distance whose square is

@@ -5,7 +5,7 @@ use kaustik_bsdf::{Frame, warp};
 use kaustik_geometry::Ray;
 use kaustik_spectrum::{Spectrum, Wavelengths};
 
-use super::{DARK, EmissionPdf, Emitter, Emitters};
+use super::{Arrival, DARK, EmissionPdf, Emitter, Emitters};
 use crate::matter::Matter;
 use crate::{Interior, Vertex};
 
@@ -151,32 +151,23 @@ impl Emitters {
         let light = self.punctual[index as usize].at(matter.world.time());
         let emitter = self.punctual_index(index);
         let probability = self.choice.probability(emitter);
-        let mut pdf = EmissionPdf {
+        let Arrival {
+            toward,
+            squared,
+            intensity,
+        } = light.arrival(position, wavelengths);
+        let pdf = EmissionPdf {
             position: probability,
-            direction: self.disc_pdf(),
+            direction: self.punctual_pdf(&light, toward),
             cos: 1.0,
-            infinite: true,
+            infinite: light.is_directional(),
             hittable: false,
             emitter: emitter as u32,
         };
-        if light.is_directional() {
-            return PunctualView {
-                toward: -light.axis(),
-                squared: 1.0,
-                intensity: light.intensity(light.axis(), wavelengths),
-                pdf,
-            };
-        }
-        let to = light.position - position;
-        let squared = to.length_squared();
-        let distance = squared.sqrt();
-        let toward = to / distance;
-        pdf.infinite = false;
-        pdf.direction = light.direction_pdf(-toward);
         PunctualView {
             toward,
             squared,
-            intensity: light.intensity(-toward, wavelengths) * light.window(distance) as f32,
+            intensity,
             pdf,
         }
     }

@@ -27,6 +27,16 @@ pub(crate) struct Punctual {
     motion: Option<Arc<Motion>>,
 }
 
+/// Its light as it arrives at a point.
+pub(crate) struct Arrival {
+    /// Unit, from the point to the light.
+    pub(crate) toward: DVec3,
+    /// Square of the distance; 1 if the light is infinitely far away.
+    pub(crate) squared: f64,
+    /// Intensity, faded; irradiance on a surface that faces it if it is infinitely far away.
+    pub(crate) intensity: Spectrum,
+}
+
 #[derive(Clone, Copy, Debug)]
 enum Shape {
     Point,
@@ -138,6 +148,26 @@ impl Punctual {
         }
         let ratio = distance / self.range;
         (1.0 - (ratio * ratio) * (ratio * ratio)).clamp(0.0, 1.0)
+    }
+
+    /// Its light as it arrives at `position`, where nothing stands between.
+    pub(crate) fn arrival(&self, position: DVec3, wavelengths: &Wavelengths) -> Arrival {
+        if self.is_directional() {
+            return Arrival {
+                toward: -self.axis,
+                squared: 1.0,
+                intensity: self.intensity(self.axis, wavelengths),
+            };
+        }
+        let to = self.position - position;
+        let squared = to.length_squared();
+        let distance = squared.sqrt();
+        let toward = to / distance;
+        Arrival {
+            toward,
+            squared,
+            intensity: self.intensity(-toward, wavelengths) * self.window(distance) as f32,
+        }
     }
 
     /// The axis and the angle about it (radians) within which it shines (point, spot).
