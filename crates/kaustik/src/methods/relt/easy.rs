@@ -8,7 +8,7 @@ use super::climb::effective;
 use super::noise;
 use super::start::PoolSample;
 
-/// Where of its scouts more than this share are effective ones, independent samples know its light as well as a chain
+/// Where of its scouts in the lit part of the image more than this share are effective ones, independent samples know its light as well as a chain
 /// does: the heuristic shares it best.
 const EASY: f64 = 1e-2;
 /// Where its light would be less than this share of the noise of independent samples, a chain that follows it takes time from
@@ -30,7 +30,7 @@ impl fmt::Display for Easy {
             Self::Found(share) => {
                 write!(
                     f,
-                    "{:.0} % of walks from the camera find its light",
+                    "{:.0} % of walks from the camera find its light where the picture is lit",
                     100.0 * share
                 )
             }
@@ -48,15 +48,16 @@ impl fmt::Display for Easy {
 impl Easy {
     /// Judges what scouts have found, so many of them, and independent samples; `None` if a chain is worth its steps.
     pub(super) fn judge((finds, sent): &(Vec<f64>, u64), pool: &[PoolSample]) -> Option<Self> {
-        let sent_once = (*sent).max(1) as f64;
-        let found = effective(finds.iter().copied()) / sent_once;
+        let sent = (*sent).max(1) as f64;
+        let sent_there = sent * noise::lit(pool);
+        let found = effective(finds.iter().copied()) / sent_there;
         if found > EASY {
             return Some(Self::Found(found));
         }
-        let specular = finds.iter().sum::<f64>() / sent_once;
+        let specular = finds.iter().sum::<f64>() / sent;
         let other: Mean = pool.iter().map(|sample| sample.light.other).collect();
         let part = specular / (specular + other.mean());
-        let noise = noise::of_finds(finds, *sent, part)?;
+        let noise = noise::of_finds(finds, sent_there, part)?;
         let share = noise / (noise + noise::of_samples(pool));
         (share < LITTLE).then_some(Self::Quiet(share))
     }

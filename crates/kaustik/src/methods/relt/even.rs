@@ -15,6 +15,7 @@ use kaustik_mcmc::{
 use kaustik_path::Contributions;
 
 use super::full_replica;
+use super::noise;
 use super::start::Started;
 use crate::sampling::cells::Cells;
 use crate::sampling::shuffle::Shuffle;
@@ -38,7 +39,7 @@ const LITTLE: f64 = 0.02;
 /// How many even samples a sweep are worth their cost.
 ///
 /// With `r` the effective share of independent samples for a replica (their mean squared over
-/// the mean of squares), an even sample estimates its pixel with a relative variance of about
+/// the mean of squares; of those where the image is lit), an even sample estimates its pixel with a relative variance of about
 /// `1/r - 1`. A visit of a chain has 1 or more, because visits meet a pixel by chance. So from
 /// `r` = 1/2 on even samples are the better ones, and chains go on only for what they may yet
 /// find. The replica that is hardest to sample decides, since its light is what chains are for.
@@ -49,12 +50,14 @@ pub(super) fn samples_a_sweep<const K: usize>(
     specific: bool,
 ) -> u32 {
     let particles = started.particles.max(1) as f64;
+    // What is dark, or a lamp, makes no light harder to find elsewhere.
+    let lit = noise::lit(&started.pool);
     let shares = started
         .effective
         .iter()
         .take(K)
         .map(|[at_once, _]| at_once / particles);
-    let ease = 2.0 * shares.fold(0.5, f64::min);
+    let ease = 2.0 * shares.fold(0.5, |least, share| f64::min(least, share / lit));
     let rough = |k: usize| started.rough[k].value;
     let few = if specific {
         few_beside(rough(K - 1) / rough(full_replica::<K>()))
