@@ -159,9 +159,9 @@ fn walls_keep_photons_out() {
         Method::PhotonVisibility,
         Method::PhotonSpatial,
     ] {
-        // A small disc has few photons: by seed a picture of eight iterations differs by 2.4 % there. In a large one what is
-        // beside the foot counts too, 10 %.
-        for (radius, iterations, tolerance) in [(1.0, 32, 0.05), (4.0, 8, 0.16)] {
+        // By seed a picture of eight iterations differs by 2 to 3 % there, in large discs of photon-spatial by 9 %. In a large one
+        // what is beside the foot counts too, 10 %.
+        for (radius, iterations, tolerance) in [(1.0, 32, 0.05), (4.0, 32, 0.16)] {
             let mut settings = photons(method, iterations, 60_000);
             settings.options.photon.radius = radius;
             settings.options.photon.burn_in = None;

@@ -13,8 +13,9 @@ use super::outline::Outline;
 use super::points::Seen;
 use crate::walk::Scatter;
 use crate::{BuilderSettings, camera_walk};
+
 /// A pixel's footprint grows as one over the cosine under which a surface is seen, up to this one.
-const LEAST_COSINE: f64 = 0.1;
+const LEAST_COSINE: f64 = 0.01;
 
 /// Leaves measurement points.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -25,8 +26,8 @@ pub struct MeasurementWalk {
     pub threshold: f64,
     /// Columns and rows of the image.
     pub pixels: DVec2,
-    /// Radius of a point in pixel widths, the pixel being projected onto the surface over the whole length
-    /// of the path from the eye.
+    /// Radius of a point in widths of a square as large as the pixel's footprint: the pixel, projected onto the surface over the
+    /// whole length of the path from the eye.
     pub radius: f64,
 }
 
@@ -56,7 +57,9 @@ impl MeasurementWalk {
                         (scene.camera()).raster_density(origin, origin + direction * length);
                     let width = 1.0 / (density * self.pixels.element_product()).sqrt();
                     let cosine = scatter.wo.dot(scatter.ng);
-                    let radius = self.radius * width / cosine.abs().max(LEAST_COSINE);
+                    // A disc as large as the footprint, which a slant makes long, not wide: one as long as that would blur
+                    // over many pixels on either side.
+                    let radius = self.radius * width / cosine.abs().max(LEAST_COSINE).sqrt();
                     let (surface, normal) = (&vertex.surface, vertex.normal.as_vec3());
                     let (above, through) = (cosine > 0.0, bsdf.transmits());
                     let world = scene.world();

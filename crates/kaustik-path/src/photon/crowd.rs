@@ -1,12 +1,12 @@
 //! Discs that lie on one another.
 //!
-//! A disc is as wide as a pixel would be on its surface if nothing on the way had gathered the rays. Where a lens or
+//! A disc is as large as a pixel would be on its surface if nothing on the way had gathered the rays. Where a lens or
 //! a hollow mirror does, all of a picture may look at one spot: every photon there would meet every point.
 
 use super::{Disc, Lookup, MeasurementPoints};
 
-/// Discs are small enough where so few touch a cell of their size: at most 36 of a pixel's radius on a plane that is seen
-/// straight on, ten times as many at a slant. Those of twenty pixels' radius are let be there, of seven here.
+/// Discs are small enough where so few touch a cell of their size: at most 36 of a pixel's radius on a plane. Those of twenty
+/// pixels' radius are let be.
 const MOST: u32 = 1 << 14;
 /// They shrink by no more than this at a time: what lay in a crowd may be alone after that.
 const LEAST_STEP: f32 = 1.0 / 16.0;
@@ -99,7 +99,7 @@ mod tests {
         assert!(radii.clone().all(|radius| radius > 1e-5 && radius < 0.02));
     }
 
-    /// A radius of twenty pixels, on a plane that is seen straight on.
+    /// A radius of twenty pixels, on a plane.
     #[test]
     fn discs_of_a_plane_are_let_be() {
         let (points, _) = sorted(discs(200_000, 447.0, 20.0));

@@ -161,7 +161,7 @@ pub(crate) const RADIUS: Key = Key {
     name: "radius",
     default: "1",
     range: "0.01 <= widths <= 100",
-    meaning: "radius within which a photon counts, in widths of a pixel as it lies on the surface",
+    meaning: "radius within which a photon counts, in widths of a square as large as the pixel's footprint on the surface",
     methods: PHOTONS,
 };
 /// How that changes.
