@@ -98,6 +98,7 @@ impl Check {
                 // Discs of a quarter of a pixel's radius, where light is joined across edges but little.
                 settings.options.photon.photons = Some(400_000);
                 settings.options.photon.radius = 0.25;
+                settings.options.photon.reduction = None;
                 coarser(&tile_means(&picture(&scene, &settings)), colours)
             })
             .collect();

@@ -320,6 +320,8 @@ fn photons(method: Method, iterations: u64, photons: u64) -> RenderSettings {
     let mut settings = settings(method, SIDE, iterations);
     settings.options.photon.photons = Some(photons);
     settings.options.photon.burn_in = Some(64);
+    // A picture of one iteration has large discs.
+    settings.options.photon.reduction = None;
     settings
 }
 

@@ -17,6 +17,8 @@ pub(crate) fn photons(method: Method, iterations: u64, photons: u64) -> RenderSe
     settings.budget = Budget::PerPixel(iterations);
     settings.options.photon.photons = Some(photons);
     settings.options.ladders = 16;
+    // What discs of one size show, the same for all.
+    settings.options.photon.reduction = None;
     settings
 }
 

@@ -198,6 +198,7 @@ fn photons_bring_as_much_light_in_rooms_by_chance() {
             settings.options.photon = PhotonOptions {
                 photons: Some(60_000),
                 radius: 0.5,
+                reduction: None,
                 ..PhotonOptions::default()
             };
             let told = runs(&scene, &settings, seeds());

@@ -150,6 +150,7 @@ pub(crate) fn cases() -> Vec<(String, RenderSettings)> {
         s.options.photon.target_function = TargetFunction::SecondMoment;
         s.options.photon.refinement = Refinement::Iterations;
         s.options.photon.normalisation = Normalisation::Progressive;
+        s.options.photon.reduction = None;
     });
     add("in the middle of a pass", Method::Path, |s| {
         s.budget = Budget::Total(12 * u64::from(SIDE * SIDE) + 77);

@@ -43,6 +43,8 @@ fn entry(scale: FigureScale, name: &str, method: Method, more: &[&str]) -> Metho
         FigureScale::Usual => "photons=250000".to_owned(),
         FigureScale::AsPublished => "photons=10000000".to_owned(),
     });
+    // The paper's discs stay.
+    settings.push("reduction=off".to_owned());
     if method == Method::Sppm {
         // nothing but light paths
         settings.retain(|setting| !setting.starts_with("pilot"));

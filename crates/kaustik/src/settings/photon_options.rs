@@ -15,7 +15,7 @@ pub struct PhotonOptions {
     pub photons: Option<u64>,
     /// Lobes of this GGX roughness or more show the light of photons, in [0, 1].
     pub roughness: f64,
-    /// Radius within which a photon counts, in widths of a pixel as it lies on the surface, in [0.01, 100].
+    /// Radius within which a photon counts, in widths of a square as large as the pixel's footprint on the surface, in [0.01, 100].
     pub radius: f64,
     /// Shrinks the squared radius by (i + alpha) / (i + 1) in iteration i; `None`: the radius stays.
     pub reduction: Option<f64>,
@@ -97,7 +97,7 @@ impl Default for PhotonOptions {
             photons: None,
             roughness: 0.39,
             radius: 1.0,
-            reduction: None,
+            reduction: Some(0.8),
             remainder: true,
             acceptance: 0.234,
             burn_in: None,
@@ -167,10 +167,10 @@ pub(crate) const RADIUS: Key = Key {
 /// How that changes.
 pub(crate) const REDUCTION: Key = Key {
     name: "reduction",
-    default: "off",
+    default: "0.8",
     range: "off|0 < alpha < 1",
     meaning: "shrinks the radius from iteration to iteration, so that its error vanishes in the end: its square by (i + \
-                  alpha) / (i + 1); 0.7 is usual; off, the error is that of one radius",
+                  alpha) / (i + 1) after the i-th; 0.7 is usual; off: it stays (as in the paper on the spatial target function)",
     methods: PHOTONS,
 };
 /// What they cannot carry.
