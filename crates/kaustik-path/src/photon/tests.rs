@@ -4,6 +4,7 @@ use std::time::Instant;
 
 use glam::{DVec2, Vec3};
 use kaustik_mcmc::{Draws, Independent, generator, sample_generator};
+use kaustik_scene::testing::{Stage, diffuse, floor};
 use kaustik_scene::{Scene, SceneOptions, builtin};
 use kaustik_spectrum::{WavelengthSampling, Wavelengths};
 
@@ -48,15 +49,27 @@ fn a_lookup_finds_all_and_each_once() {
     }
 }
 
-/// Points of a picture of `side` by `side` pixels, and where photons land.
-fn points_and_photons(words: &str, side: u32, paths: u64) -> (MeasurementPoints, Vec<Vec3>) {
-    let options = SceneOptions {
-        width: side,
-        height: side,
-        ..SceneOptions::default()
-    };
-    let description = builtin::load(words).expect("a built-in scene");
-    let scene = Scene::new(&description, &options).expect("a sound scene");
+/// A disc has pi times the area of its pixel's footprint at any slant: on a square wholly in view those of all pixels have pi times its
+/// area.
+#[test]
+fn discs_are_as_large_as_footprints() {
+    const SIDE: u32 = 128;
+    // down to a cosine of 0.06
+    for height in [4.0, 1.0, 0.2] {
+        let scene = Stage::new()
+            .look_at(Vec3::new(0.3, height, 3.0), Vec3::ZERO, 0.6)
+            .add(diffuse([0.5; 3]), floor(0.0, 0.5))
+            .build();
+        let points = points(&scene, SIDE);
+        let squares: f64 = (points.discs().iter())
+            .map(|disc| f64::from(disc.radius).powi(2))
+            .sum();
+        assert!((squares - 1.0).abs() < 0.03, "{height}: {squares}");
+    }
+}
+
+/// Points of a picture of `side` by `side` pixels.
+fn points(scene: &Scene, side: u32) -> MeasurementPoints {
     let wavelengths = Wavelengths::sample(0.3, WavelengthSampling::Hero);
     let walk = MeasurementWalk {
         settings: BuilderSettings::default(),
@@ -67,8 +80,22 @@ fn points_and_photons(words: &str, side: u32, paths: u64) -> (MeasurementPoints,
     let mut points = MeasurementPoints::default();
     for pixel in 0..u64::from(side * side) {
         let mut u = Independent::new(sample_generator(1, 0, pixel));
-        walk.trace(&scene, &wavelengths, &mut u, &mut points);
+        walk.trace(scene, &wavelengths, &mut u, &mut points);
     }
+    points
+}
+
+/// Those points, and where photons land.
+fn points_and_photons(words: &str, side: u32, paths: u64) -> (MeasurementPoints, Vec<Vec3>) {
+    let options = SceneOptions {
+        width: side,
+        height: side,
+        ..SceneOptions::default()
+    };
+    let description = builtin::load(words).expect("a built-in scene");
+    let scene = Scene::new(&description, &options).expect("a sound scene");
+    let wavelengths = Wavelengths::sample(0.3, WavelengthSampling::Hero);
+    let points = points(&scene, side);
     let (mut path, mut photons) = (PhotonPath::default(), Vec::new());
     for index in 0..paths {
         let mut u = Independent::new(sample_generator(1, 1, index));
