@@ -194,6 +194,8 @@ fn chains_of_photons_are_retold() {
         // As few as give two ladders, of uneven length.
         settings.options.photon.photons = Some(2 * 16_384 + chains as u64);
         settings.options.photon.pace = Pace::Periods(pace);
+        // So that many land.
+        settings.options.photon.radius = 2.0;
         retell_photons(&settings, &pace[..chains]);
     }
 }
