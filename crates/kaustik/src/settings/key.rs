@@ -308,9 +308,10 @@ pub const KEYS: &[Key] = &[
     Key {
         name: "exchange",
         default: "full",
-        range: "full|pair|alternating|gibbs|none",
+        range: "full|pair|alternating|matching|gibbs|none",
         meaning: "exchanges after each sweep. full: the even pairs, then the odd ones; pair: one random pair (the paper's \
-                  own); alternating: even and odd pairs by turns; gibbs: a permutation of all (at most 5 replicas); none",
+                  own); alternating: even and odd pairs by turns; matching: even or odd pairs by chance; gibbs: a permutation of \
+                  all (at most 5 replicas); none",
         methods: EXCHANGE,
     },
     Key {

@@ -116,6 +116,7 @@ const EXCHANGES: &[(&str, Schedule)] = &[
     ("full", Schedule::Full),
     ("pair", Schedule::RandomPair),
     ("alternating", Schedule::Alternating),
+    ("matching", Schedule::RandomMatching),
     ("gibbs", Schedule::Permutation),
     ("none", Schedule::Off),
 ];
