@@ -96,8 +96,8 @@ impl<'w, U: FnOnce() -> f64> Passage<'w, U> {
                 false => opening.share() * (1.0 / opening.chance()) as f32,
             };
             self.through_pane |= !stops;
-            self.by_chance |= !stops;
         }
+        self.by_chance |= !stops && opening.opacity > 0.0;
         stops
     }
 
@@ -113,8 +113,6 @@ impl<'w, U: FnOnce() -> f64> Passage<'w, U> {
             self.threshold = u();
         }
         self.passed *= 1.0 - stop;
-        let stops = self.passed <= self.threshold;
-        self.by_chance |= !stops;
-        stops
+        self.passed <= self.threshold
     }
 }

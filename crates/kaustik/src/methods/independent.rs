@@ -3,6 +3,7 @@
 
 mod keep;
 mod mark;
+mod stream;
 
 use std::sync::atomic::AtomicBool;
 
@@ -13,23 +14,22 @@ use kaustik_path::{
     Bidirectional, Contributions, Event, Form, LightTracing, PathBuilder, RayCounts, Remainder,
     Unidirectional, trace,
 };
-use kaustik_pss::Coordinates;
 use kaustik_scene::Scene;
 use rayon::prelude::*;
 
 use crate::control::is_stopped;
-use crate::engine::{Engine, Nonfinite, STRIDE, add_rays};
+use crate::engine::{Engine, Nonfinite, add_rays};
 use crate::mark::FilmMark;
 use crate::methods::builders::builder;
 use crate::methods::builders::builder_settings;
-use crate::methods::erpt_pss::{Chains, Paths, PssRedistribution};
-use crate::sampling::cells::{Cells, Tour};
-use crate::sampling::stratified::mix;
+use crate::methods::erpt_pss::{Chains, PssRedistribution};
+use crate::sampling::cells::Cells;
 use crate::sampling::streams;
 use crate::{
     Budget, ChainStatistics, EnergyStatistics, RenderError, RenderSettings, StateError, StepId,
 };
 use mark::Mark;
+use stream::{Job, SampleStream};
 
 /// The pilot needs only the order of magnitude.
 const PILOT_SHARE: u64 = 100;
@@ -55,18 +55,6 @@ pub(crate) struct IndependentEngine<'a> {
     mark: Mark,
     /// What the film holds while it is lent.
     aside: FilmMark,
-}
-
-/// One ladder: sample `step` is made from (seed, ladder, step) alone.
-struct SampleStream {
-    ladder: u32,
-    step: u64,
-    generators: SampleGenerators,
-    value: Contributions,
-    nonfinite: Nonfinite,
-    rays: RayCounts,
-    /// Runs chains from the samples, where the method does.
-    chains: Option<Box<Chains>>,
 }
 
 impl<'a> IndependentEngine<'a> {
@@ -380,88 +368,6 @@ impl Engine for IndependentEngine<'_> {
 
     fn is_lit(&self) -> bool {
         self.lit
-    }
-}
-
-/// What a stream works with.
-struct Job<'a> {
-    seed: u64,
-    scene: &'a Scene,
-    builder: &'a dyn PathBuilder,
-    film: &'a Film,
-    scale: Scale,
-    cells: Option<Cells>,
-    stop: Option<&'a AtomicBool>,
-    redistribution: Option<&'a PssRedistribution>,
-}
-
-impl SampleStream {
-    fn run(&mut self, job: &Job<'_>, steps: u64) {
-        let mut tour = job
-            .cells
-            .map(|cells| Tour::new(&cells, self.ladder, self.step));
-        let seed = mix(job.seed);
-        // The chains of a sample are long, and broken off as well: such a sample is none.
-        let stride = if self.chains.is_some() { 1 } else { STRIDE };
-        for done in 0..steps {
-            if done % stride == 0 && is_stopped(job.stop) {
-                return;
-            }
-            let mut coordinates = Independent::new(self.generators.at(self.step));
-            match &mut tour {
-                None => self.sample(job, &mut coordinates),
-                Some(tour) => {
-                    let mut coordinates = tour.confine(seed, coordinates);
-                    tour.go_on();
-                    self.sample(job, &mut coordinates);
-                }
-            }
-            if self.chains.is_some() && is_stopped(job.stop) {
-                return;
-            }
-            self.step += 1;
-        }
-    }
-
-    /// One sample, and where its light goes.
-    #[inline]
-    fn sample<C: Coordinates>(&mut self, job: &Job<'_>, coordinates: &mut C) {
-        let (scene, builder) = (job.scene, job.builder);
-        let nonfinite = match (job.redistribution, &mut self.chains) {
-            (Some(redistribution), Some(chains)) => {
-                let place = Paths {
-                    scene,
-                    builder,
-                    film: job.film,
-                    scale: job.scale,
-                    stop: job.stop,
-                };
-                chains.run(redistribution, &place, coordinates, self.step)
-            }
-            _ => {
-                builder.build(scene, coordinates, &mut self.value);
-                job.scale.splat(job.film, &self.value, 1.0);
-                self.rays += self.value.rays();
-                u64::from(self.value.nonfinite())
-            }
-        };
-        self.nonfinite.count(nonfinite, self.step);
-    }
-
-    /// Whole passes over the ladder's cells; `None` in the middle of one.
-    fn passes(&self, cells: &Cells) -> Option<u64> {
-        let [first, end] = cells.of_ladder(self.ladder);
-        match end - first {
-            0 => Some(u64::MAX),
-            count => self.step.is_multiple_of(count).then_some(self.step / count),
-        }
-    }
-
-    /// Samples that the ladder's cell number `index` has had.
-    fn visits(&self, cells: &Cells, index: u64) -> u64 {
-        let [first, end] = cells.of_ladder(self.ladder);
-        let count = end - first;
-        self.step / count + u64::from(index < self.step % count)
     }
 }
 
