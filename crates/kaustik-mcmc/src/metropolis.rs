@@ -255,7 +255,7 @@ impl<S, V, const K: usize> Metropolis<S, V, K> {
     }
 
     /// Moves the chain to another target of the family. Flush before; for a lazy point
-    /// see [`Point`] on what must be settled if its mutation changes as well.
+    /// see [`crate::Point`] on what must be settled if its mutation changes as well.
     ///
     /// # Panics
     ///

@@ -1,7 +1,7 @@
 //! Markov-chain Monte Carlo light transport.
 //!
 //! This crate wires the others: a [`Scene`](scene::Scene) and [`RenderSettings`] go in, an
-//! image and [`RenderStatistics`] come out of [`render`]. Rendering's threads are started here
+//! image and [`RenderStatistics`] come out of [`render()`]. Rendering's threads are started here
 //! and nowhere below (where scenes are loaded and trees are built, the feature `parallel` uses some); the same settings give the same bits for any number of them.
 //!
 //! ```

@@ -53,7 +53,7 @@ pub(super) fn of_samples(pool: &[PoolSample]) -> f64 {
     noise.mean()
 }
 
-/// The same of implicit specular light, `share` of all, by what walks found of it, of so many in the [lit](lit) part of the image; `None` if
+/// The same of implicit specular light, `share` of all, by what walks found of it, of so many in the [lit] part of the image; `None` if
 /// these are too few to tell.
 ///
 /// Where `r` of the samples are effective ones, their mean has the relative variance `1 / r` a sample. Of a part of the lit pixels alone
