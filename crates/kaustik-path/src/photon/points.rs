@@ -22,6 +22,8 @@ pub struct MeasurementPoints {
     listed: Vec<Listed>,
     functions: BsdfList,
     outlined: Vec<Outlined>,
+    /// Walks that left no point because of what they carried.
+    nonfinite: u64,
 }
 
 /// What stands in a disc, and how its point scatters.
@@ -69,6 +71,7 @@ impl MeasurementPoints {
 
     /// Forgets everything but the memory.
     pub fn clear(&mut self) {
+        self.nonfinite = 0;
         self.discs.clear();
         self.points.clear();
         self.listed.clear();
@@ -81,6 +84,11 @@ impl MeasurementPoints {
         let more = count.saturating_sub(self.points.len());
         self.discs.reserve_exact(more);
         self.points.reserve_exact(more);
+    }
+
+    /// Camera walks that ended with a throughput that is no finite number: each is a fault, and left no point.
+    pub fn nonfinite(&self) -> u64 {
+        self.nonfinite
     }
 
     /// The discs of the points, in the same order.
@@ -102,6 +110,7 @@ impl MeasurementPoints {
     pub fn append(&mut self, other: &Self) {
         let (listed, outlined) = (self.listed.len() as u32, self.outlined.len() as u32);
         let function = self.functions.append(&other.functions);
+        self.nonfinite += other.nonfinite;
         self.listed.extend(other.listed.iter().map(|listed| Listed {
             bsdf: function + listed.bsdf,
             ..*listed
@@ -126,15 +135,15 @@ impl MeasurementPoints {
         }));
     }
 
-    /// Adds a point; one where nothing can be measured (no radius within [`Lookup::RADII`], nothing finite to carry, or
-    /// the surface seen from behind its normal) is left out.
+    /// Adds a point; one where nothing can be measured (no radius within [`Lookup::RADII`], nothing finite to carry, which is
+    /// counted, or the surface seen from behind its normal) is left out.
     pub(super) fn push(&mut self, seen: Seen<'_>) {
         let Seen { vertex, wo, .. } = seen;
         let ng = vertex.local_normal();
         let radius = seen.radius as f32;
-        let usable = Lookup::RADII.contains(&radius)
-            && seen.throughput.is_finite()
-            && wo.z * wo.dot(ng) > 0.0;
+        let finite = seen.throughput.is_finite();
+        self.nonfinite += u64::from(!finite);
+        let usable = finite && Lookup::RADII.contains(&radius) && wo.z * wo.dot(ng) > 0.0;
         if !usable {
             return;
         }
@@ -289,6 +298,25 @@ pub(super) mod tests {
         assert_eq!(size_of::<Disc>(), 16);
         assert_eq!(size_of::<Listed>(), 52);
         assert_eq!(size_of::<Outlined>(), 16);
+    }
+
+    /// Each is a fault of the scene or of ours: it is counted, through lists that are put together, and leaves nothing.
+    #[test]
+    fn walks_that_carry_no_finite_number_are_counted() {
+        let (vertex, grey) = (Vertex::default(), Bsdf::lambertian(Spectrum::splat(0.5)));
+        let wo = DVec3::new(0.6, 0.0, 0.8);
+        let mut all = MeasurementPoints::default();
+        for carried in [f32::NAN, 1.0, f32::INFINITY] {
+            let mut points = MeasurementPoints::default();
+            points.push(Seen {
+                throughput: Spectrum::splat(carried),
+                ..seen(&vertex, grey, wo)
+            });
+            all.append(&points);
+        }
+        assert_eq!((all.points.len(), all.nonfinite()), (1, 2));
+        all.clear();
+        assert_eq!(all.nonfinite(), 0);
     }
 
     /// Two materials by turns, put together from two lists: every point has its own function, and there are few.

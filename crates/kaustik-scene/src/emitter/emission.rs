@@ -120,15 +120,15 @@ impl Emitters {
                 cos,
                 infinite: false,
                 hittable: true,
-                emitter: self.first_of_instance[triangle.instance as usize] + triangle.primitive,
+                emitter: self.number(triangle),
             },
-            interior: self.interior_beside(matter, triangle.interior, &surface, normal),
+            interior: self.interior_beside(matter, triangle, &surface, normal),
             area: Some(AreaSample {
                 surface,
                 weight: position_weight,
                 both_sides,
                 material: triangle.material,
-                interior: triangle.interior,
+                emitter: self.number(triangle),
             }),
             fading: None,
         }

@@ -15,6 +15,7 @@ mod point;
 mod punctual;
 mod sample;
 mod shares;
+mod surroundings;
 mod tree;
 mod triangle;
 
@@ -22,7 +23,6 @@ use std::f64::consts::PI;
 
 use glam::DVec3;
 use kaustik_bsdf::warp;
-use kaustik_geometry::{Surface, offset_origin};
 use kaustik_spectrum::Wavelengths;
 
 use crate::environment::Environment;
@@ -34,7 +34,8 @@ use density::lambertian_pdf;
 use next_event::{Chosen, NextEvent};
 pub(crate) use punctual::{Arrival, Punctual};
 use shares::{Choices, Shares};
-use triangle::{TriangleEmitter, interiors_around, typical_area};
+use surroundings::Surroundings;
+use triangle::{TriangleEmitter, typical_area};
 
 pub use density::EmissionPdf;
 pub use point::{EmitterPoint, PunctualView};
@@ -65,12 +66,10 @@ pub(crate) struct Emitters {
     /// Among emitters of photons, where these are not chosen as all else is.
     photon_choice: Option<AliasTable>,
     punctual: Vec<Punctual>,
-    punctual_interior: Vec<Interior>,
     environment: Option<Environment>,
     /// For each instance the index of its first triangle's emitter, or [`DARK`].
     first_of_instance: Vec<u32>,
-    /// Solids around emissive triangles: in front of them and behind.
-    interiors: Vec<[Interior; 2]>,
+    surroundings: Surroundings,
     /// Sphere around all geometry.
     center: DVec3,
     radius: f64,
@@ -107,12 +106,9 @@ impl Emitters {
         for (index, light) in sources.punctual.iter().enumerate() {
             emitters.list.push(Emitter::Punctual(index as u32));
             shares.punctual(light, disc);
-            emitters.punctual_interior.push(if light.is_directional() {
-                Interior::VACUUM
-            } else {
-                matter.interior_at(light.position)
-            });
         }
+        let triangles = emitters.list.len() - sources.punctual.len();
+        emitters.surroundings = Surroundings::new(matter, triangles, sources.punctual.len());
         emitters.punctual = sources.punctual;
         if let Some(environment) = sources.environment.filter(|e| e.mean_radiance() > 0.0) {
             emitters.list.push(Emitter::Environment);
@@ -148,14 +144,7 @@ impl Emitters {
             let area = typical_area(world, instance, primitive);
             let mean = material.mean_emission(&matter.textures, world, instance, primitive);
             shares.triangle(area * sides * PI * mean);
-            let around = interiors_around(matter, instance, primitive, area);
-            // Neighbours mostly share their surroundings.
-            if self.interiors.last() != Some(&around) {
-                self.interiors.push(around);
-            }
-            let interior = self.interiors.len() as u32 - 1;
-            let place = [instance, primitive];
-            let triangle = TriangleEmitter::new(matter, place, material_index, interior);
+            let triangle = TriangleEmitter::new(matter, [instance, primitive], material_index);
             self.list.push(Emitter::Triangle(triangle));
         }
     }
@@ -350,32 +339,12 @@ impl Emitters {
         area: &AreaSample,
         direction: DVec3,
     ) -> Interior {
-        self.interior_beside(matter, area.interior, &area.surface, direction)
-    }
-
-    /// The same, of a triangle whose surroundings at rest have this index. Where geometry moves, they change.
-    fn interior_beside(
-        &self,
-        matter: &Matter,
-        at_rest: u32,
-        surface: &Surface,
-        direction: DVec3,
-    ) -> Interior {
-        if matter.has_solids && matter.world.moves() {
-            let point = offset_origin(surface, direction.as_vec3());
-            return matter.interior_at(point.as_dvec3());
+        match &self.list[area.emitter as usize] {
+            Emitter::Triangle(triangle) => {
+                self.interior_beside(matter, triangle, &area.surface, direction)
+            }
+            _ => Interior::VACUUM,
         }
-        let behind = surface.geometric_normal.as_dvec3().dot(direction) < 0.0;
-        self.interiors[at_rest as usize][usize::from(behind)]
-    }
-
-    /// The solids around a punctual light, which stands there now.
-    fn interior_about(&self, matter: &Matter, index: u32, light: &Punctual) -> Interior {
-        let moves = matter.world.moves() || self.punctual[index as usize].moves();
-        if matter.has_solids && moves && !light.is_directional() {
-            return matter.interior_at(light.position);
-        }
-        self.punctual_interior[index as usize]
     }
 
     /// What is left of a fading light's radiance after `distance`.

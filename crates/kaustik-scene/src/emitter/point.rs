@@ -5,7 +5,7 @@ use kaustik_bsdf::{Frame, warp};
 use kaustik_geometry::Ray;
 use kaustik_spectrum::{Spectrum, Wavelengths};
 
-use super::{Arrival, DARK, EmissionPdf, Emitter, Emitters};
+use super::{Arrival, DARK, EmissionPdf, Emitter, Emitters, TriangleEmitter};
 use crate::matter::Matter;
 use crate::{Interior, Vertex};
 
@@ -107,6 +107,11 @@ impl Emitters {
         }
     }
 
+    /// Index of a triangle in the list.
+    pub(super) fn number(&self, triangle: &TriangleEmitter) -> u32 {
+        self.first_of_instance[triangle.instance as usize] + triangle.primitive
+    }
+
     /// Index of the emitter that a triangle is.
     fn triangle_index(&self, vertex: &Vertex) -> Option<usize> {
         let first = self.first_of_instance[vertex.instance as usize];
@@ -124,10 +129,9 @@ impl Emitters {
         match point {
             EmitterPoint::Surface => {
                 let index = self.triangle_index(vertex);
-                match index.map(|index| self.list[index]) {
+                match index.map(|index| &self.list[index]) {
                     Some(Emitter::Triangle(triangle)) => {
-                        let at_rest = triangle.interior;
-                        self.interior_beside(matter, at_rest, &vertex.surface, direction)
+                        self.interior_beside(matter, triangle, &vertex.surface, direction)
                     }
                     _ => Interior::VACUUM,
                 }

@@ -85,6 +85,6 @@ pub struct AreaSample {
     pub both_sides: bool,
     /// Index of the material.
     pub material: u32,
-    /// Which solids are around it: index into the emitters' list.
-    pub(crate) interior: u32,
+    /// Index of the triangle in the list of emitters.
+    pub(crate) emitter: u32,
 }

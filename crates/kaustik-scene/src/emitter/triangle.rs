@@ -4,7 +4,6 @@ use glam::{DVec3, Vec3};
 use kaustik_geometry::{Surface, World};
 use kaustik_spectrum::{Spectrum, Wavelengths};
 
-use crate::Interior;
 use crate::matter::Matter;
 
 #[derive(Clone, Copy, Debug)]
@@ -12,8 +11,6 @@ pub(super) struct TriangleEmitter {
     pub(super) instance: u32,
     pub(super) primitive: u32,
     pub(super) material: u32,
-    /// Index into `Emitters::interiors`.
-    pub(super) interior: u32,
     /// One over the area in the world; negative where it moves, and the area with it.
     still_inverse_area: f64,
     /// What a look-up needs when the emission does not vary: no attributes are interpolated. Only of what stands still.
@@ -51,13 +48,8 @@ impl Plane {
 }
 
 impl TriangleEmitter {
-    /// A triangle of an instance with this material; `interior` is an index into `Emitters::interiors`.
-    pub(super) fn new(
-        matter: &Matter,
-        [instance, primitive]: [u32; 2],
-        material: u32,
-        interior: u32,
-    ) -> Self {
+    /// A triangle of an instance with this material.
+    pub(super) fn new(matter: &Matter, [instance, primitive]: [u32; 2], material: u32) -> Self {
         let moving = matter.world.is_moving(instance);
         let of = matter.material(material);
         let plain = of.emits_evenly() && !of.has_alpha() && !moving;
@@ -65,7 +57,6 @@ impl TriangleEmitter {
             instance,
             primitive,
             material,
-            interior,
             still_inverse_area: if moving {
                 -1.0
             } else {
@@ -147,20 +138,4 @@ pub(super) fn typical_area(world: &World, instance: u32, primitive: u32) -> f64 
     let at = |k| world.at((k as f32 + 0.5) / TIMES as f32);
     let areas = (0..TIMES).map(|k| at(k).triangle_area(instance, primitive));
     areas.sum::<f64>() / f64::from(TIMES)
-}
-
-/// The solids in front of a triangle and behind it. Where geometry moves nobody asks: they are looked up for each sample.
-pub(super) fn interiors_around(
-    matter: &Matter,
-    instance: u32,
-    primitive: u32,
-    area: f64,
-) -> [Interior; 2] {
-    if !matter.has_solids || matter.world.moves() {
-        return [Interior::VACUUM; 2];
-    }
-    let middle = (matter.world).surface_at(instance, primitive, 1.0 / 3.0, 1.0 / 3.0);
-    let off = middle.geometric_normal.as_dvec3() * (1e-4 * area.sqrt());
-    let position = middle.position.as_dvec3();
-    [position + off, position - off].map(|point| matter.interior_at(point))
 }

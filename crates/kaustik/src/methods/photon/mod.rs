@@ -30,7 +30,7 @@ use crate::{
 };
 use chains::PhotonChains;
 use sppm::IndependentPhotons;
-use stage::Stage;
+use stage::{Place, Stage};
 use targets::Space;
 
 /// Passes of the remainder for each iteration.
@@ -269,7 +269,10 @@ impl Engine for PhotonEngine<'_> {
     }
 
     fn nonfinite(&self) -> (u64, Vec<StepId>) {
-        add_nonfinite(self.tracer.nonfinite(), Some(self.remainder.nonfinite()))
+        let (count, places) =
+            add_nonfinite(self.tracer.nonfinite(), Some(self.remainder.nonfinite()));
+        // Camera walks are no steps, and have no place.
+        (count + self.stage.nonfinite(), places)
     }
 
     /// The light path at this place, with the sample there of what photons cannot carry.
@@ -314,14 +317,19 @@ impl Keep for PhotonEngine<'_> {
     }
 
     fn write(&self, out: &mut Writer<'_>) -> io::Result<()> {
-        out.value(&(self.done(), self.stage.radius()))?;
+        let place = Place {
+            iterations: self.done(),
+            ..self.stage.place()
+        };
+        out.value(&place)?;
         self.tracer.write(out)?;
         self.remainder.write(out)
     }
 
     fn take_up(&mut self, from: &mut Reader<'_>) -> Result<(), StateError> {
-        let (iterations, radius): (u64, f64) = from.value()?;
-        self.stage.go_to(iterations, radius)?;
+        let place: Place = from.value()?;
+        self.stage.go_to(place)?;
+        let iterations = place.iterations;
         self.ready = iterations == 0;
         self.tracer.take_up(from, iterations)?;
         self.remainder.take_up(from)?;

@@ -13,6 +13,7 @@ use kaustik_path::{
 use kaustik_scene::Scene;
 use kaustik_spectrum::{WavelengthSampling, Wavelengths};
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 
 use crate::control::is_stopped;
 use crate::methods::builders::builder_settings;
@@ -43,6 +44,17 @@ const MORE_PILOT: u64 = 1 << 15;
 /// and about so many at most.
 const MOST_PILOT: u64 = 1 << 20;
 
+/// How far a stage has come.
+#[derive(Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub(super) struct Place {
+    /// Begun so far.
+    pub(super) iterations: u64,
+    /// Of the last one's discs.
+    pub(super) radius: f64,
+    /// Camera walks that left no point because they carried no finite number.
+    pub(super) nonfinite: u64,
+}
+
 /// One iteration after the other.
 pub(super) struct Stage<'a> {
     scene: &'a Scene,
@@ -55,6 +67,8 @@ pub(super) struct Stage<'a> {
     pub(super) photons: u64,
     /// Iterations begun so far.
     pub(super) iterations: u64,
+    /// Camera walks in them that carried no finite number: they left no point.
+    nonfinite: u64,
     walk: MeasurementWalk,
     cells: Cells,
     generators: SampleGenerators,
@@ -91,6 +105,7 @@ impl<'a> Stage<'a> {
             seed: settings.seed,
             photons: settings.photons(),
             iterations: 0,
+            nonfinite: 0,
             walk: MeasurementWalk {
                 settings: builder,
                 threshold: options.photon.roughness,
@@ -127,7 +142,11 @@ impl<'a> Stage<'a> {
     pub(super) fn begin(&mut self, stop: Option<&AtomicBool>) -> bool {
         let index = self.iterations;
         self.shrink(index);
-        self.see(index, stop)
+        let seen = self.see(index, stop);
+        if seen {
+            self.nonfinite += self.points.nonfinite();
+        }
+        seen
     }
 
     /// Sees it as in the iteration of this number, which is not before the last that was begun.
@@ -148,39 +167,42 @@ impl<'a> Stage<'a> {
         }
     }
 
-    /// The radius of discs.
-    pub(super) fn radius(&self) -> f64 {
-        self.walk.radius
-    }
-
-    /// As it was after so many iterations, the discs of this radius. Refuses what cannot be.
-    pub(super) fn go_to(&mut self, iterations: u64, radius: f64) -> Result<(), StateError> {
+    /// As it was at a place after whole iterations. Refuses what cannot be.
+    pub(super) fn go_to(&mut self, place: Place) -> Result<(), StateError> {
         let steps = self.photons.max(self.cells.count());
-        Reader::count(iterations.saturating_mul(steps))?;
+        Reader::count(place.iterations.saturating_mul(steps))?;
+        Reader::count(place.nonfinite)?;
         // discs never grow, and shrink by chains of roots
-        if !(radius > 0.0 && radius <= self.walk.radius) {
+        if !(place.radius > 0.0 && place.radius <= self.walk.radius) {
             return Err(StateError::damaged("discs have an impossible radius"));
         }
-        if iterations > 0 && (iterations, radius.to_bits()) != self.place() {
-            self.walk.radius = radius;
-            self.see(iterations - 1, None);
+        if place.iterations > 0 && place != self.place() {
+            self.go_back(place, true);
         }
         Ok(())
     }
 
-    /// Iterations begun, and the bits of the radius.
-    pub(super) fn place(&self) -> (u64, u64) {
-        (self.iterations, self.walk.radius.to_bits())
+    pub(super) fn place(&self) -> Place {
+        Place {
+            iterations: self.iterations,
+            radius: self.walk.radius,
+            nonfinite: self.nonfinite,
+        }
     }
 
     /// To where it was before it began the last iteration. The next one has new points: those of the one
     /// before it are made again only if somebody wants to see them.
-    pub(super) fn go_back(&mut self, (iterations, radius): (u64, u64), points: bool) {
-        self.walk.radius = f64::from_bits(radius);
-        self.iterations = iterations;
-        if points && iterations > 0 {
-            self.see(iterations - 1, None);
+    pub(super) fn go_back(&mut self, place: Place, points: bool) {
+        self.walk.radius = place.radius;
+        (self.iterations, self.nonfinite) = (place.iterations, place.nonfinite);
+        if points && place.iterations > 0 {
+            self.see(place.iterations - 1, None);
         }
+    }
+
+    /// Camera walks of all iterations that carried no finite number.
+    pub(super) fn nonfinite(&self) -> u64 {
+        self.nonfinite
     }
 
     /// The iteration of this number; `false` if it was stopped before it was seen.
