@@ -168,6 +168,7 @@ pub fn merge(
     watch: &mut dyn Watch,
 ) -> Result<Rendered, RenderError> {
     check(scene, settings)?;
+    let settings = &*pool(settings.threads)?.install(|| direct::settled(scene, settings));
     let renders = renders(states)?;
     match renders.as_slice() {
         [] => Err(StateError::Shares("there are none".to_owned()).into()),

@@ -4,6 +4,7 @@ use kaustik_film::Image;
 use kaustik_scene::Scene;
 
 use crate::check::check;
+use crate::methods::direct::settled;
 use crate::methods::engine;
 use crate::threads::pool;
 use crate::work::Work;
@@ -153,10 +154,11 @@ fn render_from(
     watch: &mut dyn Watch,
 ) -> Result<Rendered, RenderError> {
     check(scene, settings)?;
+    let pool = pool(settings.threads)?;
+    let settings = &*pool.install(|| settled(scene, settings));
     if let Some(state) = &state {
         state.check(scene, settings)?;
     }
-    let pool = pool(settings.threads)?;
     let mut work = Work::new(scene, settings);
     let mut engine = pool.install(|| engine(scene, settings))?;
     if let Some(state) = state {

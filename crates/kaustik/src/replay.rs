@@ -6,6 +6,7 @@ use kaustik_scene::Scene;
 use crate::beside::lamps::Lamps;
 use crate::beside::meter::Meter;
 use crate::check::check;
+use crate::methods::direct::settled;
 use crate::methods::engine;
 use crate::state::take_up;
 use crate::threads::pool;
@@ -48,18 +49,17 @@ pub fn replay_from(
     place: StepId,
     ahead: &mut (dyn FnMut(u64) + Send),
 ) -> Result<Vec<Event>, RenderError> {
+    check(scene, settings)?;
+    let settings = &*pool(settings.threads)?.install(|| settled(scene, settings));
     if let Some(state) = state {
-        check(scene, settings)?;
         state.check(scene, settings)?;
     }
     if place.ladder == StepId::LAMPS {
-        check(scene, settings)?;
         let lamps = pool(settings.threads)?.install(|| Lamps::new(scene, settings))?;
         let lamps = lamps.ok_or_else(|| no_ladder(settings, place))?;
         return Ok(lamps.replay(place.step));
     }
     if place.ladder == StepId::METER {
-        check(scene, settings)?;
         let replay = || Meter::replay(scene, settings, place.step);
         let events = pool(settings.threads)?.install(replay);
         return events.ok_or_else(|| no_ladder(settings, place));

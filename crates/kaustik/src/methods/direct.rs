@@ -1,26 +1,32 @@
 //! Direct light beside chains that leave it out.
 
+mod ease;
+
 use std::io;
 use std::ops::{Range, RangeInclusive};
 use std::sync::atomic::AtomicBool;
 
 use kaustik_film::{Counters, Image, Layer};
-use kaustik_path::{Event, PureSpecular, RayCounts};
+use kaustik_path::{BuilderSettings, Event, PureSpecular, RayCounts, Unidirectional};
 use kaustik_scene::Scene;
 
 use crate::engine::{Engine, add_counters, add_nonfinite, add_rays};
+use crate::methods::builders::builder_settings;
 use crate::methods::independent::IndependentEngine;
+use crate::sampling::cells::Cells;
 use crate::state::{Keep, Reader, StateError, Writer};
 use crate::{
     Budget, ChainStatistics, Direct, DirectStatistics, EnergyStatistics, Method,
     MutationStatistics, RenderError, RenderSettings, ReplicaStatistics, StepId,
 };
 
+pub(crate) use ease::settled;
+
 /// The longest paths that are rendered apart, in edges: emitters seen directly, and light that was scattered
 /// once, at whatever surface.
 pub(crate) const MOST_EDGES: u32 = 2;
 /// Of so many passes' worth of steps, direct light takes the first.
-const CYCLE: u64 = 8;
+const CYCLE: u64 = 4;
 /// So many passes' worth of steps leave both parts with something where a step of the chains is less than a pass.
 const LEAST: u64 = 2;
 /// Turns the seed of the chains into another one.
@@ -50,18 +56,40 @@ pub(crate) fn pure_specular(settings: &RenderSettings) -> PureSpecular {
 }
 
 /// How many edges the paths have that [`Lamps`](crate::beside::lamps::Lamps) see to; `None` if there are none of them.
+///
+/// They look where such light is, which the even samples of direct light do not: a lamp seen in a mirror or through one surface of glass is theirs as well
+/// where direct light is rendered apart.
 pub(crate) fn edges_of_lamps(settings: &RenderSettings) -> Option<RangeInclusive<u32>> {
-    let least = if is_apart(settings) {
-        min_edges(settings)
-    } else {
-        1
-    };
     let most = match pure_specular(settings) {
         PureSpecular::LeftOut => settings.max_depth,
+        _ if is_apart(settings) && has_lamps(settings) => settings.max_depth.min(MOST_EDGES),
         _ if are_lamps(settings) => 1,
         _ => 0,
     };
-    (least <= most).then_some(least..=most)
+    (most > 0).then_some(1..=most)
+}
+
+/// Has the method samples of what is seen directly, unless it is told to do without?
+fn has_lamps(settings: &RenderSettings) -> bool {
+    settings.method != Method::ErptPss
+}
+
+/// What builds the paths of direct light where it is rendered apart: those that [`edges_of_lamps`] leaves.
+pub(crate) fn direct_paths(settings: &RenderSettings) -> Unidirectional {
+    let (min_edges, pure_specular) = if has_lamps(settings) {
+        (MOST_EDGES, PureSpecular::LeftOut)
+    } else {
+        (1, PureSpecular::Kept)
+    };
+    Unidirectional {
+        settings: BuilderSettings {
+            min_edges,
+            max_edges: settings.max_depth.min(MOST_EDGES),
+            pure_specular,
+            ..builder_settings(settings)
+        },
+        next_event: true,
+    }
 }
 
 /// Are emitters and surroundings seen directly rendered beside the chains (of some methods also those seen
@@ -69,7 +97,7 @@ pub(crate) fn edges_of_lamps(settings: &RenderSettings) -> Option<RangeInclusive
 pub(crate) fn are_lamps(settings: &RenderSettings) -> bool {
     match settings.method {
         Method::Pssmlt | Method::Mmlt | Method::Relt | Method::Mlt | Method::Erpt => {
-            settings.options.direct == Direct::Lamps
+            !matches!(settings.options.direct, Direct::Together | Direct::Apart)
         }
         // These have no light of two edges apart.
         Method::MltMultistage | Method::PssmltMultistage => {
@@ -88,7 +116,7 @@ pub(crate) fn min_edges(settings: &RenderSettings) -> u32 {
     }
 }
 
-/// A method whose paths have more edges than [`MOST_EDGES`], and stratified independent samples of the others on a
+/// A method whose paths have more edges than [`MOST_EDGES`], and stratified independent samples of the others ([`direct_paths`]) on a
 /// film of their own. The picture is the sum: both parts are right by themselves, whatever share
 /// of the steps each takes.
 pub(crate) struct DirectApart<'a> {
@@ -113,14 +141,14 @@ impl<'a> DirectApart<'a> {
         settings: &RenderSettings,
         chains: Box<dyn Engine + 'a>,
     ) -> Result<Self, RenderError> {
-        let mut of_direct = RenderSettings {
+        let of_direct = RenderSettings {
             method: Method::Path,
-            max_depth: settings.max_depth.min(MOST_EDGES),
             seed: settings.seed ^ SEED,
             ..settings.clone()
         };
-        of_direct.options.next_event = true;
-        let direct = IndependentEngine::path(scene, &of_direct)?;
+        let paths = Box::new(direct_paths(settings));
+        let cells = Cells::new(settings);
+        let direct = IndependentEngine::new(scene, &of_direct, paths, Some(cells))?;
         let ladders = settings.ladder_range();
         let all = settings.options.ladders;
         let mut both = Self {

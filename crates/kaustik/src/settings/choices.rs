@@ -100,10 +100,13 @@ pub enum Strategies {
 /// Which paths independent samples beside the chains see to; chains leave these out.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Direct {
+    /// `Apart` for `pssmlt`, `mmlt`, `mlt` and `erpt` where a look at the scene finds direct light easy to find for
+    /// independent samples; else, and for other methods, `Lamps`.
+    #[default]
+    Auto,
     /// Paths of one edge: emitters and surroundings seen directly. Of `mlt`, `mlt-multistage` and `erpt` all purely specular
     /// paths: those seen by way of mirrors and smooth glass alone. (`erpt-pss`, whose chains start in every pixel,
     /// has nothing of this.)
-    #[default]
     Lamps,
     /// None.
     Together,

@@ -231,18 +231,19 @@ pub const KEYS: &[Key] = &[
     },
     Key {
         name: "direct",
-        default: "lamps",
-        range: "lamps|together|apart",
+        default: "auto",
+        range: "auto|lamps|together|apart",
         meaning: "which light is rendered by independent samples instead of the chains. lamps: emitters and environment seen \
                   directly (mlt, erpt: also those seen by way of mirrors and smooth glass alone; erpt-pss: none); together: \
-                  none, as in the papers; apart: all paths of at most two edges",
+                  none, as in the papers; apart: all paths of at most two edges; auto: apart for pssmlt, mmlt, mlt and erpt \
+                  where a look at the scene finds such light easily, else lamps",
         methods: DIRECT,
     },
     Key {
         name: "direct",
-        default: "lamps",
-        range: "lamps|together",
-        meaning: "which light is rendered by independent samples instead of the stages. lamps: emitters and environment seen \
+        default: "auto",
+        range: "auto|lamps|together",
+        meaning: "which light is rendered by independent samples instead of the stages. auto and lamps: emitters and environment seen \
                   directly (mlt-multistage: also those seen by way of mirrors and smooth glass alone); together: none",
         methods: STAGED,
     },

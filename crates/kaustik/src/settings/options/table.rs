@@ -108,6 +108,7 @@ const MIS: &[(&str, Mis)] = &[
     ("off", Mis::Off),
 ];
 const DIRECT: &[(&str, Direct)] = &[
+    ("auto", Direct::Auto),
     ("lamps", Direct::Lamps),
     ("together", Direct::Together),
     ("apart", Direct::Apart),
