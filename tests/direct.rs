@@ -129,38 +129,86 @@ fn the_sum_of_the_parts_is_the_whole_for_all() {
     assert_sums(&VARIANTS);
 }
 
-/// The direct part is what `path` renders up to two edges, and chains have none of it: up to two edges they are
-/// black.
+/// The direct part is what `path` renders of two edges, of methods without lamps of their own up to two, and chains have none of
+/// it: up to two edges they are black.
 #[test]
-fn the_direct_part_is_path_up_to_two_edges() {
+fn the_direct_part_is_path_of_two_edges() {
     assert_direct_parts(&[Method::Pssmlt, Method::Relt]);
 }
 
 #[test]
 #[ignore = "long"]
-fn the_direct_part_of_others_is_path_up_to_two_edges() {
+fn the_direct_part_of_others_is_path_of_two_edges() {
     assert_direct_parts(&[Method::Mmlt, Method::ErptPss, Method::Mlt]);
+}
+
+/// Lamps seen by way of one mirror or one surface of glass have two edges as well, and chains leave them out.
+#[test]
+fn lamps_in_one_mirror_are_there_once() {
+    for words in ["glass-cube?light=1.5", "mirror-balls"] {
+        let scene = scene(words, SIDE);
+        let short = |method, spp| RenderSettings {
+            max_depth: 2,
+            ..settings(method, SIDE, spp)
+        };
+        let path = tiles_of_seeds(&scene, &short(Method::Path, 2048), SEEDS);
+        for method in [Method::Pssmlt, Method::Mmlt, Method::Mlt, Method::Relt] {
+            let settings = RenderSettings {
+                max_depth: 2,
+                ..apart(method, 512)
+            };
+            let seen = tiles_of_seeds(&scene, &settings, SEEDS);
+            assert_agree(&format!("{words}, {method}"), &path, &seen, 0.1);
+        }
+    }
 }
 
 fn assert_direct_parts(methods: &[Method]) {
     let scene = scene("cornell", SIDE);
-    let short = RenderSettings {
-        max_depth: 2,
+    let up_to = |max_depth| RenderSettings {
+        max_depth,
         ..settings(Method::Path, SIDE, 256)
     };
-    let path = tiles_of_seeds(&scene, &short, SEEDS);
+    let pictures = |settings: &RenderSettings| -> Vec<Image> {
+        SEEDS
+            .map(|seed| rendered(&scene, settings, seed).image)
+            .collect()
+    };
+    let [one, two] = [1, 2].map(|edges| pictures(&up_to(edges)));
+    // of the same walks
+    let of_two = tiles_of(std::iter::zip(&two, &one).map(|(two, one)| less(two, one)));
+    let up_to_two = tiles_of(two.into_iter());
     for &method in methods {
         let settings = apart(method, 128);
-        let layers = SEEDS.map(|seed| direct_layer(&rendered(&scene, &settings, seed).image));
-        assert_agree(method.name(), &path, &tiles_of(layers), 0.05);
-        let settings = RenderSettings {
+        let layers = pictures(&settings);
+        let layers = layers.iter().map(direct_layer);
+        let has_lamps = ![Method::Relt, Method::ErptPss].contains(&method);
+        let path = if has_lamps { &of_two } else { &up_to_two };
+        assert_agree(method.name(), path, &tiles_of(layers), 0.05);
+        let short = RenderSettings {
             max_depth: 2,
             ..settings
         };
-        let image = rendered(&scene, &settings, 0).image;
-        assert!(image.rgb() == direct_layer(&image).rgb(), "{method}");
-        assert!(image.rgb()[0].iter().any(|&v| v > 0.0), "{method}");
+        let images = pictures(&short);
+        let only = images[0].rgb() == direct_layer(&images[0]).rgb();
+        assert_eq!(only, !has_lamps, "{method}");
+        assert_agree(
+            method.name(),
+            &up_to_two,
+            &tiles_of(images.into_iter()),
+            0.05,
+        );
     }
+}
+
+/// The difference of two pictures.
+fn less(a: &Image, b: &Image) -> Image {
+    let planes = std::iter::zip(a.rgb(), b.rgb());
+    let planes: Vec<Vec<f32>> = planes
+        .map(|(a, b)| a.iter().zip(b).map(|(a, b)| a - b).collect())
+        .collect();
+    let planes = planes.try_into().expect("three planes");
+    Image::from_rgb(a.width(), a.height(), planes).expect("an image")
 }
 
 /// What is seen by way of glass or a varnish is there once, whether chains see to it or samples of its own.
@@ -268,11 +316,11 @@ fn chains_in_the_dark_use_up_their_budget() {
     };
     settings.options.even = EvenSamples::Count(0);
     let statistics = rendered(&scene, &settings, 0).statistics;
-    assert_eq!(statistics.direct.expect("direct light").samples, 4 * pixels);
+    assert_eq!(statistics.direct.expect("direct light").samples, 8 * pixels);
     assert_eq!(statistics.steps, 32 * pixels);
 }
 
-/// An eighth of the steps, in whole passes, and all steps are counted.
+/// A quarter of the steps, in whole passes, and all steps are counted.
 #[test]
 fn its_share_of_the_steps_is_told() {
     let scene = scene("cornell", SIDE);
@@ -280,8 +328,8 @@ fn its_share_of_the_steps_is_told() {
     for method in [Method::Pssmlt, Method::Mmlt, Method::Relt, Method::Mlt] {
         for (budget, passes, steps) in [
             (Budget::PerPixel(1), 1, 2 * pixels),
-            (Budget::PerPixel(32), 4, 32 * pixels),
-            (Budget::Total(41 * pixels + 7), 6, 41 * pixels),
+            (Budget::PerPixel(32), 8, 32 * pixels),
+            (Budget::Total(41 * pixels + 7), 11, 41 * pixels),
         ] {
             let mut settings = RenderSettings {
                 budget,
@@ -301,7 +349,8 @@ fn its_share_of_the_steps_is_told() {
                 statistics.steps
             );
         }
-        let together = settings(method, SIDE, 2);
-        assert!(rendered(&scene, &together, 0).statistics.direct.is_none());
+        let mut lamps = settings(method, SIDE, 2);
+        lamps.options.direct = Direct::Lamps;
+        assert!(rendered(&scene, &lamps, 0).statistics.direct.is_none());
     }
 }

@@ -23,6 +23,8 @@ fn changed(spp: u64, change: impl Fn(&mut Options)) -> RenderSettings {
 
 fn changed_of(method: Method, spp: u64, change: impl Fn(&mut Options)) -> RenderSettings {
     let mut settings = settings(method, SIDE, spp);
+    // all that is scattered is redistributed, unless a test says otherwise
+    settings.options.direct = Direct::Lamps;
     change(&mut settings.options);
     settings
 }

@@ -5,7 +5,7 @@ use std::sync::atomic::AtomicBool;
 use kaustik::film::Image;
 use kaustik::scene::Scene;
 use kaustik::{
-    Control, Method, Options, Outcome, Progress, RenderSettings, Rendered, State, merge,
+    Control, Direct, Method, Options, Outcome, Progress, RenderSettings, Rendered, State, merge,
     merged_settings, render_watched, resume,
 };
 
@@ -144,7 +144,10 @@ fn shares_tell_their_error() {
     let scene = a_scene();
     for method in [Method::Pssmlt, Method::Light, Method::Mlt, Method::Relt] {
         let mut settings = settings(method, SIDE, 40);
-        settings.options = Options::default();
+        settings.options = Options {
+            direct: Direct::Lamps,
+            ..Options::default()
+        };
         let bounds = [0, 20, 40, 64];
         let states = shares(&scene, &settings, &bounds);
         let all = merged_with_layers(&scene, &states);

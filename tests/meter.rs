@@ -35,6 +35,7 @@ fn metered() -> [RenderSettings; 8] {
         let spp = if method == Method::Mmlt { 2_000 } else { 300 };
         let mut settings = settings(method, SIDE, spp);
         settings.options.builder = builder;
+        settings.options.direct = Direct::Lamps;
         settings
     };
     let mut luminance = with(Method::Pssmlt, Builder::Simple);

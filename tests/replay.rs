@@ -96,7 +96,9 @@ fn steps_of_chains_are_replayed() {
         Method::Mlt,
     ];
     for method in methods {
-        let settings = settings(method, 8, 4);
+        let mut settings = settings(method, 8, 4);
+        // Else events of two parts are told.
+        settings.options.direct = Direct::Lamps;
         let show = |settings: &RenderSettings, ladder, step| {
             replay(&scene, settings, StepId { ladder, step }).expect("events")
         };

@@ -69,6 +69,8 @@ fn renders_and_compares() {
         &json,
         "--set",
         "pilot=2000",
+        "--set",
+        "direct=lamps",
         "--crop",
         "2,2,14,15",
         "--filter",

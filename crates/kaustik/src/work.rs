@@ -96,6 +96,9 @@ impl<'a> Work<'a> {
     ) -> Result<Outcome, RenderError> {
         let ladders = self.settings.ladder_range();
         let mut done = engine.taken();
+        if self.is_past(engine, &done) {
+            return Ok(Outcome::Complete);
+        }
         let mut allowed = self.begun(engine, &done);
         let mut chunk = 1;
         loop {
@@ -132,6 +135,19 @@ impl<'a> Work<'a> {
             }
             chunk = wanted.min(fits);
         }
+    }
+
+    /// Was a state taken up that has more than the budget allows? Its picture is then shown as it was, even if a signal had
+    /// ended it within a round that an engine of several parts would complete first.
+    fn is_past(&self, engine: &dyn Engine, done: &[u64]) -> bool {
+        let ladders = self.settings.ladder_range();
+        let (mut past, mut due) = (false, false);
+        for (ladder, done) in ladders.zip(done) {
+            let planned = engine.planned(ladder, self.settings);
+            past |= planned < *done;
+            due |= planned > *done;
+        }
+        past && !due
     }
 
     /// Grains that all ladders have taken which have steps left to take. In a merged state some may be far ahead: they wait,

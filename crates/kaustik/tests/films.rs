@@ -101,7 +101,9 @@ fn few_films_are_held() {
     let relt = films(Method::Relt, 1, |_| ());
     assert_eq!(relt, 5, "a film each for four replicas and for lamps");
     for method in [Method::Mlt, Method::Erpt] {
-        assert_eq!(films(method, 1, |_| ()), 2, "{method}: another for lamps");
+        let of = |direct| films(method, 1, |o| o.direct = direct);
+        assert_eq!(of(Direct::Lamps), 2, "{method}: another for lamps");
+        assert_eq!(of(Direct::Apart), 3, "{method}: one more for direct light");
     }
     for method in [Method::Erpt, Method::ErptPss] {
         let alone = |filter| {

@@ -69,9 +69,9 @@ pub(crate) fn edges_of_lamps(settings: &RenderSettings) -> Option<RangeInclusive
     (most > 0).then_some(1..=most)
 }
 
-/// Has the method samples of what is seen directly, unless it is told to do without?
+/// Has the method samples of what is seen directly beside those of direct light? `erpt-pss` never has any, and `relt` has films enough.
 fn has_lamps(settings: &RenderSettings) -> bool {
-    settings.method != Method::ErptPss
+    !matches!(settings.method, Method::ErptPss | Method::Relt)
 }
 
 /// What builds the paths of direct light where it is rendered apart: those that [`edges_of_lamps`] leaves.

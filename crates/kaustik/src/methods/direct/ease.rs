@@ -44,7 +44,7 @@ fn choice(scene: &Scene, settings: &RenderSettings) -> Direct {
         Method::Pssmlt | Method::Mmlt | Method::Mlt | Method::Erpt
     );
     // Of no more edges nothing is left to chains.
-    if !chains || settings.max_depth <= MOST_EDGES {
+    if !chains || settings.max_depth <= MOST_EDGES || shows_other_light(scene, settings) {
         return Direct::Lamps;
     }
     let Ease { noise, lit } = Ease::look(scene, settings);
@@ -53,6 +53,12 @@ fn choice(scene: &Scene, settings: &RenderSettings) -> Direct {
     } else {
         Direct::Lamps
     }
+}
+
+/// Would chains show other light of two edges than the samples in their place? Those see no point light in a mirror, which walks from the
+/// light join to a lens that has area; and walks that are never joined to an emitter see no point light at all.
+fn shows_other_light(scene: &Scene, settings: &RenderSettings) -> bool {
+    scene.has_punctual_lights() && (scene.camera().has_aperture() || !settings.options.next_event)
 }
 
 /// What a look at direct light tells.
@@ -125,11 +131,18 @@ fn pixels(scene: &Scene, settings: &RenderSettings, cells: &Cells) -> Vec<Pixel>
 
 #[cfg(test)]
 mod tests {
+    use glam::{Affine3A, Vec3};
     use kaustik_scene::builtin;
+    use kaustik_scene::description::{Description, Lens, LightDescription, LightKind};
 
     use super::*;
 
     fn decides(words: &str, method: Method, max_depth: u32, seed: u64) -> Direct {
+        let description = builtin::load(words).expect("a scene");
+        decides_of(&description, method, max_depth, seed)
+    }
+
+    fn decides_of(description: &Description, method: Method, max_depth: u32, seed: u64) -> Direct {
         let mut settings = RenderSettings {
             method,
             width: 64,
@@ -138,8 +151,7 @@ mod tests {
             seed,
             ..RenderSettings::default()
         };
-        let description = builtin::load(words).expect("a scene");
-        let scene = Scene::new(&description, &settings.scene_options()).expect("a scene");
+        let scene = Scene::new(description, &settings.scene_options()).expect("a scene");
         let decided = settled(&scene, &settings).options.direct;
         // What is said is done.
         for direct in [Direct::Lamps, Direct::Together, Direct::Apart] {
@@ -163,5 +175,28 @@ mod tests {
         assert_eq!(decides("cornell", Method::Pssmlt, 2, 0), Direct::Lamps);
         // whose even samples do the same
         assert_eq!(decides("cornell", Method::Relt, 16, 0), Direct::Lamps);
+    }
+
+    /// A point light in a mirror shows itself to a lens that has area by walks from the light alone, which only chains make.
+    #[test]
+    fn what_only_chains_show_is_left_to_them() {
+        let mut description = builtin::load("cornell").expect("a scene");
+        description.lights.push(LightDescription {
+            name: "a point".to_owned(),
+            kind: LightKind::Point,
+            color: [1.0; 3],
+            intensity: 0.1,
+            range: None,
+            transform: Affine3A::from_translation(Vec3::new(0.0, 0.5, 0.0)),
+        });
+        assert_eq!(decides_of(&description, Method::Mmlt, 16, 0), Direct::Apart);
+        description.cameras[0].lens = Some(Lens {
+            aperture: 0.05,
+            focus: 3.0,
+            blades: None,
+        });
+        assert_eq!(decides_of(&description, Method::Mmlt, 16, 0), Direct::Lamps);
+        description.lights.clear();
+        assert_eq!(decides_of(&description, Method::Mmlt, 16, 0), Direct::Apart);
     }
 }
