@@ -100,7 +100,7 @@ pub enum Strategies {
 /// Which paths independent samples beside the chains see to; chains leave these out.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Direct {
-    /// `Apart` for `pssmlt`, `mmlt`, `mlt` and `erpt` where a look at the scene finds direct light easy to find for
+    /// `Apart` for `pssmlt`, `mmlt`, `mlt`, `erpt` and `erpt-pss` where a look at the scene finds direct light easy to find for
     /// independent samples; else, and for other methods, `Lamps`.
     #[default]
     Auto,

@@ -235,7 +235,7 @@ pub const KEYS: &[Key] = &[
         range: "auto|lamps|together|apart",
         meaning: "which light is rendered by independent samples instead of the chains. lamps: emitters and environment seen \
                   directly (mlt, erpt: also those seen by way of mirrors and smooth glass alone; erpt-pss: none); together: \
-                  none, as in the papers; apart: all paths of at most two edges; auto: apart for pssmlt, mmlt, mlt and erpt \
+                  none, as in the papers; apart: all paths of at most two edges; auto: lamps for relt, for the others apart \
                   where a look at the scene finds such light easily, else lamps",
         methods: DIRECT,
     },

@@ -41,7 +41,7 @@ pub(crate) fn settled<'s>(scene: &Scene, settings: &'s RenderSettings) -> Cow<'s
 fn choice(scene: &Scene, settings: &RenderSettings) -> Direct {
     let chains = matches!(
         settings.method,
-        Method::Pssmlt | Method::Mmlt | Method::Mlt | Method::Erpt
+        Method::Pssmlt | Method::Mmlt | Method::ErptPss | Method::Erpt | Method::Mlt
     );
     // Of no more edges nothing is left to chains.
     if !chains || settings.max_depth <= MOST_EDGES || shows_other_light(scene, settings) {
@@ -170,6 +170,7 @@ mod tests {
             assert_eq!(decides("dinner-hall", Method::Mlt, 16, seed), Direct::Lamps);
         }
         assert_eq!(decides("canyon", Method::Erpt, 16, 0), Direct::Apart);
+        assert_eq!(decides("cornell", Method::ErptPss, 16, 0), Direct::Apart);
         assert_eq!(decides("underwater", Method::Mmlt, 16, 0), Direct::Lamps);
         // nothing would be left to chains
         assert_eq!(decides("cornell", Method::Pssmlt, 2, 0), Direct::Lamps);
