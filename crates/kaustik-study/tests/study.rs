@@ -195,17 +195,18 @@ fn other_settings_are_other_renders() {
 
 #[test]
 fn a_method_may_have_amounts_of_its_own() {
-    let mut study = study("per_pixel = [1, 2]");
+    // two at the least where direct light is rendered apart
+    let mut study = study("per_pixel = [2, 4]");
     study.methods[1].amounts = Some(vec![3.0, 8.0]);
     let folder = tempfile::tempdir().unwrap();
     let results = run(&study, folder.path(), &mut |_| ControlFlow::Continue(())).unwrap();
     let found = results.scenes[0].groups.iter().map(|g| g.per_pixel());
-    assert_eq!(found.collect::<Vec<f64>>(), [1.0, 2.0, 3.0, 8.0]);
+    assert_eq!(found.collect::<Vec<f64>>(), [2.0, 4.0, 3.0, 8.0]);
     let files = report(&results, folder.path());
     let summary = String::from_utf8(files["study-summary.csv"].clone()).unwrap();
     assert!(summary.contains(",path,8,samples a pixel,2,"), "{summary}");
     let page = String::from_utf8(files["index.html"].clone()).unwrap();
-    assert!(page.contains("At 2 samples a pixel (path 8)"));
+    assert!(page.contains("At 4 samples a pixel (path 8)"));
 }
 
 #[test]

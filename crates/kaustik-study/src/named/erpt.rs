@@ -21,8 +21,8 @@ pub(super) fn figures(scale: FigureScale) -> Vec<PaperFigure> {
 const INDIRECT: &str = "cornell-indirect";
 const RING: &str = "ring-and-sphere";
 
-/// The report's own: a chain a sample in the mean, of 100 steps.
-const REPORT: [&str; 2] = ["chains=1", "length=100"];
+/// The report's own: a chain a sample in the mean, of 100 steps, of all that is scattered.
+const REPORT: [&str; 3] = ["chains=1", "length=100", "direct=lamps"];
 
 fn entry(scale: FigureScale, name: &str, method: Method, more: &[&str]) -> MethodEntry {
     MethodEntry {

@@ -27,6 +27,8 @@ pub(crate) use ease::settled;
 pub(crate) const MOST_EDGES: u32 = 2;
 /// Of so many passes' worth of steps, direct light takes the first.
 const CYCLE: u64 = 4;
+/// The same where a step is a sample with all its chains.
+const CYCLE_OF_SAMPLES: u64 = 2;
 /// So many passes' worth of steps leave both parts with something where a step of the chains is less than a pass.
 const LEAST: u64 = 2;
 /// Turns the seed of the chains into another one.
@@ -67,6 +69,14 @@ pub(crate) fn edges_of_lamps(settings: &RenderSettings) -> Option<RangeInclusive
         _ => 0,
     };
     (most > 0).then_some(1..=most)
+}
+
+/// Of so many passes' worth of steps, direct light takes the first.
+fn cycle(settings: &RenderSettings) -> u64 {
+    match settings.method {
+        Method::Erpt | Method::ErptPss => CYCLE_OF_SAMPLES,
+        _ => CYCLE,
+    }
 }
 
 /// Has the method samples of what is seen directly beside those of direct light? `erpt-pss` never has any, and `relt` has films enough.
@@ -130,6 +140,8 @@ pub(crate) struct DirectApart<'a> {
     done: Vec<[u64; 2]>,
     /// Steps of one pass over the image, of all ladders.
     pass: u64,
+    /// Of so many passes, direct light takes the first.
+    cycle: u64,
     /// Passes that leave both parts of each ladder with something.
     least: u64,
 }
@@ -153,6 +165,7 @@ impl<'a> DirectApart<'a> {
         let all = settings.options.ladders;
         let mut both = Self {
             pass: (0..all).map(|l| direct.grain(l)).sum(),
+            cycle: cycle(settings),
             least: LEAST,
             given: vec![0; ladders.len()],
             done: vec![[0; 2]; ladders.len()],
@@ -168,7 +181,7 @@ impl<'a> DirectApart<'a> {
     /// as they can take. Neither ever shrinks when the steps grow by a pass.
     fn split(&self, ladder: u32, steps: u64) -> [u64; 2] {
         let pass = self.direct.grain(ladder).max(1);
-        let direct = (steps / pass).div_ceil(CYCLE) * pass;
+        let direct = (steps / pass).div_ceil(self.cycle) * pass;
         // A ladder without cells has none of either.
         let whole = |grain| (steps - direct) / grain * grain;
         match self.chains.grain(ladder) {
