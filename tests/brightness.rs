@@ -116,6 +116,11 @@ fn ten_seeds_are_equally_bright() {
             ..settings(method, 128, spp)
         };
         settings.options.builder = Builder::Bidirectional;
+        let by_default = brightnesses("ring-and-sphere", &settings, 10);
+        let by_default: Vec<f64> = by_default.iter().map(|found| found.shown).collect();
+        let (default_mean, worst_by_default) = mean_and_worst(&by_default);
+        // What chains follow is the same light for all only where direct light is part of it.
+        settings.options.direct = Direct::Lamps;
         let found = brightnesses("ring-and-sphere", &settings, 10);
         let shown: Vec<f64> = found.iter().map(|found| found.shown).collect();
         let found: Vec<[f64; 2]> = found.iter().map(|found| found.normalisation).collect();
@@ -123,18 +128,21 @@ fn ten_seeds_are_equally_bright() {
         let [(mean, worst), (shown, worst_shown)] = [stated, shown].map(|b| mean_and_worst(&b));
         let chi = chi_square(&found, 1.0);
         println!(
-            "{method}: {mean:.5}, at most {:.2} % off, chi2 {chi:.1}; shown {shown:.5}, at most {:.2} % off",
+            "{method}: {mean:.5}, at most {:.2} % off, chi2 {chi:.1}; shown {shown:.5}, at most {:.2} % off; by default {default_mean:.5}, {:.2} %",
             100.0 * worst,
-            100.0 * worst_shown
+            100.0 * worst_shown,
+            100.0 * worst_by_default
         );
-        assert!(worst < 0.007 && worst_shown < 0.007, "{method}: {found:?}");
+        let all = [worst, worst_shown, worst_by_default];
+        assert!(all.into_iter().all(|worst| worst < 0.007), "{method}: {found:?}");
         // 0.001 and 0.999 quantiles with 9 degrees of freedom
         assert!((1.15..27.9).contains(&chi), "{method}: {chi}, {found:?}");
-        [mean, shown]
+        [mean, shown, default_mean]
     });
-    for [stated, shown] in means {
-        let off = [stated / means[0][0], shown / means[0][1]].map(|ratio| (ratio - 1.0).abs());
-        assert!(off.iter().all(|off| *off < 0.005), "{means:?}");
+    for of_method in means {
+        let off =
+            std::iter::zip(of_method, means[0]).map(|(here, first)| (here / first - 1.0).abs());
+        assert!(off.into_iter().all(|off| off < 0.005), "{means:?}");
     }
 }
 
