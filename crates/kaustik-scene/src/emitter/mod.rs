@@ -309,11 +309,9 @@ impl Emitters {
         vertex: &Vertex,
         [squared, cos]: [f64; 2],
     ) -> f64 {
-        let first = self.first_of_instance[vertex.instance as usize];
-        if first == DARK {
+        let Some(index) = self.triangle_index(vertex) else {
             return 0.0;
-        }
-        let index = (first + vertex.primitive) as usize;
+        };
         match self.list[index] {
             Emitter::Triangle(triangle) if cos != 0.0 => {
                 let area = triangle.inverse_area(matter);

@@ -113,7 +113,8 @@ impl Emitters {
     }
 
     /// Index of the emitter that a triangle is.
-    fn triangle_index(&self, vertex: &Vertex) -> Option<usize> {
+    #[inline]
+    pub(super) fn triangle_index(&self, vertex: &Vertex) -> Option<usize> {
         let first = self.first_of_instance[vertex.instance as usize];
         (first != DARK).then(|| (first + vertex.primitive) as usize)
     }

@@ -36,11 +36,15 @@ const SEED: u64 = 0xD1EC_7A9A_2750_CE11;
 
 /// Is direct light rendered apart?
 pub(crate) fn is_apart(settings: &RenderSettings) -> bool {
-    let chains = matches!(
-        settings.method,
+    can_be_apart(settings.method) && settings.options.direct == Direct::Apart
+}
+
+/// Can the method leave direct light to other samples?
+fn can_be_apart(method: Method) -> bool {
+    matches!(
+        method,
         Method::Pssmlt | Method::Mmlt | Method::Relt | Method::ErptPss | Method::Erpt | Method::Mlt
-    );
-    chains && settings.options.direct == Direct::Apart
+    )
 }
 
 /// What becomes of purely specular paths in the method's own samples.
@@ -64,7 +68,9 @@ pub(crate) fn pure_specular(settings: &RenderSettings) -> PureSpecular {
 pub(crate) fn edges_of_lamps(settings: &RenderSettings) -> Option<RangeInclusive<u32>> {
     let most = match pure_specular(settings) {
         PureSpecular::LeftOut => settings.max_depth,
-        _ if is_apart(settings) && has_lamps(settings) => settings.max_depth.min(MOST_EDGES),
+        _ if is_apart(settings) && keeps_lamps(settings.method) => {
+            settings.max_depth.min(MOST_EDGES)
+        }
         _ if are_lamps(settings) => 1,
         _ => 0,
     };
@@ -79,14 +85,15 @@ fn cycle(settings: &RenderSettings) -> u64 {
     }
 }
 
-/// Has the method samples of what is seen directly beside those of direct light? `erpt-pss` never has any, and `relt` has films enough.
-fn has_lamps(settings: &RenderSettings) -> bool {
-    !matches!(settings.method, Method::ErptPss | Method::Relt)
+/// Does the method keep its samples of what is seen directly where direct light is apart? `erpt-pss` never has any, and `relt` has films
+/// enough.
+fn keeps_lamps(method: Method) -> bool {
+    !matches!(method, Method::ErptPss | Method::Relt)
 }
 
 /// What builds the paths of direct light where it is rendered apart: those that [`edges_of_lamps`] leaves.
 pub(crate) fn direct_paths(settings: &RenderSettings) -> Unidirectional {
-    let (min_edges, pure_specular) = if has_lamps(settings) {
+    let (min_edges, pure_specular) = if keeps_lamps(settings.method) {
         (MOST_EDGES, PureSpecular::LeftOut)
     } else {
         (1, PureSpecular::Kept)

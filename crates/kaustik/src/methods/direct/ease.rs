@@ -7,7 +7,7 @@ use kaustik_path::{Contributions, PathBuilder};
 use kaustik_scene::Scene;
 use rayon::prelude::*;
 
-use super::{MOST_EDGES, direct_paths};
+use super::{MOST_EDGES, can_be_apart, direct_paths};
 use crate::sampling::cells::Cells;
 use crate::sampling::stratified::mix;
 use crate::sampling::streams;
@@ -39,10 +39,8 @@ pub(crate) fn settled<'s>(scene: &Scene, settings: &'s RenderSettings) -> Cow<'s
 }
 
 fn choice(scene: &Scene, settings: &RenderSettings) -> Direct {
-    let chains = matches!(
-        settings.method,
-        Method::Pssmlt | Method::Mmlt | Method::ErptPss | Method::Erpt | Method::Mlt
-    );
+    // The even samples of `relt` do the same.
+    let chains = can_be_apart(settings.method) && settings.method != Method::Relt;
     // Of no more edges nothing is left to chains.
     if !chains || settings.max_depth <= MOST_EDGES || shows_other_light(scene, settings) {
         return Direct::Lamps;

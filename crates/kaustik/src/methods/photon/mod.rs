@@ -188,7 +188,7 @@ impl<'a> PhotonEngine<'a> {
         if !whole {
             self.ready = ready;
             if !ready {
-                self.stage.go_back(before, self.maps);
+                self.stage.stand_at(before, self.maps);
             }
         }
         whole

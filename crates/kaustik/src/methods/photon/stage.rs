@@ -138,7 +138,7 @@ impl<'a> Stage<'a> {
     }
 
     /// Sees the scene anew: other wavelengths, another time, other points of every pixel, and smaller discs
-    /// if these shrink. `false`: it was stopped, and has no points; it must [go back](Self::go_back).
+    /// if these shrink. `false`: it was stopped, and has no points; it must [go back](Self::stand_at).
     pub(super) fn begin(&mut self, stop: Option<&AtomicBool>) -> bool {
         let index = self.iterations;
         self.shrink(index);
@@ -177,7 +177,7 @@ impl<'a> Stage<'a> {
             return Err(StateError::damaged("discs have an impossible radius"));
         }
         if place.iterations > 0 && place != self.place() {
-            self.go_back(place, true);
+            self.stand_at(place, true);
         }
         Ok(())
     }
@@ -190,9 +190,9 @@ impl<'a> Stage<'a> {
         }
     }
 
-    /// To where it was before it began the last iteration. The next one has new points: those of the one
-    /// before it are made again only if somebody wants to see them.
-    pub(super) fn go_back(&mut self, place: Place, points: bool) {
+    /// Stands at a place, as when it takes back an iteration. The next one has new points: those of the last
+    /// are made again only if somebody wants to see them.
+    pub(super) fn stand_at(&mut self, place: Place, points: bool) {
         self.walk.radius = place.radius;
         (self.iterations, self.nonfinite) = (place.iterations, place.nonfinite);
         if points && place.iterations > 0 {
