@@ -97,6 +97,7 @@ mod signals;
 mod soak;
 /// Stages that even out the picture.
 mod stages;
+mod starts;
 /// States: resumed, merged, refused.
 mod state;
 /// What the tests of whole renders share.

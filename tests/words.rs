@@ -366,22 +366,28 @@ fn a_black_scene_is_no_error() {
 }
 
 #[test]
-fn a_start_that_takes_most_of_the_time_is_told() {
+fn a_start_that_is_shortened_or_takes_most_of_the_time_is_told() {
     let folder = tempfile::tempdir().expect("a folder");
     let png = path(folder.path(), "short.png");
-    let told = |method, time| {
+    let told = |method, time, more: &[&str]| {
         let scene = "builtin:cornell";
-        let output = kaustik(&[
-            "render", scene, "--method", method, "--width", "8", "--time", time, "--png", &png,
-        ]);
+        let mut words = vec!["render", scene, "--method", method, "--width", "8"];
+        words.extend(["--time", time, "--png", &png]);
+        words.extend(more);
+        let output = kaustik(&words);
         let message = String::from_utf8_lossy(&output.stderr).into_owned();
         assert!(output.status.success(), "{message}");
-        let start = message.lines().find(|line| line.contains("the start took"));
+        let start = message.lines().find(|line| line.contains("the start"));
         start.unwrap_or_default().to_owned()
     };
-    assert!(told("mlt", "1ms").contains("--set pilot (now 100000)"));
-    assert!(told("relt", "1ms").contains("--set particles (now 10000)"));
-    assert_eq!(told("path", "1s"), "");
+    let whole = ["--set", "start=whole"];
+    assert!(told("mlt", "1ms", &whole).contains("--set pilot (now 100000)"));
+    assert!(told("relt", "1ms", &whole).contains("--set particles (now 10000)"));
+    for method in ["relt", "pssmlt", "mlt"] {
+        let note = told(method, "1ms", &[]);
+        assert!(note.contains("--set start=1/1024"), "{note}");
+    }
+    assert_eq!(told("path", "1s", &[]), "");
 }
 
 #[cfg(unix)]

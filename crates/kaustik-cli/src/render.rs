@@ -9,7 +9,7 @@ use kaustik::scene::{Scene, SceneOptions};
 use kaustik::spectrum::WavelengthSampling;
 use kaustik::{
     Budget, Control, Options, Outcome, RenderError, RenderSettings, RenderStatistics, Rendered,
-    Source, State, render_watched, resume,
+    Source, StartShare, State, render_watched, resume,
 };
 
 use crate::arguments::{OutputWords, RenderWords};
@@ -215,14 +215,26 @@ fn note_layers(words: &RenderWords, outcome: Outcome, rendered: &Rendered) {
     }
 }
 
-/// Says so where the start, which `--time` does not cut short, took most of the time.
+/// Says so where the start was shortened because of `--time`, or, where it must be whole, took most of it.
 fn note_start(words: &RenderWords, settings: &RenderSettings, statistics: &RenderStatistics) {
     let Budget::Time(limit) = settings.budget else {
         return;
     };
-    let start = statistics.pilot_seconds;
     // A resumed render has no choice: it must start as the first did.
-    if start <= limit.as_secs_f64() / 2.0 || words.resume.is_some() {
+    if words.resume.is_some() {
+        return;
+    }
+    let share = statistics.start_share;
+    if share < 1.0 && settings.options.start == StartShare::Auto {
+        let share = 1.0 / share;
+        let note = format!(
+            "note: for --time a 1/{share} of the start was made: --set start=1/{share} makes as much, start=whole all of it"
+        );
+        remark(&words.outputs, &note);
+        return;
+    }
+    let start = statistics.pilot_seconds;
+    if start <= limit.as_secs_f64() / 2.0 {
         return;
     }
     let entries = settings.options.entries(settings.method);

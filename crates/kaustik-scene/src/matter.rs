@@ -287,11 +287,12 @@ impl Matter {
             DVec3::new(-0.666_667, 0.333_333, -0.666_666),
             DVec3::new(0.408_248, -0.816_497, 0.408_249),
         ];
-        let votes = DIRECTIONS.map(|direction| self.interior_along(point, direction));
-        if votes[1] == votes[2] {
-            votes[1]
+        let [first, second, third] = DIRECTIONS;
+        let vote = self.interior_along(point, second);
+        if vote == self.interior_along(point, third) {
+            vote
         } else {
-            votes[0]
+            self.interior_along(point, first)
         }
     }
 

@@ -77,8 +77,8 @@ pub use replay::{replay, replay_from};
 pub use settings::{
     Budget, Builder, Caustics, Colours, Direct, Energy, EvenSamples, Jitter, KEYS, Key, LadderSize,
     Method, MutationKind, Mutations, Normalisation, Normaliser, OptionError, Options, Pace,
-    PhotonOptions, RenderSettings, SmallStep, Starts, Steps, Strategies, TargetFunction,
-    UnknownMethod,
+    PhotonOptions, RenderSettings, SmallStep, StartShare, Starts, Steps, Strategies,
+    TargetFunction, UnknownMethod,
 };
 pub use state::{Snapshot, Source, State, StateError};
 pub use statistics::{

@@ -5,8 +5,8 @@ use kaustik_scene::Scene;
 
 use crate::check::check;
 use crate::engine::Engine;
-use crate::methods::direct;
-use crate::methods::engine;
+use crate::methods::settled::settled;
+use crate::methods::{direct, engine, start_share};
 use crate::state::take_up;
 use crate::statistics::{MergeStatistics, MergedPart, Parts};
 use crate::threads::pool;
@@ -59,7 +59,12 @@ fn renders(states: &[State]) -> Result<Vec<SeedShares<'_>>, StateError> {
     };
     sorted.sort_by_key(place);
     for other in &sorted {
+        let of_its_seed = sorted.iter().find(|state| state.seed() == other.seed());
         let same = sorted[0].header().same_but_seed(other.header());
+        let same = same.and_then(|()| match of_its_seed {
+            Some(first) => first.header().same_picture(other.header()),
+            None => Ok(()),
+        });
         same.map_err(|error| match error {
             StateError::Other(differences) => {
                 StateError::Shares(format!("{differences} ('here' is another of the states)"))
@@ -168,7 +173,7 @@ pub fn merge(
     watch: &mut dyn Watch,
 ) -> Result<Rendered, RenderError> {
     check(scene, settings)?;
-    let settings = &*pool(settings.threads)?.install(|| direct::settled(scene, settings));
+    let settings = &*pool(settings.threads)?.install(|| settled(scene, settings, states.first()));
     let renders = renders(states)?;
     match renders.as_slice() {
         [] => Err(StateError::Shares("there are none".to_owned()).into()),
@@ -321,10 +326,12 @@ fn average(
     let mut parts = Vec::new();
     let mut all: Option<(Average, Rendered)> = None;
     for render in renders {
-        let settings = RenderSettings {
+        let mut settings = RenderSettings {
             seed: render.seed(),
             ..settings.clone()
         };
+        // Each had as much of its start as its own time allowed.
+        settings.options.start = start_share::of_state(render.states[0]);
         // The spread of the seeds is told, which holds that of a seed's shares.
         let rendered = merge_shares(scene, &settings, render, false, &mut ())?;
         let steps = rendered.statistics.steps;

@@ -12,7 +12,9 @@ pub(crate) mod path_space;
 pub(crate) mod photon;
 pub(crate) mod pssmlt;
 pub(crate) mod relt;
+pub(crate) mod settled;
 pub(crate) mod stages;
+pub(crate) mod start_share;
 
 use kaustik_scene::Scene;
 

@@ -4,8 +4,8 @@ use kaustik_film::Image;
 use kaustik_scene::Scene;
 
 use crate::check::check;
-use crate::methods::direct::settled;
 use crate::methods::engine;
+use crate::methods::settled::settled;
 use crate::threads::pool;
 use crate::work::Work;
 use crate::{Control, Progress, RenderError, RenderSettings, RenderStatistics, Snapshot, State};
@@ -155,7 +155,7 @@ fn render_from(
 ) -> Result<Rendered, RenderError> {
     check(scene, settings)?;
     let pool = pool(settings.threads)?;
-    let settings = &*pool.install(|| settled(scene, settings));
+    let settings = &*pool.install(|| settled(scene, settings, state.as_ref()));
     if let Some(state) = &state {
         state.check(scene, settings)?;
     }

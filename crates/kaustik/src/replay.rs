@@ -6,11 +6,11 @@ use kaustik_scene::Scene;
 use crate::beside::lamps::Lamps;
 use crate::beside::meter::Meter;
 use crate::check::check;
-use crate::methods::direct::settled;
 use crate::methods::engine;
+use crate::methods::settled::settled;
 use crate::state::take_up;
 use crate::threads::pool;
-use crate::{RenderError, RenderSettings, State, StepId};
+use crate::{RenderError, RenderSettings, StartShare, State, StepId};
 
 /// What happened in one step of a render: of a sample or mutation all that its path builder did, of `relt` in
 /// the sweep of that step, of `erpt-pss` and `erpt` in the sample and its chains, of `sppm` in the light path
@@ -50,7 +50,12 @@ pub fn replay_from(
     ahead: &mut (dyn FnMut(u64) + Send),
 ) -> Result<Vec<Event>, RenderError> {
     check(scene, settings)?;
-    let settings = &*pool(settings.threads)?.install(|| settled(scene, settings));
+    let settings = &mut settings.clone();
+    if state.is_none() && settings.options.start == StartShare::Auto {
+        // Nothing tells how much a render had time for.
+        settings.options.start = StartShare::WHOLE;
+    }
+    let settings = &*pool(settings.threads)?.install(|| settled(scene, settings, state));
     if let Some(state) = state {
         state.check(scene, settings)?;
     }

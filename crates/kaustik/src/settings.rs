@@ -9,8 +9,8 @@ pub(crate) mod options;
 pub(crate) mod photon_options;
 
 pub use choices::{
-    Builder, Caustics, Colours, Direct, Energy, EvenSamples, Jitter, Normaliser, SmallStep, Starts,
-    Steps, Strategies,
+    Builder, Caustics, Colours, Direct, Energy, EvenSamples, Jitter, Normaliser, SmallStep,
+    StartShare, Starts, Steps, Strategies,
 };
 pub use key::{KEYS, Key};
 pub use method::{Method, UnknownMethod};
@@ -123,6 +123,16 @@ impl RenderSettings {
     /// Pixels of the crop window.
     pub(crate) fn pixels(&self) -> u64 {
         self.layout().crop.area()
+    }
+
+    /// Independent samples at the start.
+    pub(crate) fn pilot(&self) -> u64 {
+        self.options.start.of(self.options.pilot)
+    }
+
+    /// Particles of an annealing at the start.
+    pub(crate) fn particles(&self) -> u64 {
+        self.options.start.of(self.options.particles)
     }
 
     /// Light paths of an iteration of a photon method. Points and what photons cannot carry take a pixel's time each iteration: in large

@@ -35,6 +35,8 @@ pub struct RenderStatistics {
     pub seconds: f64,
     /// Wall-clock seconds of the pilot before it.
     pub pilot_seconds: f64,
+    /// Share of the start's samples that were made: 1, or a power of 1/2 where there was no time for all ([`StartShare`](crate::StartShare)).
+    pub start_share: f64,
     /// Contributions that were not finite, left out.
     pub nonfinite: u64,
     /// Where the first of them arose, by ladder, at most [`MOST_PLACES`](Self::MOST_PLACES): with seed and settings all

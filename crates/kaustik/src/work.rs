@@ -235,6 +235,7 @@ impl<'a> Work<'a> {
             per_pixel: self.steps as f64 / engine.pass().unwrap_or(settings.pixels()) as f64,
             seconds,
             pilot_seconds: self.pilot.as_secs_f64(),
+            start_share: settings.options.start.share(),
             nonfinite,
             nonfinite_places,
             rays: engine.rays(),

@@ -20,7 +20,7 @@ use crate::{
     MutationStatistics, RenderError, RenderSettings, ReplicaStatistics, StepId,
 };
 
-pub(crate) use ease::settled;
+pub(crate) use ease::choice;
 
 /// The longest paths that are rendered apart, in edges: emitters seen directly, and light that was scattered
 /// once, at whatever surface.

@@ -111,10 +111,16 @@ impl PssRedistribution {
             nonfinite: &nonfinite,
         };
         let mut weights = Mean::new();
-        pilot(target, &family, settings, streams::PILOT, 0..options.pilot)
-            .into_iter()
-            .filter(|density| density.is_finite())
-            .for_each(|density| weights.push(density));
+        pilot(
+            target,
+            &family,
+            settings,
+            streams::PILOT,
+            0..settings.pilot(),
+        )
+        .into_iter()
+        .filter(|density| density.is_finite())
+        .for_each(|density| weights.push(density));
         Self {
             plan: redistribution(options, weights.mean()),
             family,

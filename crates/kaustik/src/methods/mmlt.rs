@@ -51,7 +51,7 @@ pub(crate) fn builder(
     if even.is_empty() {
         return Ok(Multiplexed::new(paths, even));
     }
-    let most = settings.options.pilot.min(MOST_SAMPLES);
+    let most = settings.pilot().min(MOST_SAMPLES);
     let mut spread = TechniqueSpread::default();
     let mut rays = RayCounts::default();
     let mut learned = even.clone();

@@ -123,7 +123,7 @@ impl<'a, F: Family<Contributions, 1> + Send + Sync> PssmltEngine<'a, F> {
             &family,
             settings,
             streams::PILOT,
-            0..options.pilot,
+            0..settings.pilot(),
         ));
         let b0 = constant(&options, &pool, || {
             rough_constant(target, &family, settings)

@@ -23,6 +23,8 @@ pub(crate) const METER: u64 = u64::MAX - 1025;
 pub(crate) const METER_LOOK: u64 = u64::MAX - 1026;
 /// A look at how easy direct light is to find.
 pub(crate) const DIRECT_LOOK: u64 = u64::MAX - 1027;
+/// A look at what a sample of the start takes.
+pub(crate) const START_LOOK: u64 = u64::MAX - 1028;
 /// Photon methods: what the camera sees.
 pub(crate) const CAMERA: u64 = u64::MAX - 2048;
 /// `photon-density`: light paths of the pilot.

@@ -44,6 +44,63 @@ impl SmallStep {
     }
 }
 
+/// How much of its start a chain method makes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum StartShare {
+    /// All of it, but with a time to keep no more than fits ([`Budget::Time`](crate::Budget::Time)).
+    #[default]
+    Auto,
+    /// Halved so often, at most [`MOST_HALVINGS`](Self::MOST_HALVINGS) times.
+    Halved(u32),
+}
+
+impl StartShare {
+    /// All of it.
+    pub const WHOLE: Self = Self::Halved(0);
+    /// The least that is made is a share of one in two to this power.
+    pub const MOST_HALVINGS: u32 = 10;
+    /// Of a start that is halved so many samples are left, if it had as many.
+    const LEAST: u64 = 64;
+
+    /// Of so many samples those that are made.
+    pub(crate) fn of(self, samples: u64) -> u64 {
+        let Self::Halved(halvings) = self else {
+            return samples;
+        };
+        let left = samples.checked_shr(halvings).unwrap_or(0);
+        left.max(samples.min(Self::LEAST))
+    }
+
+    /// As a number, in (0, 1].
+    pub(crate) fn share(self) -> f64 {
+        match self {
+            Self::Auto => 1.0,
+            Self::Halved(halvings) => 0.5_f64.powi(halvings as i32),
+        }
+    }
+
+    /// `auto`, `whole`, or `1/2` to `1/1024`, powers of two alone.
+    pub(crate) fn parse(text: &str) -> Option<Self> {
+        let whole: u32 = match text {
+            "auto" => return Some(Self::Auto),
+            "whole" => return Some(Self::WHOLE),
+            share => share.strip_prefix("1/")?.parse().ok()?,
+        };
+        let halvings = whole.checked_ilog2()?;
+        let is_share = whole.is_power_of_two() && (1..=Self::MOST_HALVINGS).contains(&halvings);
+        is_share.then_some(Self::Halved(halvings))
+    }
+
+    /// What [`parse`](Self::parse) takes for it.
+    pub(crate) fn text(&self) -> String {
+        match self {
+            Self::Auto => "auto".to_owned(),
+            Self::Halved(0) => "whole".to_owned(),
+            Self::Halved(halvings) => format!("1/{}", 1_u64 << halvings),
+        }
+    }
+}
+
 /// How paths are made under a chain.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Builder {

@@ -70,6 +70,15 @@ const METROPOLIS: &[Method] = &[
     Method::MltMultistage,
     Method::PssmltMultistage,
 ];
+/// Methods whose start may be shortened.
+const STARTED: &[Method] = &[
+    Method::Pssmlt,
+    Method::Mmlt,
+    Method::Relt,
+    Method::ErptPss,
+    Method::Mlt,
+    Method::Erpt,
+];
 const MULTIPLEXED: &[Method] = &[Method::Mmlt];
 const EXCHANGE: &[Method] = &[Method::Relt];
 const REPLICAS: &[Method] = &[Method::Relt, Method::Annealing];
@@ -126,6 +135,15 @@ pub const KEYS: &[Key] = &[
             Method::MltMultistage,
             Method::PssmltMultistage,
         ],
+    },
+    Key {
+        name: "start",
+        default: "auto",
+        range: "auto|whole|1/2|1/4|... to 1/1024",
+        meaning: "share of pilot, or of particles, that is made. auto: all, but where --time is set and a look finds that the start \
+                  would take more than half of it, a share that does not (not of a render of some --ladders alone, nor with \
+                  normaliser=initial)",
+        methods: STARTED,
     },
     Key {
         name: "nextevent",

@@ -9,8 +9,8 @@ pub(crate) mod setting;
 mod table;
 
 use crate::settings::choices::{
-    Builder, Caustics, Colours, Direct, Energy, EvenSamples, Jitter, Normaliser, SmallStep, Starts,
-    Steps, Strategies,
+    Builder, Caustics, Colours, Direct, Energy, EvenSamples, Jitter, Normaliser, SmallStep,
+    StartShare, Starts, Steps, Strategies,
 };
 use crate::settings::key::KEYS;
 use crate::settings::method::Method;
@@ -29,6 +29,8 @@ pub struct Options {
     pub compensation: bool,
     /// Independent samples at the start, 1 to 10,000,000.
     pub pilot: u64,
+    /// How much of the start is made: of `pilot` or `particles`.
+    pub start: StartShare,
     /// `nextevent`: joins every vertex of a walk from the camera to an emitter.
     pub next_event: bool,
     /// How a point of the unit cube becomes paths.
@@ -104,6 +106,7 @@ impl Default for Options {
             wavelengths: WavelengthSampling::Hero,
             compensation: true,
             pilot: 100_000,
+            start: StartShare::default(),
             next_event: true,
             builder: Builder::default(),
             heuristic: Heuristic::default(),

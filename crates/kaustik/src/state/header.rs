@@ -131,13 +131,19 @@ impl Header {
         Err(StateError::Other(differences))
     }
 
-    /// As [`same_picture`](Self::same_picture), of whatever seeds.
+    /// As [`same_picture`](Self::same_picture), of whatever seeds; of different ones with as much of the start as each had time for.
     pub(crate) fn same_but_seed(&self, other: &Self) -> Result<(), StateError> {
-        let other = Self {
+        let mut alike = Self {
             seed: self.seed,
             ..other.clone()
         };
-        self.same_picture(&other)
+        if self.seed != other.seed {
+            let start = |header: &Self| header.options.iter().position(|(key, _)| key == "start");
+            if let (Some(own), Some(its)) = (start(self), start(other)) {
+                alike.options[its] = self.options[own].clone();
+            }
+        }
+        self.same_picture(&alike)
     }
 
     /// As [`same_picture`](Self::same_picture), and the same share of it.

@@ -20,10 +20,9 @@ impl Grid {
     pub(super) fn new(settings: &RenderSettings) -> Self {
         let bounds = settings.layout().extended_bounds();
         let [width, height] = [0, 1].map(|axis| bounds.max[axis] - bounds.min[axis]);
-        let options = &settings.options;
         let pilot = match settings.method {
-            Method::Relt => options.particles.saturating_mul(Self::PARTICLE),
-            _ => options.pilot,
+            Method::Relt => settings.particles().saturating_mul(Self::PARTICLE),
+            _ => settings.pilot(),
         };
         let wanted = (pilot / Self::PILOT).clamp(1, Self::MOST) as f64;
         let columns = (wanted * width / height).sqrt().clamp(1.0, wanted);

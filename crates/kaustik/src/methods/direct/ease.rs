@@ -1,7 +1,5 @@
 //! Is direct light easy to find for independent samples?
 
-use std::borrow::Cow;
-
 use kaustik_mcmc::{Independent, Mean, SampleGenerators};
 use kaustik_path::{Contributions, PathBuilder};
 use kaustik_scene::Scene;
@@ -27,18 +25,8 @@ const LIT: f64 = 0.125;
 /// The look's own seed: all shares of a render decide alike, whatever seeds they have.
 const SEED: u64 = 0x0D1E_C70F_EA5E;
 
-/// Settings that say which light is rendered beside the chains, where they left it open ([`Direct::Auto`]). Costs some
-/// hundredths of a second.
-pub(crate) fn settled<'s>(scene: &Scene, settings: &'s RenderSettings) -> Cow<'s, RenderSettings> {
-    if settings.options.direct != Direct::Auto {
-        return Cow::Borrowed(settings);
-    }
-    let mut settings = settings.clone();
-    settings.options.direct = choice(scene, &settings);
-    Cow::Owned(settings)
-}
-
-fn choice(scene: &Scene, settings: &RenderSettings) -> Direct {
+/// Which light is rendered beside the chains where that is left open ([`Direct::Auto`]). Costs some hundredths of a second.
+pub(crate) fn choice(scene: &Scene, settings: &RenderSettings) -> Direct {
     // The even samples of `relt` do the same.
     let chains = can_be_apart(settings.method) && settings.method != Method::Relt;
     // Of no more edges nothing is left to chains.
@@ -134,6 +122,7 @@ mod tests {
     use kaustik_scene::description::{Description, Lens, LightDescription, LightKind};
 
     use super::*;
+    use crate::methods::settled::settled;
 
     fn decides(words: &str, method: Method, max_depth: u32, seed: u64) -> Direct {
         let description = builtin::load(words).expect("a scene");
@@ -150,11 +139,11 @@ mod tests {
             ..RenderSettings::default()
         };
         let scene = Scene::new(description, &settings.scene_options()).expect("a scene");
-        let decided = settled(&scene, &settings).options.direct;
+        let decided = settled(&scene, &settings, None).options.direct;
         // What is said is done.
         for direct in [Direct::Lamps, Direct::Together, Direct::Apart] {
             settings.options.direct = direct;
-            assert_eq!(settled(&scene, &settings).options.direct, direct);
+            assert_eq!(settled(&scene, &settings, None).options.direct, direct);
         }
         decided
     }

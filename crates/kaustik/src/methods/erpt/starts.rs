@@ -77,7 +77,7 @@ pub(crate) fn pilot(
         });
         light
     };
-    (0..options.pilot as usize)
+    (0..settings.pilot() as usize)
         .into_par_iter()
         .with_min_len(256)
         .map_init(|| Starter::new(space, options), sample)

@@ -17,7 +17,7 @@ pub(super) fn weights(
     settings: &RenderSettings,
 ) -> Vec<f64> {
     let generators = SampleGenerators::new(settings.seed, streams::PILOT);
-    (0..settings.options.pilot as usize)
+    (0..settings.pilot() as usize)
         .into_par_iter()
         .with_min_len(256)
         .map_init(

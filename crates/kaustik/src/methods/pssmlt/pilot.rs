@@ -46,7 +46,7 @@ pub(super) fn rough_constant(
     family: &(impl Family<Contributions, 1> + Sync),
     settings: &RenderSettings,
 ) -> Option<f64> {
-    let share = (settings.options.pilot / CONSTANT_SHARE).max(1);
+    let share = (settings.pilot() / CONSTANT_SHARE).max(1);
     let mut mean = Mean::new();
     for round in 0..PATIENCE * CONSTANT_SHARE {
         let samples = round * share..(round + 1) * share;

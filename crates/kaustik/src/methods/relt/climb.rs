@@ -71,7 +71,7 @@ impl<'a, const K: usize> Climb<'a, K> {
         easy: Option<Option<Easy>>,
     ) -> Self {
         let family = ReplicaFamily::new(set, settings.options.target);
-        let particles = (settings.options.particles << attempt).min(MOST_PARTICLES);
+        let particles = (settings.particles() << attempt).min(MOST_PARTICLES);
         let hunt = Hunt::new(target, settings, (attempt, particles));
         let most = match hunt {
             Some(_) => FIRST_SCOUTS_BESIDE,

@@ -11,8 +11,8 @@ use super::setting::{
     word,
 };
 use crate::settings::choices::{
-    Builder, Caustics, Colours, Direct, Energy, EvenSamples, Jitter, Normaliser, SmallStep, Starts,
-    Steps, Strategies,
+    Builder, Caustics, Colours, Direct, Energy, EvenSamples, Jitter, Normaliser, SmallStep,
+    StartShare, Starts, Steps, Strategies,
 };
 use crate::{Mutations, StageLadder};
 
@@ -23,6 +23,7 @@ impl Options {
         Some(match key {
             "ladders" => integer(&mut self.ladders, 1..=4096),
             "pilot" => integer(&mut self.pilot, 1..=10_000_000),
+            "start" => by(&mut self.start, StartShare::parse, StartShare::text),
             "wavelengths" => word(&mut self.wavelengths, WAVELENGTHS),
             "compensation" => switch(&mut self.compensation),
             "nextevent" => switch(&mut self.next_event),
