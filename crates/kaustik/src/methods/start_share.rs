@@ -85,15 +85,13 @@ fn seconds_a_sample(
     let generators = SampleGenerators::new(SEED, streams::START_LOOK);
     let mut value = Contributions::default();
     let begin = Instant::now();
-    for index in 0..SAMPLES {
-        let mut u = Independent::new(generators.at(index));
+    let mut made = 0;
+    while made < SAMPLES && (made == 0 || begin.elapsed() < patience) {
+        let mut u = Independent::new(generators.at(made));
         paths.build(scene, &mut u, &mut value);
-        let (taken, so_many) = (begin.elapsed(), index + 1);
-        if taken >= patience || so_many == SAMPLES {
-            return Ok(taken.as_secs_f64() / so_many as f64);
-        }
+        made += 1;
     }
-    Ok(0.0)
+    Ok(begin.elapsed().as_secs_f64() / made as f64)
 }
 
 #[cfg(test)]

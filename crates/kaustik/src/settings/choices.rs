@@ -96,7 +96,8 @@ impl StartShare {
         match self {
             Self::Auto => "auto".to_owned(),
             Self::Halved(0) => "whole".to_owned(),
-            Self::Halved(halvings) => format!("1/{}", 1_u64 << halvings),
+            // what has no such word is not taken
+            Self::Halved(halvings) => format!("1/{}", 1_u64.checked_shl(*halvings).unwrap_or(0)),
         }
     }
 }

@@ -74,9 +74,10 @@ fn what_is_written_of_replicas_is_what_was_set() {
 #[test]
 fn fields_out_of_range_are_refused() {
     type Change = fn(&mut Options);
-    let wrong: [(&str, Change); 12] = [
+    let wrong: [(&str, Change); 13] = [
         ("ladders", |o| o.ladders = 65_537),
         ("pilot", |o| o.pilot = 0),
+        ("start", |o| o.start = StartShare::Halved(100)),
         ("beta", |o| o.beta = 0.5),
         ("delta", |o| o.delta = f64::NAN),
         ("even", |o| o.even = EvenSamples::Count(257)),
