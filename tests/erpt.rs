@@ -73,7 +73,7 @@ fn deposited_as_seeded(
 fn what_is_deposited_is_what_was_seeded() {
     let scene = scene("ring-and-sphere?light=0.8", SIDE);
     for chains in [0.1, 1.0, 10.0] {
-        let settings = changed(16, |o| o.chains = chains);
+        let settings = changed(16, |o| o.chains = Some(chains));
         let all = deposited_as_seeded(&format!("{chains} chains"), &scene, &settings);
         let found = all.iter().map(|e| e.chains_per_sample).sum::<f64>() / all.len() as f64;
         // the brightest starts have a thousand chains at the most
@@ -140,8 +140,8 @@ const VARIANTS: [(&str, &str, Change); 13] = [
     ("wide angles", "glass-cube?light=0.8", |o| {
         o.angles = [1e-3, 0.3];
     }),
-    ("a tenth of a chain", "cornell", |o| o.chains = 0.1),
-    ("ten chains", "cornell", |o| o.chains = 10.0),
+    ("a tenth of a chain", "cornell", |o| o.chains = Some(0.1)),
+    ("ten chains", "cornell", |o| o.chains = Some(10.0)),
     ("together", "cornell", |o| o.direct = Direct::Together),
     ("no next event", "cornell", |o| o.next_event = false),
     ("luminance", "cornell", |o| {
@@ -194,7 +194,7 @@ fn planes(image: &Image, layer: &str) -> [Vec<f32>; 3] {
 fn filters_say_what_they_take() {
     type Loss = fn(&EnergyStatistics) -> Option<f64>;
     let scene = scene("ring-and-sphere", SIDE);
-    let base = |o: &mut Options| (o.length, o.chains) = (100, 0.5);
+    let base = |o: &mut Options| (o.length, o.chains) = (100, Some(0.5));
     let (consecutive, proposed): (Loss, Loss) = (|e| e.consecutive_loss, |e| e.proposed_loss);
     for (method, name, loss) in [
         (Method::Erpt, "consecutive", consecutive),

@@ -112,7 +112,7 @@ pub(crate) fn settings(method: Method, side: u32, spp: u64) -> RenderSettings {
     settings.options.pilot = 5_000;
     settings.options.particles = 1_000;
     // from each sample, so that there is little chance in how many there are
-    (settings.options.chains, settings.options.length) = (1.0, 8);
+    (settings.options.chains, settings.options.length) = (Some(1.0), 8);
     settings.options.photon.photons = Some(2_000);
     settings.options.photon.burn_in = Some(4);
     settings

@@ -308,7 +308,7 @@ mod tests {
             ..RenderSettings::default()
         };
         (settings.options.pilot, settings.options.particles) = (1000, 1000);
-        settings.options.chains = 1.0;
+        settings.options.chains = Some(1.0);
         settings.options.photon.photons = Some(1000);
         let rendered = render(&scene, &settings, &mut Control::default()).expect("a render");
         summary(&rendered.statistics)

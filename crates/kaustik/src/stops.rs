@@ -65,7 +65,7 @@ fn settings(method: Method, change: impl FnOnce(&mut RenderSettings)) -> RenderS
     options.photon.photons = Some(1000);
     options.particles = 256;
     // Every sample with light has chains.
-    (options.chains, options.length) = (3.0, 20);
+    (options.chains, options.length) = (Some(3.0), 20);
     change(&mut settings);
     settings
 }

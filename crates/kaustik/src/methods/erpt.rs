@@ -27,6 +27,7 @@ use crate::beside::lost::Lost;
 use crate::control::is_stopped;
 use crate::engine::{Engine, Nonfinite, add_counters, add_nonfinite};
 use crate::mark::FilmMark;
+use crate::methods::erpt_pss::{chains_a_sample, redistribution};
 use crate::methods::path_space::path_space;
 use crate::sampling::cells::Cells;
 use crate::state::{Keep, Reader, StateError, Writer};
@@ -63,7 +64,7 @@ impl<'a> ErptEngine<'a> {
     /// Draws the pilot that fixes the light of a deposit (Batty's Algorithm 1): samples of its own, so that the
     /// light is a constant.
     pub(crate) fn new(scene: &'a Scene, settings: &RenderSettings) -> Result<Self, RenderError> {
-        let options = settings.options;
+        let mut options = settings.options;
         let size = DVec2::new(f64::from(settings.width), f64::from(settings.height));
         let space = path_space(scene, settings)?;
         let (mut pilot, mut all) = (Mean::new(), Mean::new());
@@ -75,7 +76,9 @@ impl<'a> ErptEngine<'a> {
             pilot.push(light[0]);
             all.push(light[1]);
         }
-        let stream = |ladder| Stream::new(settings, ladder, pilot.mean());
+        options.chains = Some(chains_a_sample(&options, &pilot));
+        let plan = redistribution(&options, pilot.mean());
+        let stream = |ladder| Stream::new(settings, ladder, plan);
         Ok(Self {
             films: Films::new(settings, all.mean())?,
             besides: Besides::of_lamps(Lamps::new(scene, settings)?),
@@ -107,7 +110,7 @@ impl<'a> ErptEngine<'a> {
 
     /// What so many samples and their chains amount to, in mutations.
     fn mutations(&self, samples: u64) -> u64 {
-        let chains = self.options.chains * f64::from(self.options.length);
+        let chains = chains_a_sample(&self.options, &self.pilot) * f64::from(self.options.length);
         samples.saturating_mul(SAMPLE.saturating_add(chains as u64))
     }
 

@@ -368,9 +368,10 @@ pub const KEYS: &[Key] = &[
     },
     Key {
         name: "chains",
-        default: "0.01",
-        range: "0.01 <= mean <= 100",
-        meaning: "mean number of chains per sample (the report: 1, of 100 steps); brighter samples have more",
+        default: "auto",
+        range: "auto, or 0.01 <= mean <= 100",
+        meaning: "mean number of chains per sample (the report: 1, of 100 steps); brighter samples have more. auto: 0.03 where \
+                  light is spread evenly over the pilot's samples, else 0.01",
         methods: REDISTRIBUTION,
     },
     Key {

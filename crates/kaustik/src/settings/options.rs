@@ -71,8 +71,8 @@ pub struct Options {
     pub particles: u64,
     /// Steps of each chain that spreads the light of a sample, 1 to 100,000.
     pub length: u32,
-    /// Mean number of such chains a sample, in [0.01, 100].
-    pub chains: f64,
+    /// Mean number of such chains a sample, in [0.01, 100]; `None`: by how evenly light is spread over the pilot's samples.
+    pub chains: Option<f64>,
     /// Proposals that a chain may stay in one place before its staying leaves nothing; `None`: no filter.
     pub consecutive: Option<u64>,
     /// Most light of a pixel, in deposits a proposal into it; `None`: no filter.
@@ -127,7 +127,7 @@ impl Default for Options {
             steps: Steps::default(),
             particles: 10_000,
             length: 300,
-            chains: 0.01,
+            chains: None,
             consecutive: None,
             proposed: None,
             seeds: Starts::default(),

@@ -83,14 +83,18 @@ impl Light {
 }
 
 impl Stream {
-    pub(crate) fn new(settings: &RenderSettings, ladder: u32, pilot: f64) -> Self {
+    pub(crate) fn new(
+        settings: &RenderSettings,
+        ladder: u32,
+        plan: Option<Redistribution>,
+    ) -> Self {
         let seed = settings.seed;
         Self {
             ladder,
             step: 0,
             samples: SampleGenerators::new(seed, u64::from(ladder)),
             chains: SampleGenerators::new(seed, streams::chains(ladder)),
-            plan: redistribution(&settings.options, pilot),
+            plan,
             redistributor: Redistributor::new(),
             carried: Carried::new(settings, ladder),
             light: Light::default(),

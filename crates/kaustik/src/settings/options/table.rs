@@ -49,7 +49,9 @@ impl Options {
             "steps" => word(&mut self.steps, STEPS),
             "particles" => integer(&mut self.particles, 10..=1_000_000),
             "length" => integer(&mut self.length, 1..=100_000),
-            "chains" => number(&mut self.chains, |n| (0.01..=100.0).contains(&n)),
+            "chains" => optional(&mut self.chains, "auto", |text| {
+                finite(text).filter(|n| (0.01..=100.0).contains(n))
+            }),
             "consecutive" => optional_integer(&mut self.consecutive, "off", 1..=100_000),
             "proposed" => optional(&mut self.proposed, "off", |text| {
                 finite(text).filter(|kappa| (1.0..=1e6).contains(kappa))
