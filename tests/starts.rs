@@ -35,7 +35,7 @@ fn start_of(state: &State) -> StartShare {
     state.settings().expect("settings").options.start
 }
 
-/// Two samples a pixel from a state on, or anew.
+/// More samples from a state on, or anew.
 fn longer(settings: &RenderSettings, start: StartShare) -> RenderSettings {
     let mut settings = RenderSettings {
         budget: Budget::PerPixel(24),

@@ -143,6 +143,10 @@ fn places(statistics: &RenderStatistics) -> String {
     );
     text +=
         &format!("; kaustik replay with the words of this render and --at {first} shows that path");
+    if statistics.start_share < 1.0 {
+        // A render that went on has the start of a shorter time.
+        text += &format!(" (with --set start=1/{})", 1.0 / statistics.start_share);
+    }
     text
 }
 

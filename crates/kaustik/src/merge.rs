@@ -59,6 +59,7 @@ fn renders(states: &[State]) -> Result<Vec<SeedShares<'_>>, StateError> {
     };
     sorted.sort_by_key(place);
     for other in &sorted {
+        // Shares of one seed must have the same start, too.
         let of_its_seed = sorted.iter().find(|state| state.seed() == other.seed());
         let same = sorted[0].header().same_but_seed(other.header());
         let same = same.and_then(|()| match of_its_seed {

@@ -10,7 +10,7 @@ use crate::methods::engine;
 use crate::methods::settled::settled;
 use crate::state::take_up;
 use crate::threads::pool;
-use crate::{RenderError, RenderSettings, StartShare, State, StepId};
+use crate::{RenderError, RenderSettings, State, StepId};
 
 /// What happened in one step of a render: of a sample or mutation all that its path builder did, of `relt` in
 /// the sweep of that step, of `erpt-pss` and `erpt` in the sample and its chains, of `sppm` in the light path
@@ -20,7 +20,7 @@ use crate::{RenderError, RenderSettings, StartShare, State, StepId};
 /// stands for the samples of emitters seen directly beside chains, [`StepId::METER`] for those that measure
 /// the brightness.
 ///
-/// The step is that of the render with these settings, to the bit, whatever its budget, threads and share of
+/// The step is that of the render with these settings, to the bit, whatever its budget (but for a time, which may shorten the start), threads and share of
 /// the ladders. Independent samples are made at once, and so is a round of `annealing`; a chain goes there
 /// from its start; chains of photons and stages, which learn from each other, run all iterations or stages
 /// before: see [`replay_from`].
@@ -50,11 +50,6 @@ pub fn replay_from(
     ahead: &mut (dyn FnMut(u64) + Send),
 ) -> Result<Vec<Event>, RenderError> {
     check(scene, settings)?;
-    let settings = &mut settings.clone();
-    if state.is_none() && settings.options.start == StartShare::Auto {
-        // Nothing tells how much a render had time for.
-        settings.options.start = StartShare::WHOLE;
-    }
     let settings = &*pool(settings.threads)?.install(|| settled(scene, settings, state));
     if let Some(state) = state {
         state.check(scene, settings)?;

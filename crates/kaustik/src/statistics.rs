@@ -35,7 +35,8 @@ pub struct RenderStatistics {
     pub seconds: f64,
     /// Wall-clock seconds of the pilot before it.
     pub pilot_seconds: f64,
-    /// Share of the start's samples that were made: 1, or a power of 1/2 where there was no time for all ([`StartShare`](crate::StartShare)).
+    /// Share of the start's samples that were to be made: 1, or a power of 1/2 where there was no time for all
+    /// ([`StartShare`](crate::StartShare)). Of an average of renders the smallest.
     pub start_share: f64,
     /// Contributions that were not finite, left out.
     pub nonfinite: u64,

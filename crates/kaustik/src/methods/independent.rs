@@ -231,7 +231,8 @@ impl<'a> IndependentEngine<'a> {
 
 /// Rough mean of X + Y + Z over the window, for the film's quantum.
 fn pilot(scene: &Scene, builder: &dyn PathBuilder, settings: &RenderSettings) -> f64 {
-    let samples = (settings.options.pilot / PILOT_SHARE).max(1);
+    let share = settings.options.pilot / PILOT_SHARE;
+    let samples = share.min(settings.pilot()).max(1);
     let generators = SampleGenerators::new(settings.seed, streams::PILOT);
     let mut value = Contributions::default();
     let mut mean = Mean::new();

@@ -59,7 +59,7 @@ impl StartShare {
     pub const WHOLE: Self = Self::Halved(0);
     /// The least that is made is a share of one in two to this power.
     pub const MOST_HALVINGS: u32 = 10;
-    /// Of a start that is halved so many samples are left, if it had as many.
+    /// A halved start keeps at least so many samples, or all if it had fewer.
     const LEAST: u64 = 64;
 
     /// Of so many samples those that are made.

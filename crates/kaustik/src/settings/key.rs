@@ -141,8 +141,8 @@ pub const KEYS: &[Key] = &[
         default: "auto",
         range: "auto|whole|1/2|1/4|... to 1/1024",
         meaning: "share of pilot, or of particles, that is made. auto: all, but where --time is set and a look finds that the start \
-                  would take more than half of it, a share that does not (not of a render of some --ladders alone, nor with \
-                  normaliser=initial)",
+                  would take more than a third of it (on two cores), a share that does not (not of a render of some --ladders \
+                  alone, nor with normaliser=initial or mis=printed)",
         methods: STARTED,
     },
     Key {

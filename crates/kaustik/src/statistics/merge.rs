@@ -165,6 +165,7 @@ impl RenderStatistics {
         self.per_pixel += other.per_pixel;
         self.seconds += other.seconds;
         self.pilot_seconds += other.pilot_seconds;
+        self.start_share = self.start_share.min(other.start_share);
         self.nonfinite += other.nonfinite;
         self.film = crate::engine::add_counters(self.film, other.film);
         self.rays = match (self.rays, other.rays) {
